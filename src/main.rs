@@ -1,0 +1,3 @@
+//! The `rocking` program.
+
+fn main() {}

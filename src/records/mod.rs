@@ -1,0 +1,1 @@
+//! Accelerogram files → evenly spaced ground accelerations in m/s².
