@@ -2,5 +2,19 @@
 //! "Response analysis of rigid structures rocking on viscoelastic foundation",
 //! Earthquake Engineering and Structural Dynamics 37 (2008) 1039-1063, doi:10.1002/eqe.800.
 
+pub mod regime;
+pub mod scalar;
+
+pub mod block;
+pub mod dynamics;
+pub mod events;
+pub mod excitation;
+pub mod impact;
+pub mod integrator;
+pub mod outputs;
+pub mod peaks;
+pub mod roots;
+pub mod simulation;
+
 #[cfg(feature = "program")]
 pub mod records;

@@ -1,0 +1,332 @@
+//! State, regime and excitation of an instant → accelerations, reactions, energy.
+//!
+//! The vertical coordinate of the state, `w`, is the height of what stands: of the touching corner, of the middle of
+//! the base in full contact, of the centre of mass in flight. So the spring forces come from a number that is itself
+//! small, and the difference of `v` and `R0 [cos α − cos(α ± θ)]`, which cancels, is never formed.
+//!
+//! Within this module forces and energies are per unit of the block's mass; with `δ_s = g/ω_v²`, one support gives
+//! `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
+
+use nalgebra::SVector;
+
+use crate::block::{Block, Foundation};
+use crate::excitation::Forcing;
+use crate::regime::{Corner, Regime};
+use crate::scalar::Scalar;
+
+/// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
+pub type State = SVector<f64, 4>;
+
+/// Powers that are integrated along [m²/s³]: of the excitation, and of the dashpots (positive when they take energy).
+pub type Powers = SVector<f64, 2>;
+
+/// Everything that the equations of motion say of one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant<T> {
+    /// Rotation θ [rad].
+    pub theta: T,
+    /// θ̇ [rad/s].
+    pub theta_dot: T,
+    /// θ̈ [rad/s²].
+    pub theta_ddot: T,
+    /// ẇ [m/s].
+    pub w_dot: T,
+    /// ẅ [m/s²].
+    pub w_ddot: T,
+    /// Horizontal place of the centre of mass over the middle of the base [m], positive to the right.
+    pub u: T,
+    /// u̇ relative to the ground [m/s].
+    pub u_dot: T,
+    /// ü [m/s²].
+    pub u_ddot: T,
+    /// Height v of the centre of mass above its place at rest [m].
+    pub v: T,
+    /// v̇ [m/s].
+    pub v_dot: T,
+    /// v̈ [m/s²].
+    pub v_ddot: T,
+    /// Heights of the corners L and R above their places at rest [m].
+    pub corner: [T; 2],
+    /// Their rates [m/s].
+    pub corner_dot: [T; 2],
+    /// Their accelerations [m/s²].
+    pub corner_ddot: [T; 2],
+    /// Vertical reactions N_L/M, N_R/M [m/s²], positive up.
+    pub reaction: [T; 2],
+    /// Horizontal reaction H/M on the block [m/s²], positive to the right.
+    pub horizontal: T,
+}
+
+/// Horizontal motion of the centre of mass in flight: `(u, u̇)` in m, m/s. Zero while a corner stands.
+pub type Flight<T> = (T, T);
+
+/// The equations of motion at one instant.
+///
+/// `flight` is read in flight only. The excitation may be that of any smooth piece; see [`Forcing`] for signs.
+#[inline]
+pub fn instant<T: Scalar>(
+    block: &Block,
+    regime: Regime,
+    [theta, theta_dot, w, w_dot]: [T; 4],
+    flight: Flight<T>,
+    forcing: Forcing<T>,
+) -> Instant<T> {
+    let posture = Posture::new(block, theta, theta_dot, w, w_dot);
+    match (regime, block.foundation) {
+        (Regime::FullContact, Foundation::Viscoelastic) => posture.full_contact(forcing),
+        (Regime::FullContact, Foundation::Rigid) => posture.at_rest(forcing),
+        (Regime::TiltingLeft, Foundation::Viscoelastic) => posture.on_support(Corner::Left, forcing),
+        (Regime::TiltingRight, Foundation::Viscoelastic) => posture.on_support(Corner::Right, forcing),
+        (Regime::TiltingLeft, Foundation::Rigid) => posture.on_rigid_base(Corner::Left, forcing),
+        (Regime::TiltingRight, Foundation::Rigid) => posture.on_rigid_base(Corner::Right, forcing),
+        (Regime::Separated, _) => posture.in_flight(flight, forcing),
+    }
+}
+
+/// The state with its sine and cosine.
+struct Posture<'a, T> {
+    block: &'a Block,
+    theta: T,
+    theta_dot: T,
+    w: T,
+    w_dot: T,
+    sin: T,
+    cos: T,
+}
+
+impl<'a, T: Scalar> Posture<'a, T> {
+    #[inline]
+    fn new(block: &'a Block, theta: T, theta_dot: T, w: T, w_dot: T) -> Posture<'a, T> {
+        let (sin, cos) = theta.sin_cos();
+        Posture { block, theta, theta_dot, w, w_dot, sin, cos }
+    }
+
+    /// `1 − cos θ` without cancellation.
+    #[inline]
+    fn versine(&self) -> T {
+        self.sin * self.sin / (self.cos + 1.0)
+    }
+
+    /// Reaction of one support per mass, from its corner's height and rate; eq. (8).
+    #[inline]
+    fn support(&self, height: T, rate: T) -> T {
+        let Block { gravity, omega_v, xi_v, .. } = *self.block;
+        -(height * (0.5 * omega_v * omega_v)) - rate * (xi_v * omega_v) + 0.5 * gravity
+    }
+
+    /// Eqs. (7)–(10): both corners touch, the middle of the base moves vertically only; w is its height.
+    #[inline]
+    fn full_contact(&self, forcing: Forcing<T>) -> Instant<T> {
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos } = *self;
+        let Block { b, h, i0, gravity, omega_v, xi_v, .. } = *block;
+        let (omega2, damping) = (omega_v * omega_v, 2.0 * xi_v * omega_v);
+        let tilt = sin * b;
+        let tilt_dot = cos * theta_dot * b;
+        // v̈ + a_gz = (N_L + N_R)/M − g, and the couple of the supports: N_L − N_R.
+        let rise = -(w * omega2) - w_dot * damping;
+        let sum = rise + gravity;
+        let difference = -(tilt * omega2) - tilt_dot * damping;
+        let arm = cos * h;
+        let centripetal = sin * theta_dot * theta_dot * h;
+        let theta_ddot = (-(arm * (forcing.x - centripetal)) + cos * difference * b + sin * sum * h + forcing.moment)
+            / (arm * arm + i0);
+        let v_ddot = rise - forcing.z;
+        let u_ddot = arm * theta_ddot - centripetal;
+        let w_ddot = v_ddot + sin * theta_ddot * h + cos * theta_dot * theta_dot * h;
+        let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
+        let (corner, corner_dot) = ([w + tilt, w - tilt], [w_dot + tilt_dot, w_dot - tilt_dot]);
+        Instant {
+            theta,
+            theta_dot,
+            theta_ddot,
+            w_dot,
+            w_ddot,
+            u: sin * h,
+            u_dot: arm * theta_dot,
+            u_ddot,
+            v: w - self.versine() * h,
+            v_dot: w_dot - sin * theta_dot * h,
+            v_ddot,
+            corner,
+            corner_dot,
+            corner_ddot: [w_ddot + tilt_ddot, w_ddot - tilt_ddot],
+            reaction: [self.support(corner[0], corner_dot[0]), self.support(corner[1], corner_dot[1])],
+            horizontal: u_ddot + forcing.x,
+        }
+    }
+
+    /// Eqs. (11)–(13): one corner touches and does not move horizontally; w is its height.
+    #[inline]
+    fn on_support(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
+        let s = corner.sign();
+        let (reach, height) = (self.reach(s), self.height(s));
+        let n = self.support(self.w, self.w_dot);
+        let theta_dot2 = self.theta_dot * self.theta_dot;
+        let theta_ddot = (-(height * (forcing.x - reach * theta_dot2 * s)) + reach * n * s + forcing.moment)
+            / (height * height + self.block.i0);
+        let v_ddot = n - self.block.gravity - forcing.z;
+        let w_ddot = v_ddot + reach * theta_ddot * s + height * theta_dot2;
+        self.about(corner, theta_ddot, w_ddot, v_ddot, n, forcing)
+    }
+
+    /// Housner's block about the corner on which it stands; w = 0.
+    #[inline]
+    fn on_rigid_base(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
+        let s = corner.sign();
+        let (reach, height) = (self.reach(s), self.height(s));
+        let Block { gravity, i0, r0, .. } = *self.block;
+        let theta_ddot =
+            (reach * (forcing.z + gravity) * s - height * forcing.x + forcing.moment) * T::from(1.0 / (i0 + r0 * r0));
+        let v_ddot = -(reach * theta_ddot * s) - height * self.theta_dot * self.theta_dot;
+        let n = v_ddot + forcing.z + gravity;
+        self.about(corner, theta_ddot, T::from(0.0), v_ddot, n, forcing)
+    }
+
+    /// On the rigid base without motion: the reactions that keep the block at rest. The corner whose reaction would
+    /// have to pull lifts, which is `|a_gx| > (g + a_gz) tan α`.
+    #[inline]
+    fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
+        let Block { b, h, gravity, .. } = *self.block;
+        let zero = T::from(0.0);
+        let half = (forcing.z + gravity) * 0.5;
+        let couple = (forcing.x * h - forcing.moment) * (0.5 / b);
+        Instant {
+            theta: self.theta,
+            theta_dot: self.theta_dot,
+            theta_ddot: zero,
+            w_dot: zero,
+            w_ddot: zero,
+            u: zero,
+            u_dot: zero,
+            u_ddot: zero,
+            v: zero,
+            v_dot: zero,
+            v_ddot: zero,
+            corner: [zero; 2],
+            corner_dot: [zero; 2],
+            corner_ddot: [zero; 2],
+            reaction: [half + couple, half - couple],
+            horizontal: forcing.x,
+        }
+    }
+
+    /// No corner touches; w = v.
+    #[inline]
+    fn in_flight(&self, (u, u_dot): Flight<T>, forcing: Forcing<T>) -> Instant<T> {
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos } = *self;
+        let Block { b, h, i0, gravity, .. } = *block;
+        let zero = T::from(0.0);
+        let theta_ddot = forcing.moment * T::from(1.0 / i0);
+        let v_ddot = -forcing.z - gravity;
+        let (middle, middle_dot) = (w + self.versine() * h, w_dot + sin * theta_dot * h);
+        let middle_ddot = v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h;
+        let (tilt, tilt_dot) = (sin * b, cos * theta_dot * b);
+        let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
+        Instant {
+            theta,
+            theta_dot,
+            theta_ddot,
+            w_dot,
+            w_ddot: v_ddot,
+            u,
+            u_dot,
+            u_ddot: -forcing.x,
+            v: w,
+            v_dot: w_dot,
+            v_ddot,
+            corner: [middle + tilt, middle - tilt],
+            corner_dot: [middle_dot + tilt_dot, middle_dot - tilt_dot],
+            corner_ddot: [middle_ddot + tilt_ddot, middle_ddot - tilt_ddot],
+            reaction: [zero; 2],
+            horizontal: zero,
+        }
+    }
+
+    /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass [m].
+    #[inline]
+    fn reach(&self, s: f64) -> T {
+        self.cos * self.block.b + self.sin * (s * self.block.h)
+    }
+
+    /// `R0 cos φ`: height of the centre of mass over the corner [m].
+    #[inline]
+    fn height(&self, s: f64) -> T {
+        self.cos * self.block.h - self.sin * (s * self.block.b)
+    }
+
+    /// Kinematics of the block about its one standing corner.
+    #[inline]
+    fn about(&self, corner: Corner, theta_ddot: T, w_ddot: T, v_ddot: T, n: T, forcing: Forcing<T>) -> Instant<T> {
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos } = *self;
+        let Block { b, h, .. } = *block;
+        let s = corner.sign();
+        let (reach, height) = (self.reach(s), self.height(s));
+        let u_ddot = height * theta_ddot - reach * theta_dot * theta_dot * s;
+        let across = 2.0 * s * b;
+        let standing = |pair: [T; 2]| match corner {
+            Corner::Left => pair,
+            Corner::Right => [pair[1], pair[0]],
+        };
+        Instant {
+            theta,
+            theta_dot,
+            theta_ddot,
+            w_dot,
+            w_ddot,
+            u: sin * h - self.versine() * (s * b),
+            u_dot: height * theta_dot,
+            u_ddot,
+            v: w - self.versine() * h - sin * (s * b),
+            v_dot: w_dot - reach * theta_dot * s,
+            v_ddot,
+            corner: standing([w, w - sin * across]),
+            corner_dot: standing([w_dot, w_dot - cos * theta_dot * across]),
+            corner_ddot: standing([w_ddot, w_ddot - (cos * theta_ddot - sin * theta_dot * theta_dot) * across]),
+            reaction: standing([n, T::from(0.0)]),
+            horizontal: u_ddot + forcing.x,
+        }
+    }
+}
+
+impl<T: Scalar> Instant<T> {
+    /// Powers of the excitation and of the dashpots per unit mass [m²/s³]; the first is `−a_gx u̇ − a_gz v̇` with the
+    /// loads' work in it.
+    #[inline]
+    pub fn powers(&self, block: &Block, regime: Regime, forcing: Forcing<T>) -> [T; 2] {
+        let input = forcing.moment * self.theta_dot - forcing.x * self.u_dot - forcing.z * self.v_dot;
+        let [left, right] = self.corner_dot;
+        let squares = match regime {
+            Regime::FullContact => left * left + right * right,
+            Regime::TiltingLeft => left * left,
+            Regime::TiltingRight => right * right,
+            Regime::Separated => T::from(0.0),
+        };
+        [input, squares * (block.xi_v * block.omega_v)]
+    }
+}
+
+/// Energy per unit mass [m²/s²]: kinetic, and potential of weight and touching springs; zero at rest.
+///
+/// `E = ½ I0 θ̇² + ½ M (u̇² + v̇²) + M g v + ½ K Σ_touching (δ_s − v_I)² − ½ M g δ_s`, with the terms that cancel at rest
+/// taken together.
+pub fn energy<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>) -> (T, T) {
+    let Block { b, h, i0, gravity, omega_v, .. } = *block;
+    let kinetic = (x.theta_dot * x.theta_dot * i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
+    let (sin, cos) = x.theta.sin_cos();
+    let sunk = sin * sin / (cos + 1.0) * h;
+    let omega2 = omega_v * omega_v;
+    let springs = |height: T| height * height * (0.25 * omega2);
+    let rest = 0.25 * gravity * block.static_deflection();
+    let potential = match (block.foundation, regime) {
+        (Foundation::Rigid, _) => x.v * gravity,
+        (Foundation::Viscoelastic, Regime::FullContact) => springs(x.corner[0]) + springs(x.corner[1]) - sunk * gravity,
+        (Foundation::Viscoelastic, Regime::TiltingLeft) => {
+            springs(x.corner[0]) + x.corner[0] * (0.5 * gravity) - (sunk + sin * b) * gravity - rest
+        }
+        (Foundation::Viscoelastic, Regime::TiltingRight) => {
+            springs(x.corner[1]) + x.corner[1] * (0.5 * gravity) - (sunk - sin * b) * gravity - rest
+        }
+        (Foundation::Viscoelastic, Regime::Separated) => x.v * gravity - rest * 2.0,
+    };
+    (kinetic, potential)
+}

@@ -1,0 +1,195 @@
+//! State and supports of an instant → the functions whose fall through zero is an event.
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Block, Foundation};
+use crate::dynamics::{Instant, State, instant};
+use crate::excitation::Forcing;
+use crate::regime::{Corner, Regime};
+use crate::roots::Sample;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// A corner left its support, or the rigid base.
+    LiftOff(Corner),
+    /// A corner came down on its support, or on the rigid base.
+    Landing(Corner),
+    /// The block reached a quarter turn: a side lies on the ground.
+    Overturning,
+}
+
+/// An event, as it is told while the simulation runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Time [s].
+    pub time: f64,
+    /// What happened.
+    pub kind: EventKind,
+    /// Regime right before.
+    pub before: Regime,
+    /// Regime right after, with all that followed in the same instant.
+    pub after: Regime,
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let what = match self.kind {
+            EventKind::LiftOff(Corner::Left) => "lift-off of L",
+            EventKind::LiftOff(Corner::Right) => "lift-off of R",
+            EventKind::Landing(Corner::Left) => "landing on L",
+            EventKind::Landing(Corner::Right) => "landing on R",
+            EventKind::Overturning => "overturning",
+        };
+        write!(f, "t = {:.9} s: {what}, {} -> {}", self.time, self.before, self.after)
+    }
+}
+
+/// A support that its corner has left: it creeps back to its free height δ_s.
+///
+/// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping is back at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Creep {
+    /// δ_s − y₀ [m] at lift-off.
+    pub depth: f64,
+    /// Time of lift-off [s].
+    pub since: f64,
+}
+
+impl Creep {
+    /// Height of the support's top above its place under the block at rest [m], and its rate [m/s].
+    pub fn top(&self, block: &Block, time: f64) -> Sample {
+        match block.foundation {
+            Foundation::Rigid => Sample::default(),
+            Foundation::Viscoelastic => {
+                let rate = block.creep_rate();
+                let sunk = if self.depth == 0.0 { 0.0 } else { self.depth * decay(rate * (time - self.since)) };
+                // Without damping `rate` is infinite and `sunk` zero: no rate is left then.
+                let rising = if sunk == 0.0 { 0.0 } else { rate * sunk };
+                Sample { value: block.static_deflection() - sunk, rate: rising }
+            }
+        }
+    }
+}
+
+/// `exp(−x)` for x ≥ 0; 1 at the start of an infinitely fast decay would be wrong, so infinity gives 0 and so does
+/// `0 · ∞`.
+fn decay(x: f64) -> f64 {
+    if x >= 0.0 { libm::exp(-x) } else { 0.0 }
+}
+
+/// A function of the motion that is positive within a regime and falls through zero when the regime ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    /// The reaction N_I/M of a touching corner [m/s²].
+    Reaction(Corner),
+    /// The gap `v_I − y_I` between a lifted corner and its support [m].
+    Gap(Corner),
+    /// How fast a corner that is held down would be pressed on if it were let go [m/s²]; see [`held`].
+    Held(Corner),
+    /// What is left of the quarter turn, `π/2 − |θ|` [rad].
+    QuarterTurn,
+}
+
+/// What the surfaces are evaluated from.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// The block.
+    pub block: &'a Block,
+    /// Time [s].
+    pub time: f64,
+    /// Its regime.
+    pub regime: Regime,
+    /// Its state.
+    pub state: &'a State,
+    /// The equations of motion at it.
+    pub instant: &'a Instant<f64>,
+    /// What drives the block.
+    pub forcing: Forcing<f64>,
+    /// The rate of that, per second.
+    pub forcing_rate: Forcing<f64>,
+    /// The supports' tops.
+    pub creep: &'a [Creep; 2],
+}
+
+/// The surfaces that end this regime; `held` is the corner that is held down, if one is.
+///
+/// On the rigid base the standing corner is not watched: Housner's block keeps it on the ground by assumption.
+pub fn surfaces(block: &Block, regime: Regime, held: Option<Corner>) -> [Option<Surface>; 3] {
+    let of = |corner| match (regime.touches(corner), block.foundation) {
+        (true, Foundation::Rigid) if regime != Regime::FullContact => None,
+        (true, _) if held == Some(corner) => Some(Surface::Held(corner)),
+        (true, _) => Some(Surface::Reaction(corner)),
+        (false, _) => Some(Surface::Gap(corner)),
+    };
+    [of(Corner::Left), of(Corner::Right), Some(Surface::QuarterTurn)]
+}
+
+impl Surface {
+    /// Value and rate at a moment.
+    pub fn sample(self, at: &Moment) -> Sample {
+        let Moment { block, instant, .. } = *at;
+        match self {
+            Surface::Reaction(corner) => {
+                let i = corner.index();
+                let rate = match block.foundation {
+                    Foundation::Viscoelastic => reaction_rate(block, instant, corner),
+                    Foundation::Rigid => {
+                        let Forcing { x, z, moment } = at.forcing_rate;
+                        0.5 * z + corner.sign() * (x * block.h - moment) * (0.5 / block.b)
+                    }
+                };
+                Sample { value: instant.reaction[i], rate }
+            }
+            Surface::Gap(corner) => {
+                let i = corner.index();
+                let top = at.creep[i].top(block, at.time);
+                Sample { value: instant.corner[i] - top.value, rate: instant.corner_dot[i] - top.rate }
+            }
+            // The rate is not known; a change of sign between samples is enough where the function is monotone.
+            Surface::Held(corner) => Sample { value: -gap_opening(at, corner), rate: 0.0 },
+            Surface::QuarterTurn => Sample {
+                value: FRAC_PI_2 - instant.theta.abs(),
+                rate: if instant.theta < 0.0 { instant.theta_dot } else { -instant.theta_dot },
+            },
+        }
+    }
+
+    /// What rounding leaves of a zero of this surface.
+    pub fn rounding(self, block: &Block) -> f64 {
+        // Some thousand ulp of the largest term that enters.
+        const ROUNDING: f64 = 1e-13;
+        ROUNDING
+            * match self {
+                Surface::Reaction(_) | Surface::Held(_) => block.gravity,
+                Surface::Gap(_) => block.static_deflection().max(block.b),
+                Surface::QuarterTurn => FRAC_PI_2,
+            }
+    }
+}
+
+/// `Ṅ_I/M = −(K v̇_I + C v̈_I)/M` of a corner on its support [m/s³].
+pub fn reaction_rate(block: &Block, x: &Instant<f64>, corner: Corner) -> f64 {
+    let i = corner.index();
+    let omega_v = block.omega_v;
+    -0.5 * omega_v * omega_v * x.corner_dot[i] - block.xi_v * omega_v * x.corner_ddot[i]
+}
+
+/// Acceleration [m/s²] with which the gap of a touching corner would open if it left its support now, the other one
+/// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still.
+///
+/// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
+/// corner on one corner), `v̈_I` jumps a little at lift-off. It can happen that full contact has the corner lift and
+/// that the other regime has it pressed on: neither holds, and the true motion slides along the boundary with
+/// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go.
+pub fn gap_opening(at: &Moment, corner: Corner) -> f64 {
+    let i = corner.index();
+    let standing = corner.other();
+    let &Moment { block, instant: x, .. } = at;
+    let released = [x.theta, x.theta_dot, x.corner[standing.index()], x.corner_dot[standing.index()]];
+    let after = instant(block, Regime::on(standing), released, (0.0, 0.0), at.forcing);
+    let creep = if block.damping > 0.0 { block.creep_rate() * x.corner_dot[i] } else { 0.0 };
+    after.corner_ddot[i] + creep
+}

@@ -1,0 +1,237 @@
+//! Inputs over a step and the built-in pulse → what drives the block, per unit of its mass, at any time of a smooth piece.
+
+use std::f64::consts::{PI, TAU};
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::Block;
+
+/// A value that changes linearly in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ramp {
+    /// Value at the reference time of the [`Inputs`].
+    pub value: f64,
+    /// Its rate of change, per second.
+    pub rate: f64,
+}
+
+impl Ramp {
+    /// A constant.
+    pub fn held(value: f64) -> Ramp {
+        Ramp { value, rate: 0.0 }
+    }
+
+    #[inline]
+    fn at(self, elapsed: f64) -> f64 {
+        self.value + self.rate * elapsed
+    }
+
+    /// The ramp seen from a reference time `elapsed` seconds later.
+    pub fn moved(self, elapsed: f64) -> Ramp {
+        Ramp { value: self.at(elapsed), rate: self.rate }
+    }
+
+    fn minus(self, force: Ramp, mass: f64) -> Ramp {
+        Ramp { value: self.value - force.value / mass, rate: self.rate - force.rate / mass }
+    }
+}
+
+/// The inputs from a reference time on, each linear in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Reference time of the ramps [s].
+    pub time: f64,
+    /// Horizontal ground acceleration [m/s²], positive to the right.
+    pub a_gx: Ramp,
+    /// Vertical ground acceleration [m/s²], positive up.
+    pub a_gz: Ramp,
+    /// Horizontal load on the centre of mass [N], positive to the right.
+    pub f_x: Ramp,
+    /// Vertical load on the centre of mass [N], positive up.
+    pub f_z: Ramp,
+    /// Moment on the block [N.m], positive clockwise.
+    pub m_y: Ramp,
+}
+
+impl Inputs {
+    /// The same inputs with their reference at another time.
+    pub fn moved_to(&self, time: f64) -> Inputs {
+        let elapsed = time - self.time;
+        Inputs {
+            time,
+            a_gx: self.a_gx.moved(elapsed),
+            a_gz: self.a_gz.moved(elapsed),
+            f_x: self.f_x.moved(elapsed),
+            f_z: self.f_z.moved(elapsed),
+            m_y: self.m_y.moved(elapsed),
+        }
+    }
+}
+
+/// Shape of the pulse that is added to the horizontal ground acceleration; cycloidal pulses of the paper's Table I.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(i32)]
+pub enum PulseShape {
+    /// No pulse.
+    None = 1,
+    /// Type A: one sine in acceleration, `a_p = ω_p v_p/2`.
+    OneSine = 2,
+    /// Type B: one cosine in acceleration, `a_p = ω_p v_p`.
+    OneCosine = 3,
+    /// Type C1: `v_g = v_p [sin(ω_p t + φ) − sin φ]`, which brings the ground back after one and a half half-cycles.
+    C1 = 4,
+    /// Type C2: the same with one more cycle.
+    C2 = 5,
+}
+
+/// A ground pulse; outside its duration it is zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pulse {
+    /// Its shape.
+    pub shape: PulseShape,
+    /// Amplitude a_p of the acceleration [m/s²].
+    pub amplitude: f64,
+    /// Period T_p [s].
+    pub period: f64,
+    /// Time at which it begins [s].
+    pub start: f64,
+}
+
+impl Pulse {
+    /// No pulse at all.
+    pub const NONE: Pulse = Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0 };
+
+    /// Duration [s]: T_p, or (n + ½ − φ/π) T_p for type Cn.
+    pub fn duration(&self) -> f64 {
+        let cycles = match self.shape {
+            PulseShape::None => 0.0,
+            PulseShape::OneSine | PulseShape::OneCosine => 1.0,
+            PulseShape::C1 => 1.5 - c_phase(1.0) / PI,
+            PulseShape::C2 => 2.5 - c_phase(2.0) / PI,
+        };
+        cycles * self.period
+    }
+
+    /// Time at which it ends [s].
+    pub fn end(&self) -> f64 {
+        self.start + self.duration()
+    }
+
+    /// Whether it acts from `time` on: the beginning counts as inside, the end as outside.
+    pub fn acts_at(&self, time: f64) -> bool {
+        self.shape != PulseShape::None && self.start <= time && time < self.end()
+    }
+
+    /// The first beginning or end later than `time` [s].
+    pub fn next_kink(&self, time: f64) -> Option<f64> {
+        match self.shape {
+            PulseShape::None => None,
+            _ => [self.start, self.end()].into_iter().find(|&kink| kink > time),
+        }
+    }
+
+    fn wave(&self) -> Wave {
+        let phase = match self.shape {
+            PulseShape::None | PulseShape::OneSine => 0.0,
+            PulseShape::OneCosine => 0.5 * PI,
+            PulseShape::C1 => 0.5 * PI + c_phase(1.0),
+            PulseShape::C2 => 0.5 * PI + c_phase(2.0),
+        };
+        Wave { amplitude: self.amplitude, omega: TAU / self.period, phase, start: self.start }
+    }
+}
+
+/// φ of a type-Cn pulse [rad]: the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's condition
+/// `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ. φ = 0.0697π for n = 1, 0.0410π for n = 2.
+fn c_phase(n: f64) -> f64 {
+    let mut phase: f64 = 0.0;
+    // A contraction by more than 10 a turn: 20 turns reach rounding.
+    for _ in 0..20 {
+        phase = libm::atan(2.0 / ((2.0 * n + 1.0) * PI - 2.0 * phase));
+    }
+    phase
+}
+
+/// `amplitude · sin(ω (t − start) + phase)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wave {
+    amplitude: f64,
+    omega: f64,
+    phase: f64,
+    start: f64,
+}
+
+/// What drives the block at one instant, per unit of its mass: ground accelerations less the loads' share.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Forcing<T> {
+    /// `a_gx − F_x/M` [m/s²].
+    pub x: T,
+    /// `a_gz − F_z/M` [m/s²].
+    pub z: T,
+    /// `M_y/M` [m²/s²].
+    pub moment: T,
+}
+
+/// The excitation over a piece of time in which it is smooth: no pulse begins or ends inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excitation {
+    time: f64,
+    x: Ramp,
+    z: Ramp,
+    moment: Ramp,
+    wave: Option<Wave>,
+}
+
+impl Excitation {
+    /// The excitation of `block` from `time` to the pulse's next kink.
+    pub fn from_time(time: f64, inputs: &Inputs, pulse: &Pulse, block: &Block) -> Excitation {
+        Excitation {
+            time: inputs.time,
+            x: inputs.a_gx.minus(inputs.f_x, block.mass),
+            z: inputs.a_gz.minus(inputs.f_z, block.mass),
+            moment: Ramp::default().minus(inputs.m_y, -block.mass),
+            wave: pulse.acts_at(time).then(|| pulse.wave()),
+        }
+    }
+
+    /// Nothing drives the block.
+    pub fn none() -> Excitation {
+        Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
+    }
+
+    /// What drives the block at `time` [s].
+    #[inline]
+    pub fn at(&self, time: f64) -> Forcing<f64> {
+        let elapsed = time - self.time;
+        let pulse = match self.wave {
+            Some(wave) => wave.amplitude * libm::sin(wave.omega * (time - wave.start) + wave.phase),
+            None => 0.0,
+        };
+        Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed) }
+    }
+
+    /// The rate at which that changes at `time`, per second.
+    pub fn rate_at(&self, time: f64) -> Forcing<f64> {
+        let pulse = match self.wave {
+            Some(wave) => wave.amplitude * wave.omega * libm::cos(wave.omega * (time - wave.start) + wave.phase),
+            None => 0.0,
+        };
+        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate }
+    }
+
+    /// Circular frequency of the pulse that acts [rad/s], zero if none does.
+    pub fn frequency(&self) -> f64 {
+        self.wave.map_or(0.0, |wave| wave.omega)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_of_c_pulses_are_the_papers() {
+        assert!((c_phase(1.0) / PI - 0.0697).abs() < 5e-5);
+        assert!((c_phase(2.0) / PI - 0.0410).abs() < 5e-5);
+    }
+}

@@ -1,0 +1,141 @@
+//! State, regime and excitation of an instant → what a user sees, with exact derivatives where asked for.
+
+use num_dual::Dual64;
+
+use crate::block::Block;
+use crate::dynamics::{Flight, Instant, State, instant};
+use crate::events::Creep;
+use crate::excitation::Forcing;
+use crate::regime::{Corner, Regime};
+use crate::roots::Sample;
+use crate::scalar::Scalar;
+
+/// Greatest friction demand that is told: where the supports bear almost nothing the ratio has no bound.
+pub const MOST_FRICTION_DEMAND: f64 = 1e6;
+
+/// Motion, reactions and corners at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observation<T> {
+    /// Rotation θ [rad], positive to the right.
+    pub theta: T,
+    /// θ̇ [rad/s].
+    pub theta_dot: T,
+    /// θ̈ [rad/s²].
+    pub theta_ddot: T,
+    /// Height of the centre of mass above its place at rest, relative to the ground [m].
+    pub v: T,
+    /// v̇ [m/s].
+    pub v_dot: T,
+    /// v̈ [m/s²].
+    pub v_ddot: T,
+    /// Horizontal motion of the centre of mass relative to the ground [m], positive to the right.
+    pub u: T,
+    /// u̇ [m/s].
+    pub u_dot: T,
+    /// ü [m/s²].
+    pub u_ddot: T,
+    /// Vertical reactions N_L, N_R [N].
+    pub reaction: [T; 2],
+    /// Horizontal reaction H on the block [N], positive to the right.
+    pub horizontal: T,
+    /// Moment of the reactions about the middle of the base at rest [N.m], positive clockwise: `b (N_L − N_R)`.
+    pub base_moment: T,
+    /// Heights of the corners L, R above their places at rest [m].
+    pub corner: [T; 2],
+    /// Their heights above their supports [m], zero for a corner that touches.
+    pub uplift: [T; 2],
+    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` [1], at most [`MOST_FRICTION_DEMAND`].
+    pub friction_demand: T,
+}
+
+/// The observation that belongs to the equations of motion at an instant; `tops` are the heights of the supports.
+pub fn observe<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>, tops: [T; 2]) -> Observation<T> {
+    let zero = T::from(0.0);
+    let reaction = x.reaction.map(|n| n * block.mass);
+    let horizontal = x.horizontal * block.mass;
+    let uplift = Corner::BOTH.map(|corner| {
+        let gap = x.corner[corner.index()] - tops[corner.index()];
+        if regime.touches(corner) || gap.value() < 0.0 { zero } else { gap }
+    });
+    Observation {
+        theta: x.theta,
+        theta_dot: x.theta_dot,
+        theta_ddot: x.theta_ddot,
+        v: x.v,
+        v_dot: x.v_dot,
+        v_ddot: x.v_ddot,
+        u: x.u,
+        u_dot: x.u_dot,
+        u_ddot: x.u_ddot,
+        reaction,
+        horizontal,
+        base_moment: (reaction[0] - reaction[1]) * block.b,
+        corner: x.corner,
+        uplift,
+        friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
+    }
+}
+
+fn friction_demand<T: Scalar>(regime: Regime, horizontal: T, vertical: T) -> T {
+    let shear = if horizontal.value() < 0.0 { -horizontal } else { horizontal };
+    if regime == Regime::Separated {
+        T::from(0.0)
+    } else if shear.value() < MOST_FRICTION_DEMAND * vertical.value() {
+        shear / vertical
+    } else if shear.value() == 0.0 {
+        T::from(0.0)
+    } else {
+        T::from(MOST_FRICTION_DEMAND)
+    }
+}
+
+/// What an instant is observed from.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// The block.
+    pub block: &'a Block,
+    /// Its regime.
+    pub regime: Regime,
+    /// Time [s].
+    pub time: f64,
+    /// Its state.
+    pub state: &'a State,
+    /// `(u, u̇)` in flight.
+    pub flight: Flight<f64>,
+    /// The lifted supports.
+    pub creep: &'a [Creep; 2],
+    /// What drives the block.
+    pub forcing: Forcing<f64>,
+}
+
+impl View<'_> {
+    /// The observation.
+    pub fn observe(&self) -> Observation<f64> {
+        let x = instant(self.block, self.regime, (*self.state).into(), self.flight, self.forcing);
+        observe(self.block, self.regime, &x, self.tops().map(|top| top.value))
+    }
+
+    /// The observation and, in the dual parts, its exact rate of change along the motion, while the forcing changes at
+    /// `forcing_rate`.
+    pub fn observe_rates(&self, forcing_rate: Forcing<f64>) -> Observation<Dual64> {
+        let x = instant(self.block, self.regime, (*self.state).into(), self.flight, self.forcing);
+        let state = [
+            Dual64::new(x.theta, x.theta_dot),
+            Dual64::new(x.theta_dot, x.theta_ddot),
+            Dual64::new(self.state[2], x.w_dot),
+            Dual64::new(x.w_dot, x.w_ddot),
+        ];
+        let flight = (Dual64::new(self.flight.0, self.flight.1), Dual64::new(self.flight.1, x.u_ddot));
+        let forcing = Forcing {
+            x: Dual64::new(self.forcing.x, forcing_rate.x),
+            z: Dual64::new(self.forcing.z, forcing_rate.z),
+            moment: Dual64::new(self.forcing.moment, forcing_rate.moment),
+        };
+        let x = instant(self.block, self.regime, state, flight, forcing);
+        observe(self.block, self.regime, &x, self.tops().map(|Sample { value, rate }| Dual64::new(value, rate)))
+    }
+
+    fn tops(&self) -> [Sample; 2] {
+        self.creep.map(|creep| creep.top(self.block, self.time))
+    }
+}

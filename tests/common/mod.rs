@@ -1,0 +1,193 @@
+//! The reference cases of tests/reference: their definitions, excitations and trajectories.
+
+use std::path::{Path, PathBuf};
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::simulation::{Initial, Settings, Simulation};
+use serde::Deserialize;
+
+/// One case of cases.json.
+#[derive(Debug, Deserialize)]
+pub struct Case {
+    pub name: String,
+    alpha: f64,
+    #[serde(default = "one")]
+    p: f64,
+    #[serde(default = "one")]
+    eta: f64,
+    #[serde(default)]
+    xi_v: f64,
+    #[serde(default)]
+    epsilon: f64,
+    #[serde(default = "three")]
+    gamma: f64,
+    #[serde(default = "one", rename = "M")]
+    mass: f64,
+    foundation: Option<String>,
+    g: f64,
+    #[serde(default)]
+    pub a_gx: Motion,
+    #[serde(default)]
+    pub a_gz: Motion,
+    #[serde(default)]
+    initial: InitialCase,
+    pub t_end: f64,
+    pub dt: f64,
+    pub end: String,
+    pub t_final: f64,
+    pub events: Vec<(f64, i32, serde_json::Value)>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct Motion {
+    kind: Option<String>,
+    #[serde(default)]
+    a_p: f64,
+    #[serde(default)]
+    omega_p: f64,
+    record: Option<String>,
+    #[serde(default)]
+    scale: f64,
+}
+
+#[derive(Debug, Default, Deserialize)]
+struct InitialCase {
+    theta: Option<f64>,
+    theta_dot: Option<f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn three() -> f64 {
+    3.0
+}
+
+/// A row of a trajectory.
+#[derive(Debug, Deserialize)]
+pub struct Row {
+    pub t: f64,
+    pub theta: f64,
+    pub theta_dot: f64,
+    pub v: f64,
+    pub v_dot: f64,
+    #[serde(rename = "N_L")]
+    pub n_l: f64,
+    #[serde(rename = "N_R")]
+    pub n_r: f64,
+    #[serde(rename = "H")]
+    pub h: f64,
+    pub regime: i32,
+    pub energy: f64,
+}
+
+/// A ground acceleration with evenly spaced samples, zero after the last.
+#[derive(Debug, Clone)]
+pub struct Record {
+    pub dt: f64,
+    pub acceleration: Vec<f64>,
+}
+
+impl Record {
+    /// The ramp from a sample on.
+    fn ramp(&self, sample: usize) -> Ramp {
+        let at = |i: usize| self.acceleration.get(i).copied().unwrap_or(0.0);
+        if sample + 1 < self.acceleration.len() {
+            Ramp { value: at(sample), rate: (at(sample + 1) - at(sample)) / self.dt }
+        } else {
+            Ramp::held(0.0)
+        }
+    }
+}
+
+pub fn reference_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference")
+}
+
+/// All cases; the second list names those whose records are not at hand.
+pub fn cases() -> Vec<Case> {
+    let text = std::fs::read_to_string(reference_folder().join("cases.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+impl Case {
+    pub fn block(&self) -> Block {
+        let foundation =
+            if self.foundation.as_deref() == Some("rigid") { Foundation::Rigid } else { Foundation::Viscoelastic };
+        Block::from_dimensionless(
+            &Dimensionless { alpha: self.alpha, p: self.p, eta: self.eta, xi_v: self.xi_v },
+            &Common { mass: self.mass, gamma: self.gamma, epsilon: self.epsilon, gravity: self.g, foundation },
+        )
+        .unwrap()
+    }
+
+    pub fn pulse(&self) -> Pulse {
+        let shape = match self.a_gx.kind.as_deref() {
+            Some("sine") => PulseShape::OneSine,
+            Some("cosine") => PulseShape::OneCosine,
+            _ => return Pulse::NONE,
+        };
+        Pulse { shape, amplitude: self.a_gx.a_p, period: std::f64::consts::TAU / self.a_gx.omega_p, start: 0.0 }
+    }
+
+    pub fn initial(&self) -> Initial {
+        let InitialCase { theta, theta_dot } = self.initial;
+        Initial {
+            theta: theta.unwrap_or(0.0),
+            theta_dot: theta_dot.unwrap_or(0.0),
+            vertical: if theta.is_some() { None } else { Some((0.0, 0.0)) },
+        }
+    }
+
+    pub fn rows(&self) -> Vec<Row> {
+        let path = reference_folder().join(format!("{}.csv", self.name));
+        csv::Reader::from_path(path).unwrap().deserialize().map(|row| row.unwrap()).collect()
+    }
+
+    /// The records, or the name of the one that is missing.
+    pub fn records(&self) -> Result<[Option<Record>; 2], String> {
+        Ok([self.record(&self.a_gx)?, self.record(&self.a_gz)?])
+    }
+
+    fn record(&self, motion: &Motion) -> Result<Option<Record>, String> {
+        let Some(name) = &motion.record else { return Ok(None) };
+        let (file, dt, header) = match name.as_str() {
+            "rinaldi" => ("paper/NGA_no_1063_RRS228.AT2", 0.01, 4),
+            "erzincan" => ("paper_derived/ERZ-NS_unrotated.AT2", 0.005, 4),
+            "sylmar052" => ("paper/SCS052.AT2", 0.005, 0),
+            "sylmar142" => ("paper/SCS142.AT2", 0.005, 0),
+            "sylmar_up" => ("paper/SCSUP.AT2", 0.005, 0),
+            "elcentro" => ("fallback/IELC180.AT2", 0.01, 4),
+            other => panic!("unknown record {other}"),
+        };
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/records").join(file);
+        let text = std::fs::read_to_string(&path).map_err(|_| name.clone())?;
+        let acceleration = text
+            .lines()
+            .skip(header)
+            .flat_map(str::split_whitespace)
+            .map(|a| a.parse::<f64>().unwrap() * self.g * motion.scale)
+            .collect();
+        Ok(Some(Record { dt, acceleration }))
+    }
+
+    /// The run at a tolerance, at its beginning.
+    pub fn start(&self, tolerance: f64, records: &[Option<Record>; 2]) -> Simulation {
+        let settings = Settings { tolerance, ..Settings::default() };
+        Simulation::new(self.block(), settings, self.pulse(), &self.initial(), 0.0, &inputs_at(records, 0))
+    }
+}
+
+/// Inputs from a sample of the records on.
+pub fn inputs_at(records: &[Option<Record>; 2], sample: usize) -> Inputs {
+    let dt = record_step(records).unwrap_or(0.0);
+    let ramp = |record: &Option<Record>| record.as_ref().map_or(Ramp::default(), |record| record.ramp(sample));
+    Inputs { time: sample as f64 * dt, a_gx: ramp(&records[0]), a_gz: ramp(&records[1]), ..Inputs::default() }
+}
+
+/// Time step of the records, if there are any.
+pub fn record_step(records: &[Option<Record>; 2]) -> Option<f64> {
+    records.iter().flatten().map(|record| record.dt).next()
+}
