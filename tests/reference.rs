@@ -34,7 +34,7 @@ fn run(case: &Case, tolerance: f64) -> Option<Outcome> {
     let mut events: Vec<Event> = Vec::new();
     let step = record_step(&records).unwrap_or(case.dt);
     let per_row = (case.dt / step).round() as usize;
-    let (mut state_error, mut wrong_rows) = (0.0, 0);
+    let (mut state_error, mut wrong_rows) = (0.0_f64, 0);
     let (mut theta_error, mut reaction_error, mut residual, mut scale): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
     let mut ended = None;
     for (i, row) in case.rows().iter().enumerate() {
