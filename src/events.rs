@@ -178,7 +178,8 @@ pub fn reaction_rate(block: &Block, x: &Instant<f64>, corner: Corner) -> f64 {
 }
 
 /// Acceleration [m/s²] with which the gap of a touching corner would open if it left its support now, the other one
-/// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still.
+/// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
+/// the gap opens with the rate v̇_I: infinitely fast by this measure.
 ///
 /// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
 /// corner on one corner), `v̈_I` jumps a little at lift-off. It can happen that full contact has the corner lift and
@@ -190,6 +191,7 @@ pub fn gap_opening(at: &Moment, corner: Corner) -> f64 {
     let &Moment { block, instant: x, .. } = at;
     let released = [x.theta, x.theta_dot, x.corner[standing.index()], x.corner_dot[standing.index()]];
     let after = instant(block, Regime::on(standing), released, (0.0, 0.0), at.forcing);
-    let creep = if block.damping > 0.0 { block.creep_rate() * x.corner_dot[i] } else { 0.0 };
+    // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
+    let creep = if x.corner_dot[i] == 0.0 { 0.0 } else { block.creep_rate() * x.corner_dot[i] };
     after.corner_ddot[i] + creep
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
@@ -170,6 +171,17 @@ pub struct Forcing<T> {
     pub z: T,
     /// `M_y/M` [m²/s²].
     pub moment: T,
+}
+
+impl Forcing<f64> {
+    /// This forcing as dual numbers with `derivative` in their dual parts.
+    pub fn with_derivative(self, derivative: Forcing<f64>) -> Forcing<Dual64> {
+        Forcing {
+            x: Dual64::new(self.x, derivative.x),
+            z: Dual64::new(self.z, derivative.z),
+            moment: Dual64::new(self.moment, derivative.moment),
+        }
+    }
 }
 
 /// The excitation over a piece of time in which it is smooth: no pulse begins or ends inside.

@@ -109,16 +109,14 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// The observation.
-    pub fn observe(&self) -> Observation<f64> {
-        let x = instant(self.block, self.regime, (*self.state).into(), self.flight, self.forcing);
-        observe(self.block, self.regime, &x, self.tops().map(|top| top.value))
+    /// The equations of motion.
+    pub fn instant(&self) -> Instant<f64> {
+        instant(self.block, self.regime, (*self.state).into(), self.flight, self.forcing)
     }
 
-    /// The observation and, in the dual parts, its exact rate of change along the motion, while the forcing changes at
-    /// `forcing_rate`.
-    pub fn observe_rates(&self, forcing_rate: Forcing<f64>) -> Observation<Dual64> {
-        let x = instant(self.block, self.regime, (*self.state).into(), self.flight, self.forcing);
+    /// The equations of motion with rates of change along the motion in the dual parts.
+    pub fn along(&self, forcing_rate: Forcing<f64>) -> Instant<Dual64> {
+        let x = self.instant();
         let state = [
             Dual64::new(x.theta, x.theta_dot),
             Dual64::new(x.theta_dot, x.theta_ddot),
@@ -126,16 +124,55 @@ impl View<'_> {
             Dual64::new(x.w_dot, x.w_ddot),
         ];
         let flight = (Dual64::new(self.flight.0, self.flight.1), Dual64::new(self.flight.1, x.u_ddot));
-        let forcing = Forcing {
-            x: Dual64::new(self.forcing.x, forcing_rate.x),
-            z: Dual64::new(self.forcing.z, forcing_rate.z),
-            moment: Dual64::new(self.forcing.moment, forcing_rate.moment),
-        };
-        let x = instant(self.block, self.regime, state, flight, forcing);
-        observe(self.block, self.regime, &x, self.tops().map(|Sample { value, rate }| Dual64::new(value, rate)))
+        instant(self.block, self.regime, state, flight, self.forcing.with_derivative(forcing_rate))
+    }
+
+    /// The observation.
+    pub fn observe(&self) -> Observation<f64> {
+        observe(self.block, self.regime, &self.instant(), self.tops().map(|top| top.value))
+    }
+
+    /// The observation and, in the dual parts, its exact rate of change along the motion, while the forcing changes at
+    /// `forcing_rate`.
+    pub fn observe_rates(&self, forcing_rate: Forcing<f64>) -> Observation<Dual64> {
+        let tops = self.tops().map(|Sample { value, rate }| Dual64::new(value, rate));
+        observe(self.block, self.regime, &self.along(forcing_rate), tops)
+    }
+
+    /// The observation and, in the dual parts, its exact derivative with respect to the forcing in a direction.
+    pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
+        let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
+        let flight = (Dual64::from(self.flight.0), Dual64::from(self.flight.1));
+        let x = instant(self.block, self.regime, state, flight, self.forcing.with_derivative(direction));
+        observe(self.block, self.regime, &x, self.tops().map(|top| Dual64::from(top.value)))
     }
 
     fn tops(&self) -> [Sample; 2] {
         self.creep.map(|creep| creep.top(self.block, self.time))
+    }
+}
+
+impl<T: Scalar> Observation<T> {
+    /// The block held where it is: no rates, accelerations and reactions, and nothing that could change them.
+    pub fn frozen(&self) -> Observation<T> {
+        let still = |x: T| T::from(x.value());
+        let zero = T::from(0.0);
+        Observation {
+            theta: still(self.theta),
+            v: still(self.v),
+            u: still(self.u),
+            corner: self.corner.map(still),
+            uplift: self.uplift.map(still),
+            theta_dot: zero,
+            theta_ddot: zero,
+            v_dot: zero,
+            v_ddot: zero,
+            u_dot: zero,
+            u_ddot: zero,
+            reaction: [zero; 2],
+            horizontal: zero,
+            base_moment: zero,
+            friction_demand: zero,
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
@@ -66,6 +67,15 @@ pub enum Ending {
     Overturned,
 }
 
+impl std::fmt::Display for Ending {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Ending::Separated => "complete separation",
+            Ending::Overturned => "overturning",
+        })
+    }
+}
+
 /// How far [`Simulation::advance`] came.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
@@ -119,21 +129,36 @@ pub struct EnergySums {
 
 /// Energies at one time [J], and what became of them since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies {
+pub struct Energies<T> {
     /// Total energy, zero at rest.
-    pub total: f64,
+    pub total: T,
     /// Kinetic energy relative to the ground.
-    pub kinetic: f64,
+    pub kinetic: T,
     /// Energy of the weight and of the springs that are touched.
-    pub potential: f64,
+    pub potential: T,
     /// Work of the ground motion and the loads.
-    pub input: f64,
+    pub input: T,
     /// Energy that the dashpots took.
-    pub dashpots: f64,
+    pub dashpots: T,
     /// Energy that went at changes of regime (negative if some came).
-    pub impacts: f64,
+    pub impacts: T,
     /// What the sum misses: `total − initial − input + dashpots + impacts`, round-off and integration error.
-    pub residual: f64,
+    pub residual: T,
+}
+
+impl<T> Energies<T> {
+    /// The same in other numbers.
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Energies<U> {
+        Energies {
+            total: f(self.total),
+            kinetic: f(self.kinetic),
+            potential: f(self.potential),
+            input: f(self.input),
+            dashpots: f(self.dashpots),
+            impacts: f(self.impacts),
+            residual: f(self.residual),
+        }
+    }
 }
 
 /// Counters since the start.
@@ -283,6 +308,20 @@ impl Simulation {
                 Ok(Progress::Reached)
             }
         }
+    }
+
+    /// Whether the numbers of a state that came from outside can be gone on from: all finite, and the tolerance one that
+    /// is followed. The block is checked by whoever knows what it was made from.
+    pub fn is_valid(&self) -> bool {
+        let Simulation { settings, pulse, time, state, creep, step_size, sums, last_event, .. } = self;
+        let creep = creep.iter().flat_map(|creep| [creep.depth, creep.since]);
+        let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts];
+        let others = [*time, *last_event, pulse.amplitude, pulse.period, pulse.start];
+        let [least, most] = Settings::TOLERANCES;
+        (least..=most).contains(&settings.tolerance)
+            && *step_size > 0.0
+            && pulse.period > 0.0
+            && state.iter().copied().chain(creep).chain(sums).chain(others).all(f64::is_finite)
     }
 
     /// Sets the clock without any motion, to take up the rounding of a master's clock.
@@ -721,15 +760,47 @@ impl Simulation {
         self.last_event
     }
 
+    /// Whether the run ended and is held there: nothing moves and no support bears any more.
+    pub fn is_frozen(&self) -> bool {
+        self.ending.is_some_and(|(ending, _)| self.at_end(ending) == AtEnd::Hold)
+    }
+
     /// What a user sees now, under these inputs.
     pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
+        let seen = self.with_view(inputs, |view, _| view.observe());
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The same with, in the dual parts, the exact rates of change along the motion while the inputs go on.
+    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
+        let seen = self.with_view(inputs, |view, rate| view.observe_rates(rate));
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The same with, in the dual parts, the exact derivatives with respect to the inputs in the direction whose
+    /// components are the values of `direction`: at this instant, so with state and regime as they are.
+    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs) -> Observation<Dual64> {
+        let direction = Excitation::from_time(0.0, direction, &Pulse::NONE, &self.block).at(direction.time);
+        let seen = self.with_view(inputs, |view, _| view.observe_direction(direction));
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    fn with_view<R>(&self, inputs: &Inputs, look: impl FnOnce(View, Forcing<f64>) -> R) -> R {
         let excitation = Excitation::from_time(self.time, inputs, &self.pulse, &self.block);
-        let point = self.point_at(self.time, self.state, &excitation);
-        self.view(&point).observe()
+        let view = View {
+            block: &self.block,
+            regime: self.regime,
+            time: self.time,
+            state: &self.state,
+            flight: NO_FLIGHT,
+            creep: &self.creep,
+            forcing: excitation.at(self.time),
+        };
+        look(view, excitation.rate_at(self.time))
     }
 
     /// Energies and their sums now [J].
-    pub fn energies(&self) -> Energies {
+    pub fn energies(&self) -> Energies<f64> {
         let x = self.point_at(self.time, self.state, &Excitation::none()).instant;
         let (kinetic, potential) = energy(&self.block, self.regime, &x);
         let EnergySums { initial, input, dashpots, impacts } = self.sums;
@@ -745,6 +816,24 @@ impl Simulation {
             impacts,
             residual: total - initial - input + dashpots + impacts,
         }
+    }
+
+    /// Rates at which the energies and their sums change now [W].
+    pub fn energy_rates(&self, inputs: &Inputs) -> Energies<f64> {
+        if self.is_frozen() {
+            return Energies::default();
+        }
+        self.with_view(inputs, |view, _| {
+            let block = &self.block;
+            let x = view.along(Forcing::default());
+            let (kinetic, potential) = energy(block, self.regime, &x);
+            let forcing = view.forcing;
+            let [input, dashpots] = view.instant().powers(block, self.regime, forcing);
+            let [kinetic, potential, input, dashpots] =
+                [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
+            let total = kinetic + potential;
+            Energies { total, kinetic, potential, input, dashpots, impacts: 0.0, residual: total - input + dashpots }
+        })
     }
 
     fn moment<'a>(&'a self, point: &'a Point, excitation: &Excitation) -> Moment<'a> {

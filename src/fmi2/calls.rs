@@ -1,0 +1,154 @@
+//! Which call is legal in which state: the table of 4.2.4 of the standard (2.0.4), in one place.
+
+use serde::{Deserialize, Serialize};
+
+/// State of an instance. Steps are synchronous: `stepInProgress` and `stepCanceled` of the standard do not occur.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// After instantiation or reset.
+    Instantiated,
+    /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
+    InitializationMode,
+    /// Ready for a step.
+    StepComplete,
+    /// The last step was discarded: the run came to its end within it.
+    StepFailed,
+    /// After `fmi2Terminate`.
+    Terminated,
+    /// The integration failed.
+    Error,
+    /// A panic was caught.
+    Fatal,
+}
+
+impl Phase {
+    const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+
+    const ALL: [Phase; 7] = [
+        Phase::Instantiated,
+        Phase::InitializationMode,
+        Phase::StepComplete,
+        Phase::StepFailed,
+        Phase::Terminated,
+        Phase::Error,
+        Phase::Fatal,
+    ];
+}
+
+impl std::fmt::Display for Phase {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Phase::Instantiated => "instantiated",
+            Phase::InitializationMode => "initializationMode",
+            Phase::StepComplete => "stepComplete",
+            Phase::StepFailed => "stepFailed",
+            Phase::Terminated => "terminated",
+            Phase::Error => "error",
+            Phase::Fatal => "fatal",
+        })
+    }
+}
+
+const INSTANTIATED: u8 = Phase::Instantiated.bit();
+const INITIALIZATION: u8 = Phase::InitializationMode.bit();
+const COMPLETE: u8 = Phase::StepComplete.bit();
+const FAILED: u8 = Phase::StepFailed.bit();
+const TERMINATED: u8 = Phase::Terminated.bit();
+const ERROR: u8 = Phase::Error.bit();
+const NEVER: u8 = 0;
+
+const AFTER_INSTANTIATION: u8 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
+const READABLE: u8 = INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
+const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | COMPLETE;
+const STEPPED: u8 = COMPLETE | FAILED | TERMINATED | ERROR;
+
+macro_rules! calls {
+    ($($call:ident $name:literal $phases:expr;)*) => {
+        /// A function of the interface that acts on an instance.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[expect(missing_docs, reason = "each is the function of the standard with the same name")]
+        pub enum Call {
+            $($call,)*
+        }
+
+        impl Call {
+            /// Name of the function.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Call::$call => $name,)*
+                }
+            }
+
+            fn phases(self) -> u8 {
+                match self {
+                    $(Call::$call => $phases,)*
+                }
+            }
+        }
+    };
+}
+
+calls! {
+    SetDebugLogging "fmi2SetDebugLogging" AFTER_INSTANTIATION;
+    SetupExperiment "fmi2SetupExperiment" INSTANTIATED;
+    EnterInitializationMode "fmi2EnterInitializationMode" INSTANTIATED;
+    ExitInitializationMode "fmi2ExitInitializationMode" INITIALIZATION;
+    Terminate "fmi2Terminate" COMPLETE | FAILED;
+    Reset "fmi2Reset" AFTER_INSTANTIATION;
+    GetReal "fmi2GetReal" READABLE;
+    GetInteger "fmi2GetInteger" READABLE;
+    GetBoolean "fmi2GetBoolean" READABLE;
+    GetString "fmi2GetString" READABLE;
+    SetReal "fmi2SetReal" SETTABLE;
+    SetInteger "fmi2SetInteger" SETTABLE;
+    SetBoolean "fmi2SetBoolean" SETTABLE;
+    SetString "fmi2SetString" SETTABLE;
+    GetFmuState "fmi2GetFMUstate" AFTER_INSTANTIATION;
+    SetFmuState "fmi2SetFMUstate" AFTER_INSTANTIATION;
+    FreeFmuState "fmi2FreeFMUstate" AFTER_INSTANTIATION;
+    SerializedFmuStateSize "fmi2SerializedFMUstateSize" AFTER_INSTANTIATION;
+    SerializeFmuState "fmi2SerializeFMUstate" AFTER_INSTANTIATION;
+    DeSerializeFmuState "fmi2DeSerializeFMUstate" AFTER_INSTANTIATION;
+    GetDirectionalDerivative "fmi2GetDirectionalDerivative" READABLE;
+    SetRealInputDerivatives "fmi2SetRealInputDerivatives" SETTABLE;
+    GetRealOutputDerivatives "fmi2GetRealOutputDerivatives" STEPPED;
+    DoStep "fmi2DoStep" COMPLETE;
+    CancelStep "fmi2CancelStep" NEVER;
+    GetStatus "fmi2GetStatus" STEPPED;
+    GetRealStatus "fmi2GetRealStatus" STEPPED;
+    GetIntegerStatus "fmi2GetIntegerStatus" STEPPED;
+    GetBooleanStatus "fmi2GetBooleanStatus" STEPPED;
+    GetStringStatus "fmi2GetStringStatus" STEPPED;
+    EnterEventMode "fmi2EnterEventMode" NEVER;
+    NewDiscreteStates "fmi2NewDiscreteStates" NEVER;
+    EnterContinuousTimeMode "fmi2EnterContinuousTimeMode" NEVER;
+    CompletedIntegratorStep "fmi2CompletedIntegratorStep" NEVER;
+    SetTime "fmi2SetTime" NEVER;
+    SetContinuousStates "fmi2SetContinuousStates" NEVER;
+    GetDerivatives "fmi2GetDerivatives" NEVER;
+    GetEventIndicators "fmi2GetEventIndicators" NEVER;
+    GetContinuousStates "fmi2GetContinuousStates" NEVER;
+    GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates" NEVER;
+}
+
+impl Call {
+    /// Whether the state allows the call; if not, a sentence that says what would.
+    pub fn admitted_in(self, phase: Phase) -> Result<(), String> {
+        let phases = self.phases();
+        if phases & phase.bit() != 0 {
+            return Ok(());
+        }
+        let name = self.name();
+        Err(match (phases, self) {
+            (NEVER, Call::CancelStep) => format!("{name}: no step is ever in progress, steps are synchronous"),
+            (NEVER, _) => format!("{name} belongs to Model Exchange; this FMU offers Co-Simulation only"),
+            _ => {
+                let allowed: Vec<String> =
+                    Phase::ALL.into_iter().filter(|p| phases & p.bit() != 0).map(|p| p.to_string()).collect();
+                format!("{name} is not allowed in state {phase}; it is in {}", allowed.join(", "))
+            }
+        })
+    }
+}

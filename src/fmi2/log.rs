@@ -1,0 +1,125 @@
+//! Messages for the importer, by category, as text that is no printf format.
+
+use std::ffi::{CStr, CString};
+use std::fmt::Write;
+
+use crate::fmi2::types::{Status, fmi2CallbackFunctions};
+
+/// Category of a message; the names are those of modelDescription.xml.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Category {
+    /// Something is to be looked at.
+    Warning,
+    /// A call was refused or failed.
+    Error,
+    /// The instance is unusable.
+    Fatal,
+    /// One line an event.
+    Events,
+    /// One line a step.
+    Steps,
+}
+
+impl Category {
+    /// All of them.
+    pub const ALL: [Category; 5] =
+        [Category::Warning, Category::Error, Category::Fatal, Category::Events, Category::Steps];
+
+    /// Its name.
+    pub fn name(self) -> &'static CStr {
+        match self {
+            Category::Warning => c"logStatusWarning",
+            Category::Error => c"logStatusError",
+            Category::Fatal => c"logStatusFatal",
+            Category::Events => c"logEvents",
+            Category::Steps => c"logSteps",
+        }
+    }
+
+    fn of_status(status: Status) -> Category {
+        match status {
+            Status::Ok | Status::Warning | Status::Discard => Category::Warning,
+            Status::Error => Category::Error,
+            Status::Fatal => Category::Fatal,
+        }
+    }
+}
+
+/// Where messages of an instance go.
+#[derive(Debug)]
+pub struct Log {
+    callbacks: fmi2CallbackFunctions,
+    instance: CString,
+    wanted: [bool; Category::ALL.len()],
+}
+
+impl Log {
+    /// A log through the importer's callbacks. Warnings and errors are told in any case, events and steps if `logging`.
+    pub fn new(callbacks: fmi2CallbackFunctions, instance: CString, logging: bool) -> Log {
+        let mut log = Log { callbacks, instance, wanted: [true; Category::ALL.len()] };
+        log.choose(logging, None);
+        log
+    }
+
+    /// Which categories are told from now on: with `logging` those listed, or all if none is; without it only warnings
+    /// and errors.
+    pub fn choose(&mut self, logging: bool, listed: Option<&[Category]>) {
+        self.wanted = Category::ALL.map(|category| match (logging, listed) {
+            (true, None) => true,
+            (true, Some(listed)) => listed.contains(&category),
+            (false, _) => !matches!(category, Category::Events | Category::Steps),
+        });
+    }
+
+    /// Whether this category is told.
+    pub fn wants(&self, category: Category) -> bool {
+        self.wanted[category as usize]
+    }
+
+    /// Tells the message that belongs to a status.
+    pub fn status(&self, status: Status, message: &str) {
+        self.tell(status, Category::of_status(status), format_args!("{message}"));
+    }
+
+    /// Tells a message, without allocating memory; what exceeds a line of 1 kB is cut.
+    pub fn tell(&self, status: Status, category: Category, message: std::fmt::Arguments) {
+        if !self.wants(category) {
+            return;
+        }
+        let mut line = Line::new();
+        // A line that is full is told as far as it goes.
+        let _ = line.write_fmt(message);
+        super::boundary::log(&self.callbacks, &self.instance, status, category.name(), line.as_c_str());
+    }
+}
+
+/// A text on the stack that ends with 0 and has none inside.
+struct Line {
+    bytes: [u8; 1024],
+    length: usize,
+}
+
+impl Line {
+    fn new() -> Line {
+        Line { bytes: [0; 1024], length: 0 }
+    }
+
+    fn as_c_str(&self) -> &CStr {
+        CStr::from_bytes_until_nul(&self.bytes).unwrap_or(c"")
+    }
+}
+
+impl Write for Line {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        for character in text.chars() {
+            let character = if character == '\0' { '\u{fffd}' } else { character };
+            let end = self.length + character.len_utf8();
+            if end >= self.bytes.len() {
+                return Err(std::fmt::Error);
+            }
+            character.encode_utf8(&mut self.bytes[self.length..end]);
+            self.length = end;
+        }
+        Ok(())
+    }
+}

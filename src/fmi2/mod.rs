@@ -1,0 +1,15 @@
+//! The solver behind the C interface of FMI 2.0 Co-Simulation.
+//!
+//! `exports` has the 44 functions; `boundary` turns their pointers into references and lets no panic out; `instance` is
+//! a state machine without any of that, `calls` its table of what is legal when, `values` its variables, `snapshot` its
+//! saved states, `log` its messages. What the variables are comes from modelDescription.xml through `variables`.
+
+pub mod boundary;
+pub mod calls;
+pub mod exports;
+pub mod instance;
+pub mod log;
+pub mod snapshot;
+pub mod types;
+pub mod values;
+pub mod variables;
