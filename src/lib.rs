@@ -16,5 +16,7 @@ pub mod peaks;
 pub mod roots;
 pub mod simulation;
 
+pub mod fmi2;
+
 #[cfg(feature = "program")]
 pub mod records;

@@ -14,7 +14,7 @@ use crate::scalar::Scalar;
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
 
 /// Motion, reactions and corners at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation<T> {
     /// Rotation θ [rad], positive to the right.
     pub theta: T,
@@ -153,6 +153,27 @@ impl View<'_> {
 }
 
 impl<T: Scalar> Observation<T> {
+    /// The same of each number.
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Observation<U> {
+        Observation {
+            theta: f(self.theta),
+            theta_dot: f(self.theta_dot),
+            theta_ddot: f(self.theta_ddot),
+            v: f(self.v),
+            v_dot: f(self.v_dot),
+            v_ddot: f(self.v_ddot),
+            u: f(self.u),
+            u_dot: f(self.u_dot),
+            u_ddot: f(self.u_ddot),
+            reaction: self.reaction.map(&f),
+            horizontal: f(self.horizontal),
+            base_moment: f(self.base_moment),
+            corner: self.corner.map(&f),
+            uplift: self.uplift.map(&f),
+            friction_demand: f(self.friction_demand),
+        }
+    }
+
     /// The block held where it is: no rates, accelerations and reactions, and nothing that could change them.
     pub fn frozen(&self) -> Observation<T> {
         let still = |x: T| T::from(x.value());

@@ -129,36 +129,21 @@ pub struct EnergySums {
 
 /// Energies at one time [J], and what became of them since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies<T> {
+pub struct Energies {
     /// Total energy, zero at rest.
-    pub total: T,
+    pub total: f64,
     /// Kinetic energy relative to the ground.
-    pub kinetic: T,
+    pub kinetic: f64,
     /// Energy of the weight and of the springs that are touched.
-    pub potential: T,
+    pub potential: f64,
     /// Work of the ground motion and the loads.
-    pub input: T,
+    pub input: f64,
     /// Energy that the dashpots took.
-    pub dashpots: T,
+    pub dashpots: f64,
     /// Energy that went at changes of regime (negative if some came).
-    pub impacts: T,
+    pub impacts: f64,
     /// What the sum misses: `total − initial − input + dashpots + impacts`, round-off and integration error.
-    pub residual: T,
-}
-
-impl<T> Energies<T> {
-    /// The same in other numbers.
-    pub fn map<U>(self, f: impl Fn(T) -> U) -> Energies<U> {
-        Energies {
-            total: f(self.total),
-            kinetic: f(self.kinetic),
-            potential: f(self.potential),
-            input: f(self.input),
-            dashpots: f(self.dashpots),
-            impacts: f(self.impacts),
-            residual: f(self.residual),
-        }
-    }
+    pub residual: f64,
 }
 
 /// Counters since the start.
@@ -800,7 +785,7 @@ impl Simulation {
     }
 
     /// Energies and their sums now [J].
-    pub fn energies(&self) -> Energies<f64> {
+    pub fn energies(&self) -> Energies {
         let x = self.point_at(self.time, self.state, &Excitation::none()).instant;
         let (kinetic, potential) = energy(&self.block, self.regime, &x);
         let EnergySums { initial, input, dashpots, impacts } = self.sums;
@@ -819,7 +804,7 @@ impl Simulation {
     }
 
     /// Rates at which the energies and their sums change now [W].
-    pub fn energy_rates(&self, inputs: &Inputs) -> Energies<f64> {
+    pub fn energy_rates(&self, inputs: &Inputs) -> Energies {
         if self.is_frozen() {
             return Energies::default();
         }

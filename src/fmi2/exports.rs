@@ -7,7 +7,7 @@
 
 use std::ffi::c_char;
 
-use libc::{c_void, size_t};
+use libc::size_t;
 
 use crate::fmi2::boundary::{self, call, is_true, place, read, texts, write};
 use crate::fmi2::calls::Call;

@@ -59,7 +59,7 @@ pub struct Instance {
     pub log: Log,
     core: Core,
     /// What is seen at the present time, until something changes it.
-    seen: Option<(Observation<f64>, Energies<f64>)>,
+    seen: Option<(Observation<f64>, Energies)>,
 }
 
 /// By how much a master's clock may be off, relative to the greater of step and time.
@@ -437,13 +437,10 @@ impl Instance {
         }
         let inputs = self.core.inputs;
         let simulation = self.preview()?;
-        let seen = simulation.observe_rates(&inputs);
-        let energies = simulation.energy_rates(&inputs).map(num_dual::Dual64::from);
+        let rates = simulation.observe_rates(&inputs).map(|x| x.eps);
+        let energies = simulation.energy_rates(&inputs);
         for (&reference, value) in references.iter().zip(values) {
-            let variable = VARIABLES[reference as usize].variable;
-            let energy = real_output(variable, &Observation::default(), &energies, |_| Default::default()).re;
-            let motion = real_output(variable, &seen, &Energies::default(), |_| Default::default()).eps;
-            *value = motion + energy;
+            *value = real_output(VARIABLES[reference as usize].variable, &rates, &energies, |_| 0.0);
         }
         Ok(Status::Ok)
     }
@@ -472,10 +469,10 @@ impl Instance {
         }
         let at = self.core.inputs;
         let along = inputs(0.0, components, &[0.0; INPUTS.len()]);
-        let seen = self.preview()?.observe_direction(&at, &along);
+        let derivative = self.preview()?.observe_direction(&at, &along).map(|x| x.eps);
         for (&reference, value) in unknowns.iter().zip(sensitivities) {
             let variable = VARIABLES[reference as usize].variable;
-            *value = real_output(variable, &seen, &Energies::default(), |_| Default::default()).eps;
+            *value = real_output(variable, &derivative, &Energies::default(), |_| 0.0);
         }
         Ok(Status::Ok)
     }

@@ -176,12 +176,12 @@ pub fn derived(variable: Variable, block: &Block) -> Option<f64> {
 }
 
 /// The value of a Real output from what is seen, or its rate where rates are given.
-pub fn real_output<T: Copy + Default>(
+pub fn real_output(
     variable: Variable,
-    seen: &Observation<T>,
-    energies: &Energies<T>,
-    history: impl FnOnce(Variable) -> T,
-) -> T {
+    seen: &Observation<f64>,
+    energies: &Energies,
+    history: impl FnOnce(Variable) -> f64,
+) -> f64 {
     match variable {
         Variable::Theta => seen.theta,
         Variable::ThetaDot => seen.theta_dot,

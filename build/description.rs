@@ -1,0 +1,239 @@
+//! modelDescription.xml → a checked list of variables → Rust.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use roxmltree::{Document, Node};
+
+/// What the build takes from modelDescription.xml.
+pub struct Description {
+    pub guid: String,
+    pub model_identifier: String,
+    pub variables: Vec<Variable>,
+    /// The file with the GUID in it.
+    pub packed: String,
+}
+
+pub struct Variable {
+    pub name: String,
+    pub description: String,
+    pub kind: &'static str,
+    pub causality: &'static str,
+    pub variability: &'static str,
+    pub declared_type: Option<String>,
+    pub unit: Option<String>,
+    pub start: Option<f64>,
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+    /// Values of the items, if it is an enumeration.
+    pub items: Vec<(String, i32)>,
+}
+
+/// Name space of the GUIDs of this FMU: a random UUID, fixed once.
+const NAMESPACE: uuid::Uuid = uuid::uuid!("0a1f3f4e-7a35-4c7e-9f0e-3c8f5f6f2b61");
+
+/// Reads and checks the file; the message of an error names the element and what was expected.
+pub fn read(text: &str) -> Result<Description, String> {
+    let document = Document::parse(text).map_err(|e| e.to_string())?;
+    let root = document.root_element();
+    let variables = child(root, "ModelVariables")?
+        .children()
+        .filter(Node::is_element)
+        .enumerate()
+        .map(|(i, node)| variable(root, node, i))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut names = BTreeSet::new();
+    for variable in &variables {
+        if !names.insert(&variable.name) {
+            return Err(format!("variable {} stands twice", variable.name));
+        }
+    }
+    check_structure(root, &variables)?;
+    let guid = format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()));
+    let place = root.attribute_node("guid").ok_or("fmiModelDescription has no guid")?.range_value();
+    let packed = format!("{}{guid}{}", &text[..place.start], &text[place.end..]);
+    let model_identifier = attribute(child(root, "CoSimulation")?, "modelIdentifier")?.to_string();
+    Ok(Description { guid, model_identifier, variables, packed })
+}
+
+fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
+    let name = attribute(node, "name")?.to_string();
+    let wrong = |what: &str| format!("variable {name}: {what}");
+    if attribute(node, "valueReference")? != index.to_string() {
+        return Err(wrong(&format!("valueReference should be its place, {index}")));
+    }
+    let causality = match attribute(node, "causality")? {
+        "input" => "Input",
+        "parameter" => "Parameter",
+        "calculatedParameter" => "CalculatedParameter",
+        "output" => "Output",
+        other => return Err(wrong(&format!("causality {other} is not used here"))),
+    };
+    let variability = match attribute(node, "variability")? {
+        "continuous" => "Continuous",
+        "discrete" => "Discrete",
+        "fixed" => "Fixed",
+        other => return Err(wrong(&format!("variability {other} is not used here"))),
+    };
+    let of_type = node.children().find(Node::is_element).ok_or_else(|| wrong("has no type"))?;
+    let kind = match of_type.tag_name().name() {
+        "Real" => "Real",
+        "Integer" => "Integer",
+        "Boolean" => "Boolean",
+        "Enumeration" => "Enumeration",
+        other => return Err(wrong(&format!("type {other} is not used here"))),
+    };
+    let declared_type = of_type.attribute("declaredType").map(str::to_string);
+    let declaration = match &declared_type {
+        Some(declared) => Some(simple_type(root, declared).ok_or_else(|| wrong(&format!("type {declared} is not declared")))?),
+        None => None,
+    };
+    let number = |attribute: &str| -> Result<Option<f64>, String> {
+        match of_type.attribute(attribute) {
+            None => Ok(None),
+            Some("true") if kind == "Boolean" => Ok(Some(1.0)),
+            Some("false") if kind == "Boolean" => Ok(Some(0.0)),
+            Some(text) => text.parse().map(Some).map_err(|_| wrong(&format!("{attribute} = {text} is no number"))),
+        }
+    };
+    let (start, mut min, mut max) = (number("start")?, number("min")?, number("max")?);
+    let items = declaration.map(items).transpose()?.unwrap_or_default();
+    if kind == "Enumeration" {
+        min = items.iter().map(|item| f64::from(item.1)).reduce(f64::min);
+        max = items.iter().map(|item| f64::from(item.1)).reduce(f64::max);
+    }
+    let settable = matches!(causality, "Input" | "Parameter");
+    if settable != start.is_some() {
+        return Err(wrong("has a start value if, and only if, it is an input or a parameter"));
+    }
+    if start.is_some_and(|start| min.is_some_and(|min| start < min) || max.is_some_and(|max| start > max)) {
+        return Err(wrong("starts outside its limits"));
+    }
+    let unit = declaration
+        .and_then(|node| node.children().find(|n| n.has_tag_name("Real")))
+        .and_then(|real| real.attribute("unit"))
+        .map(str::to_string);
+    if let Some(unit) = &unit
+        && !child(root, "UnitDefinitions")?.children().any(|n| n.attribute("name") == Some(unit))
+    {
+        return Err(wrong(&format!("unit {unit} is not defined")));
+    }
+    if (kind == "Real") != unit.is_some() {
+        return Err(wrong("has a unit if, and only if, it is Real"));
+    }
+    let description = attribute(node, "description")?.to_string();
+    Ok(Variable { name, description, kind, causality, variability, declared_type, unit, start, min, max, items })
+}
+
+fn items(declaration: Node) -> Result<Vec<(String, i32)>, String> {
+    declaration
+        .descendants()
+        .filter(|node| node.has_tag_name("Item"))
+        .map(|item| {
+            let value = attribute(item, "value")?;
+            let value = value.parse().map_err(|_| format!("item value {value} is no integer"))?;
+            Ok((attribute(item, "name")?.to_string(), value))
+        })
+        .collect()
+}
+
+/// Every output stands in ModelStructure, once and in order, and depends on inputs only.
+fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
+    let structure = child(root, "ModelStructure")?;
+    let indices = |list: &str| -> Result<Vec<usize>, String> {
+        child(structure, list)?.children().filter(Node::is_element).map(|node| index(node, "index")).collect()
+    };
+    let of = |causalities: &[&str]| -> Vec<usize> {
+        (1..).zip(variables).filter(|(_, v)| causalities.contains(&v.causality)).map(|(i, _)| i).collect()
+    };
+    if indices("Outputs")? != of(&["Output"]) {
+        return Err("ModelStructure/Outputs should list every output in order".into());
+    }
+    if indices("InitialUnknowns")? != of(&["CalculatedParameter", "Output"]) {
+        return Err("ModelStructure/InitialUnknowns should list every calculated parameter and output in order".into());
+    }
+    let inputs = of(&["Input"]);
+    for unknown in child(structure, "Outputs")?.children().filter(Node::is_element) {
+        for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
+            if !inputs.iter().any(|input| input.to_string() == dependency) {
+                return Err(format!("output {} depends on {dependency}, which is no input", index(unknown, "index")?));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn index(node: Node, name: &str) -> Result<usize, String> {
+    let text = attribute(node, name)?;
+    text.parse().map_err(|_| format!("{name} = {text} is no index"))
+}
+
+fn simple_type<'a>(root: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    child(root, "TypeDefinitions").ok()?.children().find(|node| node.attribute("name") == Some(name))
+}
+
+fn child<'a>(node: Node<'a, 'a>, name: &str) -> Result<Node<'a, 'a>, String> {
+    node.children().find(|n| n.has_tag_name(name)).ok_or_else(|| format!("{} has no {name}", node.tag_name().name()))
+}
+
+fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
+    node.attribute(name).ok_or_else(|| format!("a {} has no {name}", node.tag_name().name()))
+}
+
+impl Description {
+    /// The table of variables in Rust.
+    pub fn code(&self) -> String {
+        let mut code = String::new();
+        self.write_code(&mut code).expect("a String takes any text");
+        code
+    }
+
+    fn write_code(&self, code: &mut String) -> std::fmt::Result {
+        writeln!(code, "/// GUID that an importer has to know, computed from modelDescription.xml.")?;
+        writeln!(code, "pub const GUID: &str = {:?};", self.guid)?;
+        writeln!(code, "/// A variable of modelDescription.xml; its number is its value reference.")?;
+        writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\n#[repr(u32)]\npub enum Variable {{")?;
+        for variable in &self.variables {
+            writeln!(code, "    /// `{}`: {}.", variable.name, variable.description.replace('|', "\\|"))?;
+            writeln!(code, "    {},", identifier(&variable.name))?;
+        }
+        writeln!(code, "}}\n/// All variables, by value reference.")?;
+        writeln!(code, "pub static VARIABLES: [Metadata; {}] = [", self.variables.len())?;
+        for v in &self.variables {
+            let items: Vec<i32> = v.items.iter().map(|item| item.1).collect();
+            writeln!(
+                code,
+                "    Metadata {{ variable: Variable::{}, name: {:?}, kind: Kind::{}, causality: Causality::{}, \
+                 variability: Variability::{}, start: {:?}, min: {:?}, max: {:?}, items: &{items:?} }},",
+                identifier(&v.name),
+                v.name,
+                v.kind,
+                v.causality,
+                v.variability,
+                v.start,
+                v.min,
+                v.max,
+            )?;
+        }
+        writeln!(code, "];")?;
+        let mut enumerations = BTreeMap::new();
+        for variable in self.variables.iter().filter(|v| v.kind == "Enumeration") {
+            enumerations.insert(variable.declared_type.clone().unwrap_or_default(), &variable.items);
+        }
+        writeln!(code, "/// The items of each enumeration.\npub static ENUMERATIONS: [Enumeration; {}] = [", enumerations.len())?;
+        for (name, items) in enumerations {
+            writeln!(code, "    Enumeration {{ name: {name:?}, items: &{items:?} }},")?;
+        }
+        writeln!(code, "];")
+    }
+}
+
+/// `dimensionless.xi_v` → `DimensionlessXiV`.
+fn identifier(name: &str) -> String {
+    name.split(['.', '_'])
+        .map(|part| {
+            let mut letters = part.chars();
+            letters.next().map(|first| first.to_uppercase().chain(letters).collect::<String>()).unwrap_or_default()
+        })
+        .collect()
+}

@@ -1,0 +1,127 @@
+//! What modelDescription.xml says of each variable, as the build read it.
+
+/// Base type of a variable; an enumeration is read and set as an Integer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A real number.
+    Real,
+    /// An integer.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// An item of an enumeration.
+    Enumeration,
+    /// A text; no variable is one.
+    String,
+}
+
+impl Kind {
+    /// The kind by whose functions it is read and set.
+    pub fn base(self) -> Kind {
+        match self {
+            Kind::Enumeration => Kind::Integer,
+            Kind::Real | Kind::Integer | Kind::Boolean | Kind::String => self,
+        }
+    }
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+/// What a variable is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Set from outside at any time.
+    Input,
+    /// Set from outside before initialization ends.
+    Parameter,
+    /// Follows from parameters.
+    CalculatedParameter,
+    /// Put out.
+    Output,
+}
+
+impl std::fmt::Display for Causality {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Causality::Input => "input",
+            Causality::Parameter => "parameter",
+            Causality::CalculatedParameter => "calculated parameter",
+            Causality::Output => "output",
+        })
+    }
+}
+
+/// When a variable changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variability {
+    /// At all times.
+    Continuous,
+    /// At events.
+    Discrete,
+    /// Not after initialization.
+    Fixed,
+}
+
+/// What modelDescription.xml says of a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metadata {
+    /// The variable.
+    pub variable: Variable,
+    /// Its name.
+    pub name: &'static str,
+    /// Its type.
+    pub kind: Kind,
+    /// What it is for.
+    pub causality: Causality,
+    /// When it changes.
+    pub variability: Variability,
+    /// Its start value, with 0 and 1 for false and true.
+    pub start: Option<f64>,
+    /// Its least value.
+    pub min: Option<f64>,
+    /// Its greatest value.
+    pub max: Option<f64>,
+    /// The values that an enumeration has.
+    pub items: &'static [i32],
+}
+
+/// An enumeration and its items.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enumeration {
+    /// Its name.
+    pub name: &'static str,
+    /// Names and values of its items.
+    pub items: &'static [(&'static str, i32)],
+}
+
+impl Metadata {
+    /// Whether it can be set from outside at all.
+    pub fn is_settable(&self) -> bool {
+        matches!(self.causality, Causality::Input | Causality::Parameter)
+    }
+
+    /// Refuses values that are not finite or outside the limits, with a sentence that names them.
+    pub fn admits(&self, value: f64) -> Result<(), String> {
+        let (name, min, max) = (self.name, self.min, self.max);
+        let within = min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
+        if self.kind == Kind::Enumeration {
+            let known = self.items.iter().any(|&item| f64::from(item) == value);
+            return if known { Ok(()) } else { Err(format!("{name} = {value}; expected one of {:?}", self.items)) };
+        }
+        if value.is_finite() && within {
+            return Ok(());
+        }
+        Err(match (min, max) {
+            (Some(min), Some(max)) => format!("{name} = {value}; expected {min} to {max}"),
+            (Some(min), None) => format!("{name} = {value}; expected at least {min}"),
+            (None, Some(max)) => format!("{name} = {value}; expected at most {max}"),
+            (None, None) => format!("{name} = {value}; expected a finite number"),
+        })
+    }
+}
+
+include!(concat!(env!("OUT_DIR"), "/variables.rs"));
