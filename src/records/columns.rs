@@ -206,6 +206,7 @@ fn choose(
         .transpose()?;
     let time = match &options.time_column {
         Some(column) => Some(place(column)?),
+        None if *width == 1 => None,
         None if !names.is_empty() => names.iter().position(Name::is_time),
         // Without names: time first, unless the time step is given and a table of accelerations alone is possible.
         None => (*width == 2 || *width > 2 && options.time_step.is_none()).then_some(0),
@@ -249,8 +250,10 @@ fn unit(
         (Err(_), Some(found)) => {
             Err(source.not_acceleration(layout.header, format!("{found} ({})", quoted(name.whole))))
         }
-        (Err(_), None) => {
+        (Err(_), None) if name.is_acceleration() => {
             Err(source.header_error(layout.header, name.whole, "a unit among g, m/s2, cm/s2"))
         }
+        // Not the name of a column but a title, as "Tabas (Iran)".
+        (Err(_), None) => Ok(None),
     }
 }
