@@ -143,7 +143,10 @@ fn headers_of_numbers_are_not_read_as_values() {
         refusal(&format!("25\n{}", "0.5\n".repeat(25)), &cm),
         "made-up, line 1: found \"25, the count of the values after it\", expected an acceleration"
     );
-    let titled = accelerations("Tabas (Iran)\n0.5\n0.25\n", &said(Unit::G, 0.02));
+    let titled = accelerations(
+        "Time history of Tabas (Iran)\n0.5\n0.25\n",
+        &said(Unit::G, 0.02),
+    );
     assert_eq!((titled.acceleration.len(), titled.time_step), (2, 0.02));
     let message = refusal("acceleration (furlongs)\n0.5\n0.25\n", &cm);
     assert!(
