@@ -193,7 +193,7 @@ impl Instance {
 
     /// `fmi2DoStep`. Allocates no memory unless it fails.
     pub fn do_step(&mut self, time: f64, step: f64) -> Answer {
-        let Core { experiment, values, rates, rates_are_new, simulation, .. } = &mut self.core;
+        let Core { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting } = &mut self.core;
         let Some(simulation) = simulation else { return Err(Fault::error("there is no block yet")) };
         let present = simulation.time();
         if !(step.is_finite() && step > 0.0) {
@@ -225,9 +225,9 @@ impl Instance {
             log.tell(Status::Ok, Category::Events, format_args!("{event}"));
         });
         self.seen = None;
-        self.core.inputs = inputs;
+        *acting = inputs;
         let progress = progress.map_err(|error| {
-            self.core.phase = Phase::Error;
+            *phase = Phase::Error;
             Fault::error(error.to_string())
         })?;
         *rates_are_new = false;
@@ -238,7 +238,7 @@ impl Instance {
         match progress {
             Progress::Reached => Ok(Status::Ok),
             Progress::Ended(ending, at) => {
-                self.core.phase = Phase::StepFailed;
+                *phase = Phase::StepFailed;
                 log.tell(
                     Status::Discard,
                     Category::Warning,

@@ -1,0 +1,160 @@
+//! What a reader found, before the caller's options are applied: unit and time step still to be agreed.
+
+use super::text::Source;
+use super::{Format, Peak, ReadOptions, Record, RecordError, Unit};
+
+/// Ground motion above so many g has never been recorded (the largest are near 4 g): the unit must be wrong.
+const LARGEST_PEAK: f64 = 20.0;
+
+/// Two time steps that differ by less, relatively, are the same: more digits are printed by no header.
+const SAME_STEP: f64 = 1e-6;
+
+pub(super) struct StatedCount {
+    pub(super) line: usize,
+    /// The header's own word for the count.
+    pub(super) key: &'static str,
+    pub(super) value: usize,
+}
+
+pub(super) struct StatedStep {
+    pub(super) line: usize,
+    /// (s)
+    pub(super) value: f64,
+    /// How far the caller's time step may be from it [s].
+    pub(super) tolerance: f64,
+}
+
+impl StatedStep {
+    /// A time step that the header prints as such.
+    pub(super) fn exact(line: usize, value: f64) -> StatedStep {
+        StatedStep {
+            line,
+            value,
+            tolerance: SAME_STEP * value.abs(),
+        }
+    }
+}
+
+/// The content of a file in its own unit.
+pub(super) struct Raw {
+    pub(super) format: Format,
+    pub(super) title: String,
+    pub(super) unit: Option<(usize, Unit)>,
+    pub(super) time_step: Option<StatedStep>,
+    pub(super) count: Option<StatedCount>,
+    /// (s)
+    pub(super) start_time: f64,
+    pub(super) values: Vec<f64>,
+}
+
+impl Raw {
+    pub(super) fn new(format: Format) -> Raw {
+        Raw {
+            format,
+            title: String::new(),
+            unit: None,
+            time_step: None,
+            count: None,
+            start_time: 0.0,
+            values: Vec::new(),
+        }
+    }
+
+    /// Agrees with the caller on unit and time step, checks count and peak, and converts to m/s².
+    pub(super) fn into_record(
+        self,
+        source: &Source<'_>,
+        options: &ReadOptions,
+    ) -> Result<Record, RecordError> {
+        let file = || source.name.clone();
+        if let Some(StatedCount { line, key, value }) = self.count
+            && value != self.values.len()
+        {
+            return Err(RecordError::Count {
+                file: file(),
+                line,
+                key,
+                stated: value,
+                counted: self.values.len(),
+            });
+        }
+        if self.values.len() < 2 {
+            return Err(RecordError::TooFew {
+                file: file(),
+                counted: self.values.len(),
+            });
+        }
+        let time_step = match (self.time_step, options.time_step) {
+            (Some(StatedStep { line, value, .. }), _) if !(value.is_finite() && value > 0.0) => {
+                return Err(source.header_error(
+                    line,
+                    &format!("time step {value} s"),
+                    "a time step above 0 s",
+                ));
+            }
+            (
+                Some(StatedStep {
+                    line,
+                    value,
+                    tolerance,
+                }),
+                Some(given),
+            ) if (given - value).abs() > tolerance => {
+                return Err(RecordError::TimeStepContradicted {
+                    file: file(),
+                    line,
+                    found: value,
+                    given,
+                });
+            }
+            (_, Some(given)) => given,
+            (Some(stated), None) => stated.value,
+            (None, None) => return Err(RecordError::TimeStepMissing { file: file() }),
+        };
+        let unit = match (self.unit, options.unit) {
+            (Some((line, found)), Some(given)) if found != given => {
+                return Err(RecordError::UnitContradicted {
+                    file: file(),
+                    line,
+                    found,
+                    given,
+                });
+            }
+            (Some((_, unit)), _) | (None, Some(unit)) => unit,
+            (None, None) => return Err(RecordError::UnitMissing { file: file() }),
+        };
+        let title = if self.title.is_empty() {
+            file()
+        } else {
+            self.title
+        };
+        let Raw {
+            format,
+            start_time,
+            values: acceleration,
+            ..
+        } = self;
+        let record = Record {
+            title,
+            format,
+            unit,
+            start_time,
+            time_step,
+            acceleration,
+        };
+        let record = record.scaled(unit.factor(options.gravity));
+        let Peak { acceleration, time } = record.peak();
+        // Not "peak > limit": a product that overflowed to infinity or NaN is refused as well.
+        let peak = acceleration.abs() / options.gravity;
+        if !(peak <= LARGEST_PEAK && record.acceleration.iter().all(|a| a.is_finite())) {
+            return Err(RecordError::Absurd {
+                file: file(),
+                peak,
+                time,
+                unit,
+                limit: LARGEST_PEAK,
+            });
+        }
+        Ok(record)
+    }
+}

@@ -1,0 +1,216 @@
+//! How a table of numbers is laid out: separator, header row, first row of numbers.
+
+use super::text::{HEAD_LINES, Source, number, quoted, squeezed};
+use super::{Format, RecordError};
+
+/// So many columns are no table but values in reading order, as in PEER files.
+const FEWEST_IN_BLOCK: usize = 3;
+
+/// Two steps of a first column are equal, relatively, if it is a time column.
+const EQUAL_STEPS: f64 = 1e-3;
+
+/// What separates the columns.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Separator {
+    Byte(u8),
+    Blanks,
+}
+
+impl Separator {
+    pub(super) fn of(line: &str) -> Separator {
+        let found = [b';', b'\t', b',']
+            .into_iter()
+            .find(|&byte| line.trim().contains(char::from(byte)));
+        found.map_or(Separator::Blanks, Separator::Byte)
+    }
+
+    pub(super) fn split(self, line: &str) -> Vec<&str> {
+        match self {
+            Separator::Byte(byte) => line
+                .trim()
+                .trim_end_matches(char::from(byte))
+                .split(char::from(byte))
+                .map(str::trim)
+                .collect(),
+            Separator::Blanks => line.split_whitespace().collect(),
+        }
+    }
+
+    /// Where commas do not separate columns they are decimal commas.
+    pub(super) fn number(self, field: &str) -> Option<f64> {
+        match self {
+            Separator::Byte(b',') | Separator::Blanks => number(field),
+            Separator::Byte(_) => number(&field.replace(',', ".")),
+        }
+    }
+}
+
+/// A name of the header row and its unit in brackets, as `a_gx [m/s2]`.
+pub(super) struct Name<'a> {
+    pub(super) whole: &'a str,
+    pub(super) word: &'a str,
+    pub(super) unit: Option<&'a str>,
+}
+
+impl<'a> Name<'a> {
+    fn new(whole: &'a str) -> Name<'a> {
+        let whole = whole.trim().trim_matches('"').trim();
+        match whole.split_once(['[', '(']) {
+            Some((word, rest)) => Name {
+                whole,
+                word: word.trim(),
+                unit: rest.split([']', ')']).next().map(str::trim),
+            },
+            None => Name {
+                whole,
+                word: whole,
+                unit: None,
+            },
+        }
+    }
+
+    pub(super) fn starts_with(&self, starts: &[&str]) -> bool {
+        let word = self.word.to_lowercase();
+        starts.iter().any(|start| word.starts_with(start))
+    }
+
+    pub(super) fn is_time(&self) -> bool {
+        self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time"])
+    }
+
+    /// Velocity, displacement, or the abscissa of a spectrum.
+    pub(super) fn is_other_quantity(&self) -> bool {
+        let short = ["v", "vel", "d", "disp"];
+        short
+            .iter()
+            .any(|word| self.word.eq_ignore_ascii_case(word))
+            || self.starts_with(&["velocity", "displacement", "period", "frequency"])
+    }
+
+    pub(super) fn is_acceleration(&self) -> bool {
+        self.word.eq_ignore_ascii_case("a") || self.starts_with(&["acc", "a_", "ag"])
+    }
+}
+
+/// What stands before the numbers, and how they are laid out.
+pub(super) struct Layout<'a> {
+    pub(super) separator: Separator,
+    /// Line of the first row of numbers and its fields.
+    pub(super) first_row: usize,
+    pub(super) width: usize,
+    /// Line of the header row.
+    pub(super) header: usize,
+    pub(super) names: Vec<Name<'a>>,
+    pub(super) title: String,
+}
+
+/// Whether the numbers from the first line on are a block in reading order: three or more to a line, no time column.
+pub(super) fn is_block(head: &[&str]) -> bool {
+    let rows: Vec<Vec<f64>> = head
+        .iter()
+        .filter(|line| !line.trim().is_empty())
+        .map_while(|line| line.split_whitespace().map(number).collect())
+        .collect();
+    let wide = rows.first().is_some_and(|row| row.len() >= FEWEST_IN_BLOCK);
+    let times: Vec<f64> = rows.iter().filter_map(|row| row.first().copied()).collect();
+    let steps: Vec<f64> = times
+        .windows(2)
+        .filter_map(|pair| Some(pair.get(1)? - pair.first()?))
+        .collect();
+    let first = steps.first().copied().unwrap_or(0.0);
+    let even = first > 0.0
+        && steps.len() > 1
+        && steps
+            .iter()
+            .all(|step| (step - first).abs() <= EQUAL_STEPS * first);
+    wide && !even
+}
+
+/// Finds the first row of numbers and, before it, the header row.
+pub(super) fn layout<'a>(source: &'a Source<'_>) -> Result<Layout<'a>, RecordError> {
+    let mut before: Vec<(usize, &str)> = Vec::new();
+    for (line, text) in source.lines().take(HEAD_LINES) {
+        let separator = Separator::of(text);
+        let fields = separator.split(text);
+        if !fields.is_empty()
+            && fields
+                .iter()
+                .all(|field| separator.number(field.trim_matches('"')).is_some())
+        {
+            // A comment may be the header row, as "# t [s], a [m/s2]".
+            let bare = |text: &'a str| text.trim_start_matches(['#', '%', '!', '/']).trim();
+            let header = before
+                .last()
+                .map(|&(header, text)| (header, names(bare(text), separator, fields.len())));
+            let (header, names) = header.unwrap_or((line, Vec::new()));
+            let title = before
+                .first()
+                .filter(|&&(first, _)| names.is_empty() || first != header);
+            let title = title.map_or(String::new(), |(_, text)| squeezed(bare(text)));
+            return Ok(Layout {
+                separator,
+                first_row: line,
+                width: fields.len(),
+                header,
+                names,
+                title,
+            });
+        }
+        let lower = text.to_lowercase();
+        let spectrum = ["spectrum", "spectra"]
+            .iter()
+            .any(|word| lower.contains(word))
+            && !lower.contains("matched");
+        if spectrum
+            || lower
+                .trim_start()
+                .trim_start_matches('"')
+                .starts_with("period")
+        {
+            return Err(
+                source.not_acceleration(line, format!("a response spectrum ({})", quoted(text)))
+            );
+        }
+        if !text.trim().is_empty() {
+            before.push((line, text));
+        }
+    }
+    let (line, text) = before.last().copied().unwrap_or((1, ""));
+    let expected = format!(
+        "the header of a known format ({}) or a row of numbers in the first {HEAD_LINES} lines",
+        Format::NAMES
+    );
+    Err(source.header_error(line, text, expected))
+}
+
+/// The names of the header row, one a column, or none if the line does not fit the columns.
+fn names(line: &str, separator: Separator, width: usize) -> Vec<Name<'_>> {
+    let split = match separator {
+        Separator::Byte(_) => separator.split(line),
+        Separator::Blanks if line.contains('\t') => Separator::Byte(b'\t').split(line),
+        Separator::Blanks => {
+            // One blank may stand between a name and its unit; two separate names.
+            let wide: Vec<&str> = line
+                .split("  ")
+                .map(str::trim)
+                .filter(|name| !name.is_empty())
+                .collect();
+            let units: Vec<&str> = line.split_inclusive([']', ')']).map(str::trim).collect();
+            let words: Vec<&str> = line.split_whitespace().collect();
+            [wide, units, words]
+                .into_iter()
+                .find(|names| names.len() == width)
+                .unwrap_or_default()
+        }
+    };
+    if split.len() == width {
+        split.into_iter().map(Name::new).collect()
+    } else {
+        Vec::new()
+    }
+}
+
+/// Lines of comment among the rows of numbers.
+pub(super) fn is_comment(line: &str) -> bool {
+    line.trim_start().starts_with(['#', '%', '!'])
+}
