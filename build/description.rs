@@ -85,7 +85,9 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     };
     let declared_type = of_type.attribute("declaredType").map(str::to_string);
     let declaration = match &declared_type {
-        Some(declared) => Some(simple_type(root, declared).ok_or_else(|| wrong(&format!("type {declared} is not declared")))?),
+        Some(declared) => {
+            Some(simple_type(root, declared).ok_or_else(|| wrong(&format!("type {declared} is not declared")))?)
+        }
         None => None,
     };
     let number = |attribute: &str| -> Result<Option<f64>, String> {
@@ -220,7 +222,11 @@ impl Description {
         for variable in self.variables.iter().filter(|v| v.kind == "Enumeration") {
             enumerations.insert(variable.declared_type.clone().unwrap_or_default(), &variable.items);
         }
-        writeln!(code, "/// The items of each enumeration.\npub static ENUMERATIONS: [Enumeration; {}] = [", enumerations.len())?;
+        writeln!(
+            code,
+            "/// The items of each enumeration.\npub static ENUMERATIONS: [Enumeration; {}] = [",
+            enumerations.len()
+        )?;
         for (name, items) in enumerations {
             writeln!(code, "    Enumeration {{ name: {name:?}, items: &{items:?} }},")?;
         }

@@ -15,11 +15,7 @@ use rocking_block::records::{ReadOptions, Record, RecordError, Unit, parse};
 
 /// Options of a user who says what a file without header does not say.
 pub fn said(unit: Unit, time_step: f64) -> ReadOptions {
-    ReadOptions {
-        unit: Some(unit),
-        time_step: Some(time_step),
-        ..ReadOptions::default()
-    }
+    ReadOptions { unit: Some(unit), time_step: Some(time_step), ..ReadOptions::default() }
 }
 
 /// Reads a text as if it were a file.

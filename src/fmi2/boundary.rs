@@ -13,8 +13,8 @@ use crate::fmi2::calls::Call;
 use crate::fmi2::instance::{Answer, Core, Fault, Instance};
 use crate::fmi2::log::Log;
 use crate::fmi2::types::{
-    FMI2_CO_SIMULATION, FMI2_FALSE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate, fmi2Status,
-    fmi2String, fmi2Type,
+    FMI2_CO_SIMULATION, FMI2_FALSE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate,
+    fmi2Status, fmi2String, fmi2Type,
 };
 use crate::fmi2::variables::GUID;
 
@@ -22,11 +22,7 @@ use crate::fmi2::variables::GUID;
 ///
 /// # Safety
 /// `component` is null or comes from [`instantiate`] and was not freed; no other call on it is under way.
-pub unsafe fn call(
-    component: fmi2Component,
-    call: Call,
-    act: impl FnOnce(&mut Instance) -> Answer,
-) -> fmi2Status {
+pub unsafe fn call(component: fmi2Component, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi2Status {
     // SAFETY: by this function's contract the pointer is null or a live, unshared instance (standard, 2.1.5).
     let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else { return Status::Error.code() };
     guarded(instance, call, act).code()

@@ -52,23 +52,39 @@ pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
 
 /// Which messages are told.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetDebugLogging(component: fmi2Component, logging_on: fmi2Boolean, count: size_t, categories: *const fmi2String) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    component: fmi2Component,
+    logging_on: fmi2Boolean,
+    count: size_t,
+    categories: *const fmi2String,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.5).
-    unsafe { call(component, Call::SetDebugLogging, |instance| {
-        let names = texts("categories", categories, count)?;
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        instance.set_debug_logging(is_true(logging_on), &names)
-    }) }
+    unsafe {
+        call(component, Call::SetDebugLogging, |instance| {
+            let names = texts("categories", categories, count)?;
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            instance.set_debug_logging(is_true(logging_on), &names)
+        })
+    }
 }
 
 /// Tolerance, start and stop of the run.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetupExperiment(component: fmi2Component, tolerance_defined: fmi2Boolean, tolerance: fmi2Real, start_time: fmi2Real, stop_time_defined: fmi2Boolean, stop_time: fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    component: fmi2Component,
+    tolerance_defined: fmi2Boolean,
+    tolerance: fmi2Real,
+    start_time: fmi2Real,
+    stop_time_defined: fmi2Boolean,
+    stop_time: fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.6).
-    unsafe { call(component, Call::SetupExperiment, |instance| {
-        let tolerance = is_true(tolerance_defined).then_some(tolerance);
-        instance.setup_experiment(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
-    }) }
+    unsafe {
+        call(component, Call::SetupExperiment, |instance| {
+            let tolerance = is_true(tolerance_defined).then_some(tolerance);
+            instance.setup_experiment(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
+        })
+    }
 }
 
 /// Begins the initialization.
@@ -101,82 +117,138 @@ pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
 
 /// Reads Real variables.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetReal(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::GetReal, |instance| {
-        let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-        instance.get(Kind::Real, references, values, |value| value)
-    }) }
+    unsafe {
+        call(component, Call::GetReal, |instance| {
+            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
+            instance.get(Kind::Real, references, values, |value| value)
+        })
+    }
 }
 
 /// Reads Integer variables and enumerations.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetInteger(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Integer) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetInteger(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2Integer,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::GetInteger, |instance| {
-        let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-        instance.get(Kind::Integer, references, values, |value| value as fmi2Integer)
-    }) }
+    unsafe {
+        call(component, Call::GetInteger, |instance| {
+            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
+            instance.get(Kind::Integer, references, values, |value| value as fmi2Integer)
+        })
+    }
 }
 
 /// Reads Boolean variables.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBoolean(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Boolean) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetBoolean(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2Boolean,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::GetBoolean, |instance| {
-        let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-        instance.get(Kind::Boolean, references, values, |value| fmi2Boolean::from(value != 0.0))
-    }) }
+    unsafe {
+        call(component, Call::GetBoolean, |instance| {
+            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
+            instance.get(Kind::Boolean, references, values, |value| fmi2Boolean::from(value != 0.0))
+        })
+    }
 }
 
 /// There are no String variables: refused unless the count is 0.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetString(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *mut fmi2String) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetString(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2String,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::GetString, |instance| {
-        let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-        instance.get(Kind::String, references, values, |_| std::ptr::null())
-    }) }
+    unsafe {
+        call(component, Call::GetString, |instance| {
+            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
+            instance.get(Kind::String, references, values, |_| std::ptr::null())
+        })
+    }
 }
 
 /// Sets Real variables, all or none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *const fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetReal(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::SetReal, |instance| {
-        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-        instance.set(Kind::Real, references, values, |value| value)
-    }) }
+    unsafe {
+        call(component, Call::SetReal, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::Real, references, values, |value| value)
+        })
+    }
 }
 
 /// Sets Integer variables and enumerations, all or none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetInteger(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *const fmi2Integer) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetInteger(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2Integer,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::SetInteger, |instance| {
-        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-        instance.set(Kind::Integer, references, values, f64::from)
-    }) }
+    unsafe {
+        call(component, Call::SetInteger, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::Integer, references, values, f64::from)
+        })
+    }
 }
 
 /// Sets Boolean variables, all or none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *const fmi2Boolean) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetBoolean(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2Boolean,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::SetBoolean, |instance| {
-        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-        instance.set(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
-    }) }
+    unsafe {
+        call(component, Call::SetBoolean, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
+        })
+    }
 }
 
 /// There are no String variables: refused unless the count is 0.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetString(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, values: *const fmi2String) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetString(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2String,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.7).
-    unsafe { call(component, Call::SetString, |instance| {
-        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-        instance.set(Kind::String, references, values, |_| 0.0)
-    }) }
+    unsafe {
+        call(component, Call::SetString, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::String, references, values, |_| 0.0)
+        })
+    }
 }
 
 /// Saves the state.
@@ -202,67 +274,127 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut 
 
 /// Bytes that a saved state takes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(component: fmi2Component, state: fmi2FMUstate, size: *mut size_t) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+    size: *mut size_t,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.8).
-    unsafe { call(component, Call::SerializedFmuStateSize, |_| {
-        *place("size", size)? = snapshot::serialize(boundary::state(state)?)?.len();
-        Ok(Status::Ok)
-    }) }
+    unsafe {
+        call(component, Call::SerializedFmuStateSize, |_| {
+            *place("size", size)? = snapshot::serialize(boundary::state(state)?)?.len();
+            Ok(Status::Ok)
+        })
+    }
 }
 
 /// A saved state as bytes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(component: fmi2Component, state: fmi2FMUstate, bytes: *mut fmi2Byte, size: size_t) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+    bytes: *mut fmi2Byte,
+    size: size_t,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.8).
-    unsafe { call(component, Call::SerializeFmuState, |_| {
-        snapshot::copy(&snapshot::serialize(boundary::state(state)?)?, write("serializedState", bytes.cast(), size)?)
-    }) }
+    unsafe {
+        call(component, Call::SerializeFmuState, |_| {
+            snapshot::copy(
+                &snapshot::serialize(boundary::state(state)?)?,
+                write("serializedState", bytes.cast(), size)?,
+            )
+        })
+    }
 }
 
 /// A saved state from bytes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(component: fmi2Component, bytes: *const fmi2Byte, size: size_t, state: *mut fmi2FMUstate) -> fmi2Status {
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    component: fmi2Component,
+    bytes: *const fmi2Byte,
+    size: size_t,
+    state: *mut fmi2FMUstate,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.8).
-    unsafe { call(component, Call::DeSerializeFmuState, |_| {
-        let core = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
-        boundary::give_state(state, core)
-    }) }
+    unsafe {
+        call(component, Call::DeSerializeFmuState, |_| {
+            let core = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
+            boundary::give_state(state, core)
+        })
+    }
 }
 
 /// Derivatives of outputs with respect to inputs, in a direction.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(component: fmi2Component, unknowns: *const fmi2ValueReference, unknown_count: size_t, knowns: *const fmi2ValueReference, known_count: size_t, direction: *const fmi2Real, sensitivity: *mut fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
+    component: fmi2Component,
+    unknowns: *const fmi2ValueReference,
+    unknown_count: size_t,
+    knowns: *const fmi2ValueReference,
+    known_count: size_t,
+    direction: *const fmi2Real,
+    sensitivity: *mut fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 2.1.9).
-    unsafe { call(component, Call::GetDirectionalDerivative, |instance| {
-        let (unknowns, knowns) = (read("vUnknown_ref", unknowns, unknown_count)?, read("vKnown_ref", knowns, known_count)?);
-        let direction = read("dvKnown", direction, known_count)?;
-        instance.directional_derivative(unknowns, knowns, direction, write("dvUnknown", sensitivity, unknown_count)?)
-    }) }
+    unsafe {
+        call(component, Call::GetDirectionalDerivative, |instance| {
+            let (unknowns, knowns) =
+                (read("vUnknown_ref", unknowns, unknown_count)?, read("vKnown_ref", knowns, known_count)?);
+            let direction = read("dvKnown", direction, known_count)?;
+            instance.directional_derivative(
+                unknowns,
+                knowns,
+                direction,
+                write("dvUnknown", sensitivity, unknown_count)?,
+            )
+        })
+    }
 }
 
 /// How inputs change in the next step.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, orders: *const fmi2Integer, values: *const fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    orders: *const fmi2Integer,
+    values: *const fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.1).
-    unsafe { call(component, Call::SetRealInputDerivatives, |instance| {
-        let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
-        instance.set_input_derivatives(references, orders, read("value", values, count)?)
-    }) }
+    unsafe {
+        call(component, Call::SetRealInputDerivatives, |instance| {
+            let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
+            instance.set_input_derivatives(references, orders, read("value", values, count)?)
+        })
+    }
 }
 
 /// How outputs change now.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(component: fmi2Component, references: *const fmi2ValueReference, count: size_t, orders: *const fmi2Integer, values: *mut fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    orders: *const fmi2Integer,
+    values: *mut fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.1).
-    unsafe { call(component, Call::GetRealOutputDerivatives, |instance| {
-        let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
-        instance.output_derivatives(references, orders, write("value", values, count)?)
-    }) }
+    unsafe {
+        call(component, Call::GetRealOutputDerivatives, |instance| {
+            let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
+            instance.output_derivatives(references, orders, write("value", values, count)?)
+        })
+    }
 }
 
 /// Goes on by a communication step.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DoStep(component: fmi2Component, time: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) -> fmi2Status {
+pub unsafe extern "C" fn fmi2DoStep(
+    component: fmi2Component,
+    time: fmi2Real,
+    step: fmi2Real,
+    _no_set_state_prior: fmi2Boolean,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.2).
     unsafe { call(component, Call::DoStep, |instance| instance.do_step(time, step)) }
 }
@@ -276,51 +408,84 @@ pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status 
 
 /// Status of the last step.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStatus(component: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2Status) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Status,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.3).
-    unsafe { call(component, Call::GetStatus, |instance| {
-        *place("value", value)? = instance.step_status(status_kind(kind)?)?.code();
-        Ok(Status::Ok)
-    }) }
+    unsafe {
+        call(component, Call::GetStatus, |instance| {
+            *place("value", value)? = instance.step_status(status_kind(kind)?)?.code();
+            Ok(Status::Ok)
+        })
+    }
 }
 
 /// The time up to which the last step came.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealStatus(component: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2Real) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetRealStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Real,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.3).
-    unsafe { call(component, Call::GetRealStatus, |instance| {
-        *place("value", value)? = instance.real_status(status_kind(kind)?)?;
-        Ok(Status::Ok)
-    }) }
+    unsafe {
+        call(component, Call::GetRealStatus, |instance| {
+            *place("value", value)? = instance.real_status(status_kind(kind)?)?;
+            Ok(Status::Ok)
+        })
+    }
 }
 
 /// There is no such status.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(component: fmi2Component, kind: fmi2StatusKind, _value: *mut fmi2Integer) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetIntegerStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    _value: *mut fmi2Integer,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.3).
-    unsafe { call(component, Call::GetIntegerStatus, |_| {
-        Err(Fault::error(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
-    }) }
+    unsafe {
+        call(component, Call::GetIntegerStatus, |_| {
+            Err(Fault::error(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
+        })
+    }
 }
 
 /// Whether the run came to its end.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(component: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2Boolean) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetBooleanStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.3).
-    unsafe { call(component, Call::GetBooleanStatus, |instance| {
-        *place("value", value)? = instance.boolean_status(status_kind(kind)?)?.into();
-        Ok(Status::Ok)
-    }) }
+    unsafe {
+        call(component, Call::GetBooleanStatus, |instance| {
+            *place("value", value)? = instance.boolean_status(status_kind(kind)?)?.into();
+            Ok(Status::Ok)
+        })
+    }
 }
 
 /// There is no such status, since no step is ever pending.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(component: fmi2Component, kind: fmi2StatusKind, _value: *mut fmi2String) -> fmi2Status {
+pub unsafe extern "C" fn fmi2GetStringStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    _value: *mut fmi2String,
+) -> fmi2Status {
     // SAFETY: the importer's instance and pointers (standard, 4.2.3).
-    unsafe { call(component, Call::GetStringStatus, |_| {
-        let kind = status_kind(kind)?;
-        Err(Fault { status: Status::Discard, message: format!("{kind:?}: no step is pending, steps are synchronous") })
-    }) }
+    unsafe {
+        call(component, Call::GetStringStatus, |_| {
+            let kind = status_kind(kind)?;
+            Err(Fault {
+                status: Status::Discard,
+                message: format!("{kind:?}: no step is pending, steps are synchronous"),
+            })
+        })
+    }
 }
 
 fn status_kind(kind: fmi2StatusKind) -> Result<StatusKind, Fault> {

@@ -234,7 +234,11 @@ impl Instance {
         for (input, rate) in INPUTS.into_iter().zip(rates) {
             values[input] += *rate * (simulation.time() - time);
         }
-        log.tell(Status::Ok, Category::Steps, format_args!("step from t = {time:?} s to t = {:?} s", simulation.time()));
+        log.tell(
+            Status::Ok,
+            Category::Steps,
+            format_args!("step from t = {time:?} s to t = {:?} s", simulation.time()),
+        );
         match progress {
             Progress::Reached => Ok(Status::Ok),
             Progress::Ended(ending, at) => {
@@ -282,13 +286,7 @@ impl Instance {
     }
 
     /// Sets values of one type, all or none. Values that repeat the present one of a fixed parameter are refused, too.
-    pub fn set<V: Copy>(
-        &mut self,
-        kind: Kind,
-        references: &[u32],
-        values: &[V],
-        real: impl Fn(V) -> f64,
-    ) -> Answer {
+    pub fn set<V: Copy>(&mut self, kind: Kind, references: &[u32], values: &[V], real: impl Fn(V) -> f64) -> Answer {
         for (&reference, &value) in references.iter().zip(values) {
             let metadata = known(reference, kind)?;
             self.settable(metadata)?;
@@ -326,13 +324,7 @@ impl Instance {
     }
 
     /// Reads values of one type.
-    pub fn get<V>(
-        &mut self,
-        kind: Kind,
-        references: &[u32],
-        values: &mut [V],
-        convert: impl Fn(f64) -> V,
-    ) -> Answer {
+    pub fn get<V>(&mut self, kind: Kind, references: &[u32], values: &mut [V], convert: impl Fn(f64) -> V) -> Answer {
         for &reference in references {
             known(reference, kind)?;
         }
@@ -412,7 +404,10 @@ impl Instance {
                 return Err(Fault::error(format!("derivative of {} of order {order}; expected 1", metadata.name)));
             }
             if !value.is_finite() {
-                return Err(Fault::error(format!("derivative of {} = {value}; expected a finite number", metadata.name)));
+                return Err(Fault::error(format!(
+                    "derivative of {} = {value}; expected a finite number",
+                    metadata.name
+                )));
             }
             inputs.push((input, value));
         }
@@ -463,7 +458,10 @@ impl Instance {
                 return Err(Fault::error(format!("derivative with respect to {}; expected an input", metadata.name)));
             };
             if !component.is_finite() {
-                return Err(Fault::error(format!("direction {component} of {}; expected a finite number", metadata.name)));
+                return Err(Fault::error(format!(
+                    "direction {component} of {}; expected a finite number",
+                    metadata.name
+                )));
             }
             components[input] += component;
         }
@@ -498,7 +496,10 @@ fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
     };
     if metadata.kind.base() != kind {
         let found = metadata.kind;
-        return Err(Fault::error(format!("{} (value reference {reference}) is of type {found}, not {kind}", metadata.name)));
+        return Err(Fault::error(format!(
+            "{} (value reference {reference}) is of type {found}, not {kind}",
+            metadata.name
+        )));
     }
     Ok(metadata)
 }

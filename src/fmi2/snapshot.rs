@@ -70,6 +70,7 @@ pub fn deserialize(bytes: &[u8]) -> Result<Core, Fault> {
     if crc32fast::hash(content) != header.checksum {
         return Err(refuse("its checksum does not fit, it was altered".into()));
     }
-    let core: Core = postcard::from_bytes(content).map_err(|error| refuse(format!("its content is broken: {error}")))?;
+    let core: Core =
+        postcard::from_bytes(content).map_err(|error| refuse(format!("its content is broken: {error}")))?;
     if core.is_valid() { Ok(core) } else { Err(refuse("its content is no state of a block".into())) }
 }

@@ -78,14 +78,9 @@ pub enum StatusKind {
 impl StatusKind {
     /// The kind of this number, if it is one.
     pub fn from_code(code: fmi2StatusKind) -> Option<StatusKind> {
-        [
-            StatusKind::DoStepStatus,
-            StatusKind::PendingStatus,
-            StatusKind::LastSuccessfulTime,
-            StatusKind::Terminated,
-        ]
-        .get(usize::try_from(code).ok()?)
-        .copied()
+        [StatusKind::DoStepStatus, StatusKind::PendingStatus, StatusKind::LastSuccessfulTime, StatusKind::Terminated]
+            .get(usize::try_from(code).ok()?)
+            .copied()
     }
 }
 

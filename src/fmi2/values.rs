@@ -4,7 +4,7 @@ use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physica
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::fmi2::variables::{Causality, VARIABLES, Variable};
 use crate::outputs::Observation;
-use crate::simulation::{AtEnd, Energies, Ending, Initial, Settings, Simulation};
+use crate::simulation::{AtEnd, Ending, Energies, Initial, Settings, Simulation};
 
 /// The inputs, in the order of their ramps.
 pub const INPUTS: [Variable; 5] = [Variable::AGx, Variable::AGz, Variable::FX, Variable::FZ, Variable::MY];
@@ -113,16 +113,10 @@ impl Values {
 
     /// The pulse.
     pub fn pulse(&self) -> Pulse {
-        let shape = [
-            PulseShape::None,
-            PulseShape::OneSine,
-            PulseShape::OneCosine,
-            PulseShape::C1,
-            PulseShape::C2,
-        ]
-        .into_iter()
-        .find(|&shape| f64::from(shape as i32) == self[Variable::PulseShape])
-        .unwrap_or(PulseShape::None);
+        let shape = [PulseShape::None, PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2]
+            .into_iter()
+            .find(|&shape| f64::from(shape as i32) == self[Variable::PulseShape])
+            .unwrap_or(PulseShape::None);
         Pulse {
             shape,
             amplitude: self[Variable::PulseAmplitude],

@@ -5,10 +5,7 @@ use super::text::{Source, is_end_mark, squeezed};
 
 /// Lines of the wanted channel (from 1), each with its number. Every channel ends with a line like
 /// `/&  ----------  END OF DATA FOR CHANNEL  1  ----------`; a file of several channels needs a choice.
-pub(super) fn choose<'s>(
-    source: &'s Source<'_>,
-    wanted: Option<usize>,
-) -> Result<Vec<(usize, &'s str)>, RecordError> {
+pub(super) fn choose<'s>(source: &'s Source<'_>, wanted: Option<usize>) -> Result<Vec<(usize, &'s str)>, RecordError> {
     let mut channels: Vec<Vec<(usize, &str)>> = vec![Vec::new()];
     let mut ended = false;
     for (line, text) in source.lines() {
@@ -27,32 +24,16 @@ pub(super) fn choose<'s>(
         (None, 1) => Some(0),
         (None, _) => None,
     };
-    if let Some(channel) = index
-        .filter(|&index| index < count)
-        .map(|index| channels.swap_remove(index))
-    {
+    if let Some(channel) = index.filter(|&index| index < count).map(|index| channels.swap_remove(index)) {
         return Ok(channel);
     }
     let first_lines: Vec<String> = channels
         .iter()
         .filter_map(|lines| lines.first())
         .zip(1..=9)
-        .map(|((_, text), number)| {
-            format!(
-                "{number}: {}",
-                squeezed(text).chars().take(70).collect::<String>()
-            )
-        })
+        .map(|((_, text), number)| format!("{number}: {}", squeezed(text).chars().take(70).collect::<String>()))
         .collect();
     let asked = wanted.map_or(String::new(), |wanted| format!("; {wanted} was asked for"));
-    let found = format!(
-        "{count} channel{} ({}){asked}",
-        if count == 1 { "" } else { "s" },
-        first_lines.join(", ")
-    );
-    Err(RecordError::Channel {
-        file: source.name.clone(),
-        found,
-        count,
-    })
+    let found = format!("{count} channel{} ({}){asked}", if count == 1 { "" } else { "s" }, first_lines.join(", "));
+    Err(RecordError::Channel { file: source.name.clone(), found, count })
 }

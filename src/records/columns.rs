@@ -27,9 +27,7 @@ impl FromStr for Column {
 
     /// A whole number is a place, everything else a name.
     fn from_str(text: &str) -> Result<Column, Infallible> {
-        Ok(text
-            .parse()
-            .map_or_else(|_| Column::Name(text.to_owned()), Column::Number))
+        Ok(text.parse().map_or_else(|_| Column::Name(text.to_owned()), Column::Number))
     }
 }
 
@@ -40,14 +38,9 @@ pub(super) fn read(source: &Source<'_>, options: &ReadOptions) -> Result<Raw, Re
     let mut raw = Raw::new(Format::Columns);
     raw.title.clone_from(&layout.title);
     raw.unit = unit(source, &layout, acceleration)?;
-    let time_unit = time
-        .and_then(|index| layout.names.get(index))
-        .and_then(|name| name.unit);
+    let time_unit = time.and_then(|index| layout.names.get(index)).and_then(|name| name.unit);
     if let Some(unit) = time_unit
-        && !matches!(
-            unit.to_lowercase().as_str(),
-            "s" | "sec" | "secs" | "second" | "seconds"
-        )
+        && !matches!(unit.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
     {
         return Err(source.header_error(layout.header, unit, "times in seconds, as t [s]"));
     }
@@ -77,26 +70,12 @@ pub(super) fn read(source: &Source<'_>, options: &ReadOptions) -> Result<Raw, Re
         }
         Separator::Byte(separator) => {
             delimited(source, layout.first_row, separator, |line, fields| {
-                let width = fields.len()
-                    - fields
-                        .iter()
-                        .rev()
-                        .take_while(|field| field.is_empty())
-                        .count();
+                let width = fields.len() - fields.iter().rev().take_while(|field| field.is_empty()).count();
                 let field = |index: usize| {
                     let field = fields.get(index).unwrap_or("");
-                    if separator == b',' {
-                        field.to_owned()
-                    } else {
-                        field.replace(',', ".")
-                    }
+                    if separator == b',' { field.to_owned() } else { field.replace(',', ".") }
                 };
-                visit(
-                    line,
-                    width,
-                    time.map(field).as_deref(),
-                    &field(acceleration),
-                )
+                visit(line, width, time.map(field).as_deref(), &field(acceleration))
             })?;
         }
     }
@@ -139,10 +118,7 @@ fn delimited(
     let mut fields = csv::StringRecord::new();
     loop {
         let more = reader.read_record(&mut fields);
-        let line = first
-            + usize::try_from(reader.position().line())
-                .unwrap_or(usize::MAX)
-                .saturating_sub(2);
+        let line = first + usize::try_from(reader.position().line()).unwrap_or(usize::MAX).saturating_sub(2);
         match more {
             Ok(false) => return Ok(()),
             Ok(true) if fields.iter().all(str::is_empty) => {}
@@ -160,50 +136,23 @@ fn choose(
     layout: &Layout<'_>,
     options: &ReadOptions,
 ) -> Result<(Option<usize>, usize), RecordError> {
-    let Layout {
-        names,
-        width,
-        header,
-        ..
-    } = layout;
+    let Layout { names, width, header, .. } = layout;
     let error = |expected: String| {
-        let names = names
-            .iter()
-            .map(|name| name.whole)
-            .collect::<Vec<_>>()
-            .join(", ");
-        let names = if names.is_empty() {
-            String::from("without names")
-        } else {
-            format!("named {names}")
-        };
-        let found = format!(
-            "{width} column{} {names}",
-            if *width == 1 { "" } else { "s" }
-        );
-        RecordError::Columns {
-            file: source.name.clone(),
-            line: *header,
-            found,
-            expected,
-        }
+        let names = names.iter().map(|name| name.whole).collect::<Vec<_>>().join(", ");
+        let names = if names.is_empty() { String::from("without names") } else { format!("named {names}") };
+        let found = format!("{width} column{} {names}", if *width == 1 { "" } else { "s" });
+        RecordError::Columns { file: source.name.clone(), line: *header, found, expected }
     };
     let place = |column: &Column| {
         let index = match column {
             Column::Number(number) => number.checked_sub(1).filter(|index| index < width),
-            Column::Name(name) => names.iter().position(|n| {
-                [n.whole, n.word]
-                    .iter()
-                    .any(|n| n.eq_ignore_ascii_case(name))
-            }),
+            Column::Name(name) => {
+                names.iter().position(|n| [n.whole, n.word].iter().any(|n| n.eq_ignore_ascii_case(name)))
+            }
         };
         index.ok_or_else(|| error(format!("the chosen column {column:?}")))
     };
-    let chosen = options
-        .acceleration_column
-        .as_ref()
-        .map(place)
-        .transpose()?;
+    let chosen = options.acceleration_column.as_ref().map(place).transpose()?;
     let time = match &options.time_column {
         Some(column) => Some(place(column)?),
         None if *width == 1 => None,
@@ -216,11 +165,8 @@ fn choose(
         return Ok((time, chosen));
     }
     let others: Vec<usize> = (0..*width).filter(|&index| Some(index) != time).collect();
-    let named: Vec<usize> = others
-        .iter()
-        .copied()
-        .filter(|&index| names.get(index).is_some_and(Name::is_acceleration))
-        .collect();
+    let named: Vec<usize> =
+        others.iter().copied().filter(|&index| names.get(index).is_some_and(Name::is_acceleration)).collect();
     match (others.as_slice(), named.as_slice()) {
         (&[only], _) | (_, &[only]) => Ok((time, only)),
         _ => Err(error(String::from(
@@ -230,11 +176,7 @@ fn choose(
 }
 
 /// The unit in the brackets of the acceleration column's name.
-fn unit(
-    source: &Source<'_>,
-    layout: &Layout<'_>,
-    column: usize,
-) -> Result<Option<(usize, Unit)>, RecordError> {
+fn unit(source: &Source<'_>, layout: &Layout<'_>, column: usize) -> Result<Option<(usize, Unit)>, RecordError> {
     let Some(name) = layout.names.get(column) else {
         return Ok(None);
     };

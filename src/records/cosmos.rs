@@ -21,53 +21,32 @@ pub(super) fn is_first_line(line: &str) -> bool {
 pub(super) fn read(source: &Source<'_>, lines: &[(usize, &str)]) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Cosmos);
     let (start, first) = lines.first().copied().unwrap_or((1, ""));
-    if !first.to_ascii_lowercase().contains("acceleration")
-        || first.to_ascii_lowercase().contains("counts")
-    {
-        return Err(source.not_acceleration(
-            start,
-            format!("a COSMOS file of the kind {}", quoted(first)),
-        ));
+    if !first.to_ascii_lowercase().contains("acceleration") || first.to_ascii_lowercase().contains("counts") {
+        return Err(source.not_acceleration(start, format!("a COSMOS file of the kind {}", quoted(first))));
     }
     // Line 2: earthquake; line 5: station; line 9: channel.
-    raw.title = [1, 4, 8]
-        .iter()
-        .filter_map(|&i| lines.get(i))
-        .map(|(_, line)| squeezed(line))
-        .collect::<Vec<_>>()
-        .join("; ");
+    raw.title =
+        [1, 4, 8].iter().filter_map(|&i| lines.get(i)).map(|(_, line)| squeezed(line)).collect::<Vec<_>>().join("; ");
 
     let announced = |key: &str| {
-        let index = lines
-            .iter()
-            .position(|(_, text)| text.to_ascii_lowercase().contains(key));
+        let index = lines.iter().position(|(_, text)| text.to_ascii_lowercase().contains(key));
         index.and_then(|index| lines.get(index).map(|&(line, text)| (index, line, text)))
     };
-    let missing = |expected: &str| {
-        source.header_error(
-            start,
-            first,
-            format!("a COSMOS file, with a line \"{expected}\""),
-        )
-    };
+    let missing =
+        |expected: &str| source.header_error(start, first, format!("a COSMOS file, with a line \"{expected}\""));
 
-    let (index, line, text) = announced("real-header values follow")
-        .ok_or_else(|| missing("… Real-header values follow …"))?;
-    let width = width_of_format(text)
-        .ok_or_else(|| source.header_error(line, text, "a format as Format= (6F13.6)"))?;
+    let (index, line, text) =
+        announced("real-header values follow").ok_or_else(|| missing("… Real-header values follow …"))?;
+    let width = width_of_format(text).ok_or_else(|| source.header_error(line, text, "a format as Format= (6F13.6)"))?;
     let mut reals = lines
         .get(index + 1..)
         .unwrap_or_default()
         .iter()
         .flat_map(|&(line, text)| fixed_width(text, width).map(move |field| (line, field)));
     let (line, field) = reals.nth(TIME_STEP).unwrap_or((line, ""));
-    let time_step = source.number(line, field).map_err(|_| {
-        source.header_error(
-            line,
-            field,
-            "the time step in milliseconds (real header, 62nd value)",
-        )
-    })?;
+    let time_step = source
+        .number(line, field)
+        .map_err(|_| source.header_error(line, field, "the time step in milliseconds (real header, 62nd value)"))?;
     // Values that are not known are given as -999.
     if time_step > 0.0 {
         raw.time_step = Some(StatedStep::exact(line, time_step / 1000.0));
@@ -80,22 +59,11 @@ pub(super) fn read(source: &Source<'_>, lines: &[(usize, &str)]) -> Result<Raw, 
     if !text.to_ascii_lowercase().contains("acceleration") {
         return Err(source.not_acceleration(line, quoted(text)));
     }
-    let count = text
-        .split_whitespace()
-        .next()
-        .and_then(|word| word.parse().ok());
-    let value = count
-        .ok_or_else(|| source.header_error(line, text, format!("a count of values {expected}")))?;
-    raw.count = Some(StatedCount {
-        line,
-        key: "acceleration pts",
-        value,
-    });
-    let width = width_of_format(text)
-        .ok_or_else(|| source.header_error(line, text, format!("a format {expected}")))?;
-    let unit = text
-        .split_once("units=")
-        .map_or("", |(_, rest)| rest.split(['(', ',']).next().unwrap_or(""));
+    let count = text.split_whitespace().next().and_then(|word| word.parse().ok());
+    let value = count.ok_or_else(|| source.header_error(line, text, format!("a count of values {expected}")))?;
+    raw.count = Some(StatedCount { line, key: "acceleration pts", value });
+    let width = width_of_format(text).ok_or_else(|| source.header_error(line, text, format!("a format {expected}")))?;
+    let unit = text.split_once("units=").map_or("", |(_, rest)| rest.split(['(', ',']).next().unwrap_or(""));
     raw.unit = match (unit.parse(), other_quantity(unit)) {
         (Ok(unit), _) => Some((line, unit)),
         (Err(_), Some(found)) => {
@@ -123,13 +91,7 @@ pub(super) fn read(source: &Source<'_>, lines: &[(usize, &str)]) -> Result<Raw, 
 fn width_of_format(line: &str) -> Option<usize> {
     let line = line.to_ascii_lowercase();
     let (_, format) = line.rsplit_once("format=")?;
-    let format = format
-        .trim()
-        .strip_prefix('(')?
-        .trim_start_matches(|c: char| c.is_ascii_digit());
-    let width = format
-        .strip_prefix(['f', 'e', 'i', 'g'])?
-        .split(['.', ')'])
-        .next()?;
+    let format = format.trim().strip_prefix('(')?.trim_start_matches(|c: char| c.is_ascii_digit());
+    let width = format.strip_prefix(['f', 'e', 'i', 'g'])?.split(['.', ')']).next()?;
     width.parse().ok().filter(|&width| width > 0)
 }

@@ -166,9 +166,7 @@ pub enum RecordError {
         given: f64,
     },
     /// The time column is not evenly spaced.
-    #[error(
-        "{file}, line {line}: found time {found} s, expected {expected} s (even steps of {time_step} s)"
-    )]
+    #[error("{file}, line {line}: found time {found} s, expected {expected} s (even steps of {time_step} s)")]
     UnevenTime {
         /// Name of the file.
         file: String,

@@ -25,32 +25,22 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw, RecordError> {
             }
             continue;
         }
-        let Some((key, value)) = text.split_once(':').map(|(key, value)| (key, value.trim()))
-        else {
+        let Some((key, value)) = text.split_once(':').map(|(key, value)| (key, value.trim())) else {
             if text.is_empty() {
                 continue;
             }
             return Err(source.header_error(line, text, "a header line KEY: value, or a number"));
         };
         match key {
-            "EVENT_NAME" | "NETWORK" | "STATION_CODE" | "STATION_NAME" | "STREAM"
-                if !value.is_empty() =>
-            {
+            "EVENT_NAME" | "NETWORK" | "STATION_CODE" | "STATION_NAME" | "STREAM" if !value.is_empty() => {
                 title.push(value)
             }
             "NDATA" => {
-                let value = value
-                    .parse()
-                    .map_err(|_| source.header_error(line, text, "a count of values"))?;
-                raw.count = Some(StatedCount {
-                    line,
-                    key: "NDATA",
-                    value,
-                });
+                let value = value.parse().map_err(|_| source.header_error(line, text, "a count of values"))?;
+                raw.count = Some(StatedCount { line, key: "NDATA", value });
             }
             "SAMPLING_INTERVAL_S" => {
-                let value = number(value)
-                    .ok_or_else(|| source.header_error(line, text, "a time step in seconds"))?;
+                let value = number(value).ok_or_else(|| source.header_error(line, text, "a time step in seconds"))?;
                 raw.time_step = Some(StatedStep::exact(line, value));
             }
             "UNITS" => match (value.parse(), other_quantity(value)) {

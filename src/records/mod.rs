@@ -65,16 +65,10 @@ impl Record {
     /// The first sample of largest magnitude.
     #[must_use]
     pub fn peak(&self) -> Peak {
-        let mut peak = Peak {
-            acceleration: 0.0,
-            time: self.start_time,
-        };
+        let mut peak = Peak { acceleration: 0.0, time: self.start_time };
         for (index, &acceleration) in self.acceleration.iter().enumerate() {
             if acceleration.abs() > peak.acceleration.abs() {
-                peak = Peak {
-                    acceleration,
-                    time: self.start_time + index as f64 * self.time_step,
-                };
+                peak = Peak { acceleration, time: self.start_time + index as f64 * self.time_step };
             }
         }
         peak
@@ -147,9 +141,7 @@ impl Format {
             Format::Esm
         } else if head.iter().any(|line| csmip::is_block_line(line)) {
             Format::Csmip
-        } else if head.iter().any(|line| peer::has_npts(line))
-            || !columns_chosen && table::is_block(&head)
-        {
+        } else if head.iter().any(|line| peer::has_npts(line)) || !columns_chosen && table::is_block(&head) {
             Format::Peer
         } else {
             Format::Columns
@@ -229,10 +221,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Record, RecordError> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take((LARGEST_FILE << 20) + 1).read_to_end(&mut bytes))
-        .map_err(|source| RecordError::Unreadable {
-            file: name.clone(),
-            source,
-        })?;
+        .map_err(|source| RecordError::Unreadable { file: name.clone(), source })?;
     parse(&name, &bytes, options)
 }
 
@@ -244,23 +233,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Record, RecordError> {
 /// `options` does not settle.
 pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Record, RecordError> {
     if bytes.len() as u64 > LARGEST_FILE << 20 {
-        return Err(RecordError::TooLarge {
-            file: name.to_owned(),
-            limit: LARGEST_FILE,
-        });
+        return Err(RecordError::TooLarge { file: name.to_owned(), limit: LARGEST_FILE });
     }
-    for (option, value) in [
-        ("time step", options.time_step),
-        ("gravity", Some(options.gravity)),
-    ] {
+    for (option, value) in [("time step", options.time_step), ("gravity", Some(options.gravity))] {
         if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
             let (file, value) = (name.to_owned(), value.to_string());
-            return Err(RecordError::Option {
-                file,
-                option,
-                value,
-                expected: "a finite number above 0",
-            });
+            return Err(RecordError::Option { file, option, value, expected: "a finite number above 0" });
         }
     }
     let source = Source::new(name, bytes)?;

@@ -12,21 +12,14 @@ use super::{Format, RecordError, Unit};
 pub(super) fn read(source: &Source<'_>) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Peer);
     let head = source.head();
-    let header_lines = head
-        .iter()
-        .position(|line| has_npts(line))
-        .map_or(0, |index| index + 1);
+    let header_lines = head.iter().position(|line| has_npts(line)).map_or(0, |index| index + 1);
     for (line, text) in source.lines().take(header_lines) {
         if let Some(unit) = unit_of(source, line, text)? {
             raw.unit = Some((line, unit));
         }
         if line == header_lines {
             let (count, time_step) = npts_and_dt(source, line, text)?;
-            raw.count = Some(StatedCount {
-                line,
-                key: "NPTS",
-                value: count,
-            });
+            raw.count = Some(StatedCount { line, key: "NPTS", value: count });
             raw.time_step = time_step.map(|value| StatedStep::exact(line, value));
         }
     }
@@ -53,8 +46,7 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw, RecordError> {
             // Without a header, lines of other widths are other things, such as a count and a time step.
             if ended || count > width {
                 let found = format!("{count} numbers in a line");
-                let expected =
-                    format!("{width} as in the lines before, or an NPTS line before them");
+                let expected = format!("{width} as in the lines before, or an NPTS line before them");
                 return Err(source.header_error(line, &found, expected));
             }
             ended = count < width;
@@ -83,18 +75,11 @@ fn title(header: &[&str]) -> String {
 }
 
 /// Count and time step (s) of the header's last line; the time step may be missing.
-fn npts_and_dt(
-    source: &Source<'_>,
-    line: usize,
-    text: &str,
-) -> Result<(usize, Option<f64>), RecordError> {
+fn npts_and_dt(source: &Source<'_>, line: usize, text: &str) -> Result<(usize, Option<f64>), RecordError> {
     let upper = text.to_ascii_uppercase();
     let after = |key: &str| {
         let (_, rest) = upper.split_once(key)?;
-        rest.trim_start()
-            .strip_prefix(['=', ':'])?
-            .split([',', ' ', '\t'])
-            .find(|word| !word.is_empty())
+        rest.trim_start().strip_prefix(['=', ':'])?.split([',', ' ', '\t']).find(|word| !word.is_empty())
     };
     let mut words = upper.split_whitespace();
     let (count, time_step) = match after("NPTS") {
@@ -103,20 +88,10 @@ fn npts_and_dt(
     };
     let count = count
         .and_then(|word| word.trim_end_matches('.').parse().ok())
-        .ok_or_else(|| {
-            source.header_error(
-                line,
-                text,
-                "the count of values as NPTS= 4000 or 4000 0.01 NPTS, DT",
-            )
-        })?;
+        .ok_or_else(|| source.header_error(line, text, "the count of values as NPTS= 4000 or 4000 0.01 NPTS, DT"))?;
     let time_step = match time_step {
         Some(word) if upper.contains("DT") => Some(source.number(line, word).map_err(|_| {
-            source.header_error(
-                line,
-                text,
-                "a time step in seconds as DT= 0.01 or 4000 0.01 NPTS, DT",
-            )
+            source.header_error(line, text, "a time step in seconds as DT= 0.01 or 4000 0.01 NPTS, DT")
         })?),
         _ => None,
     };
@@ -126,15 +101,9 @@ fn npts_and_dt(
 /// The unit that a header line states, as "… IN UNITS OF G.", "The units are (g)" or "Acceleration in g".
 fn unit_of(source: &Source<'_>, line: usize, text: &str) -> Result<Option<Unit>, RecordError> {
     let upper = text.to_ascii_uppercase();
-    for (name, found) in [
-        ("VELOCITY", "a velocity"),
-        ("DISPLACEMENT", "a displacement"),
-    ] {
+    for (name, found) in [("VELOCITY", "a velocity"), ("DISPLACEMENT", "a displacement")] {
         let time_history = [" TIME HIST", " TIME SERIES", " HISTORY", " IN "];
-        if time_history
-            .iter()
-            .any(|rest| upper.contains(&format!("{name}{rest}")))
-        {
+        if time_history.iter().any(|rest| upper.contains(&format!("{name}{rest}"))) {
             return Err(source.not_acceleration(line, format!("{found} ({})", quoted(text))));
         }
     }

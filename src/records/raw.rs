@@ -27,11 +27,7 @@ pub(super) struct StatedStep {
 impl StatedStep {
     /// A time step that the header prints as such.
     pub(super) fn exact(line: usize, value: f64) -> StatedStep {
-        StatedStep {
-            line,
-            value,
-            tolerance: SAME_STEP * value.abs(),
-        }
+        StatedStep { line, value, tolerance: SAME_STEP * value.abs() }
     }
 }
 
@@ -61,51 +57,22 @@ impl Raw {
     }
 
     /// Agrees with the caller on unit and time step, checks count and peak, and converts to m/s².
-    pub(super) fn into_record(
-        self,
-        source: &Source<'_>,
-        options: &ReadOptions,
-    ) -> Result<Record, RecordError> {
+    pub(super) fn into_record(self, source: &Source<'_>, options: &ReadOptions) -> Result<Record, RecordError> {
         let file = || source.name.clone();
         if let Some(StatedCount { line, key, value }) = self.count
             && value != self.values.len()
         {
-            return Err(RecordError::Count {
-                file: file(),
-                line,
-                key,
-                stated: value,
-                counted: self.values.len(),
-            });
+            return Err(RecordError::Count { file: file(), line, key, stated: value, counted: self.values.len() });
         }
         if self.values.len() < 2 {
-            return Err(RecordError::TooFew {
-                file: file(),
-                counted: self.values.len(),
-            });
+            return Err(RecordError::TooFew { file: file(), counted: self.values.len() });
         }
         let time_step = match (self.time_step, options.time_step) {
             (Some(StatedStep { line, value, .. }), _) if !(value.is_finite() && value > 0.0) => {
-                return Err(source.header_error(
-                    line,
-                    &format!("time step {value} s"),
-                    "a time step above 0 s",
-                ));
+                return Err(source.header_error(line, &format!("time step {value} s"), "a time step above 0 s"));
             }
-            (
-                Some(StatedStep {
-                    line,
-                    value,
-                    tolerance,
-                }),
-                Some(given),
-            ) if (given - value).abs() > tolerance => {
-                return Err(RecordError::TimeStepContradicted {
-                    file: file(),
-                    line,
-                    found: value,
-                    given,
-                });
+            (Some(StatedStep { line, value, tolerance }), Some(given)) if (given - value).abs() > tolerance => {
+                return Err(RecordError::TimeStepContradicted { file: file(), line, found: value, given });
             }
             (_, Some(given)) => given,
             (Some(stated), None) => stated.value,
@@ -113,47 +80,20 @@ impl Raw {
         };
         let unit = match (self.unit, options.unit) {
             (Some((line, found)), Some(given)) if found != given => {
-                return Err(RecordError::UnitContradicted {
-                    file: file(),
-                    line,
-                    found,
-                    given,
-                });
+                return Err(RecordError::UnitContradicted { file: file(), line, found, given });
             }
             (Some((_, unit)), _) | (None, Some(unit)) => unit,
             (None, None) => return Err(RecordError::UnitMissing { file: file() }),
         };
-        let title = if self.title.is_empty() {
-            file()
-        } else {
-            self.title
-        };
-        let Raw {
-            format,
-            start_time,
-            values: acceleration,
-            ..
-        } = self;
-        let record = Record {
-            title,
-            format,
-            unit,
-            start_time,
-            time_step,
-            acceleration,
-        };
+        let title = if self.title.is_empty() { file() } else { self.title };
+        let Raw { format, start_time, values: acceleration, .. } = self;
+        let record = Record { title, format, unit, start_time, time_step, acceleration };
         let record = record.scaled(unit.factor(options.gravity));
         let Peak { acceleration, time } = record.peak();
         // Not "peak > limit": a product that overflowed to infinity or NaN is refused as well.
         let peak = acceleration.abs() / options.gravity;
         if !(peak <= LARGEST_PEAK && record.acceleration.iter().all(|a| a.is_finite())) {
-            return Err(RecordError::Absurd {
-                file: file(),
-                peak,
-                time,
-                unit,
-                limit: LARGEST_PEAK,
-            });
+            return Err(RecordError::Absurd { file: file(), peak, time, unit, limit: LARGEST_PEAK });
         }
         Ok(record)
     }

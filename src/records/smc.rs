@@ -22,18 +22,12 @@ const LARGEST_SAMPLING_RATE: f64 = 1e5;
 
 /// The first line is a digit for the kind of file and its name.
 pub(super) fn is_first_line(line: &str) -> bool {
-    let kinds = [
-        "ACCELEROGRAM",
-        "VELOCITY",
-        "DISPLACEMENT",
-        "RESPONSE SPECTR",
-        "FOURIER",
-    ];
+    let kinds = ["ACCELEROGRAM", "VELOCITY", "DISPLACEMENT", "RESPONSE SPECTR", "FOURIER"];
     let line = line.trim().to_ascii_uppercase();
     line.starts_with(|c: char| c.is_ascii_digit())
-        && line.get(1..).is_some_and(|rest| {
-            rest.starts_with([' ', '\t']) && kinds.iter().any(|kind| rest.contains(kind))
-        })
+        && line
+            .get(1..)
+            .is_some_and(|rest| rest.starts_with([' ', '\t']) && kinds.iter().any(|kind| rest.contains(kind)))
 }
 
 /// Reads a corrected or an uncorrected accelerogram; refuses velocities, displacements and spectra.
@@ -41,22 +35,14 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw, RecordError> {
     let mut raw = Raw::new(Format::Smc);
     raw.unit = Some((1, Unit::CentimetrePerSecondSquared));
     let mut lines = source.lines();
-    let text: Vec<&str> = lines
-        .by_ref()
-        .take(TEXT_LINES)
-        .map(|(_, line)| line)
-        .collect();
+    let text: Vec<&str> = lines.by_ref().take(TEXT_LINES).map(|(_, line)| line).collect();
     let kind = text.first().copied().unwrap_or_default();
     if !kind.to_ascii_uppercase().contains("ACCELEROGRAM") {
         return Err(source.not_acceleration(1, format!("an SMC file of the kind {}", quoted(kind))));
     }
     // Line 4: date and earthquake; line 6: "station = … component = …".
-    raw.title = [3, 5]
-        .iter()
-        .filter_map(|&index| text.get(index))
-        .map(|line| squeezed(line))
-        .collect::<Vec<_>>()
-        .join("; ");
+    raw.title =
+        [3, 5].iter().filter_map(|&index| text.get(index)).map(|line| squeezed(line)).collect::<Vec<_>>().join("; ");
 
     let mut integers: Vec<(usize, &str)> = Vec::new();
     for (line, text) in lines.by_ref().take(INTEGER_LINES) {
@@ -68,38 +54,16 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw, RecordError> {
     }
     let count = |index: usize, expected: &str| {
         let (line, field) = integers.get(index).copied().unwrap_or((TEXT_LINES + 1, ""));
-        field
-            .parse::<usize>()
-            .map(|value| (line, value))
-            .map_err(|_| source.header_error(line, field, expected))
+        field.parse::<usize>().map(|value| (line, value)).map_err(|_| source.header_error(line, field, expected))
     };
     let real = |index: usize, expected: &str| {
-        let (line, field) = reals
-            .get(index)
-            .copied()
-            .unwrap_or((TEXT_LINES + INTEGER_LINES + 1, ""));
-        source
-            .number(line, field)
-            .map(|value| (line, value))
-            .map_err(|_| source.header_error(line, field, expected))
+        let (line, field) = reals.get(index).copied().unwrap_or((TEXT_LINES + INTEGER_LINES + 1, ""));
+        source.number(line, field).map(|value| (line, value)).map_err(|_| source.header_error(line, field, expected))
     };
-    let (_, comments) = count(
-        COMMENT_COUNT,
-        "the count of comment lines (integer header, 16th value)",
-    )?;
-    let (line, value) = count(
-        VALUE_COUNT,
-        "the count of values (integer header, 17th value)",
-    )?;
-    raw.count = Some(StatedCount {
-        line,
-        key: "17th integer",
-        value,
-    });
-    let (_, undefined) = real(
-        UNDEFINED,
-        "the number that stands for undefined (real header, 1st value)",
-    )?;
+    let (_, comments) = count(COMMENT_COUNT, "the count of comment lines (integer header, 16th value)")?;
+    let (line, value) = count(VALUE_COUNT, "the count of values (integer header, 17th value)")?;
+    raw.count = Some(StatedCount { line, key: "17th integer", value });
+    let (_, undefined) = real(UNDEFINED, "the number that stands for undefined (real header, 1st value)")?;
     let (line, rate) = real(SAMPLING_RATE, "the sampling rate (real header, 2nd value)")?;
     if rate != undefined {
         if !(rate > 0.0 && rate <= LARGEST_SAMPLING_RATE) {
@@ -114,11 +78,7 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw, RecordError> {
 
     for (line, text) in lines.by_ref().take(comments) {
         if !text.starts_with('|') {
-            return Err(source.header_error(
-                line,
-                text,
-                format!("one of {comments} comment lines that start with |"),
-            ));
+            return Err(source.header_error(line, text, format!("one of {comments} comment lines that start with |")));
         }
     }
     let mut values = Values::new(source);

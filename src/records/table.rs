@@ -18,20 +18,15 @@ pub(super) enum Separator {
 
 impl Separator {
     pub(super) fn of(line: &str) -> Separator {
-        let found = [b';', b'\t', b',']
-            .into_iter()
-            .find(|&byte| line.trim().contains(char::from(byte)));
+        let found = [b';', b'\t', b','].into_iter().find(|&byte| line.trim().contains(char::from(byte)));
         found.map_or(Separator::Blanks, Separator::Byte)
     }
 
     pub(super) fn split(self, line: &str) -> Vec<&str> {
         match self {
-            Separator::Byte(byte) => line
-                .trim()
-                .trim_end_matches(char::from(byte))
-                .split(char::from(byte))
-                .map(str::trim)
-                .collect(),
+            Separator::Byte(byte) => {
+                line.trim().trim_end_matches(char::from(byte)).split(char::from(byte)).map(str::trim).collect()
+            }
             Separator::Blanks => line.split_whitespace().collect(),
         }
     }
@@ -56,16 +51,8 @@ impl<'a> Name<'a> {
     fn new(whole: &'a str) -> Name<'a> {
         let whole = whole.trim().trim_matches('"').trim();
         match whole.split_once(['[', '(']) {
-            Some((word, rest)) => Name {
-                whole,
-                word: word.trim(),
-                unit: rest.split([']', ')']).next().map(str::trim),
-            },
-            None => Name {
-                whole,
-                word: whole,
-                unit: None,
-            },
+            Some((word, rest)) => Name { whole, word: word.trim(), unit: rest.split([']', ')']).next().map(str::trim) },
+            None => Name { whole, word: whole, unit: None },
         }
     }
 
@@ -81,9 +68,7 @@ impl<'a> Name<'a> {
     /// Velocity, displacement, or the abscissa of a spectrum.
     pub(super) fn is_other_quantity(&self) -> bool {
         let short = ["v", "vel", "d", "disp"];
-        short
-            .iter()
-            .any(|word| self.word.eq_ignore_ascii_case(word))
+        short.iter().any(|word| self.word.eq_ignore_ascii_case(word))
             || self.starts_with(&["velocity", "displacement", "period", "frequency"])
     }
 
@@ -113,16 +98,9 @@ pub(super) fn is_block(head: &[&str]) -> bool {
         .collect();
     let wide = rows.first().is_some_and(|row| row.len() >= FEWEST_IN_BLOCK);
     let times: Vec<f64> = rows.iter().filter_map(|row| row.first().copied()).collect();
-    let steps: Vec<f64> = times
-        .windows(2)
-        .filter_map(|pair| Some(pair.get(1)? - pair.first()?))
-        .collect();
+    let steps: Vec<f64> = times.windows(2).filter_map(|pair| Some(pair.get(1)? - pair.first()?)).collect();
     let first = steps.first().copied().unwrap_or(0.0);
-    let even = first > 0.0
-        && steps.len() > 1
-        && steps
-            .iter()
-            .all(|step| (step - first).abs() <= EQUAL_STEPS * first);
+    let even = first > 0.0 && steps.len() > 1 && steps.iter().all(|step| (step - first).abs() <= EQUAL_STEPS * first);
     wide && !even
 }
 
@@ -132,54 +110,27 @@ pub(super) fn layout<'a>(source: &'a Source<'_>) -> Result<Layout<'a>, RecordErr
     for (line, text) in source.lines().take(HEAD_LINES) {
         let separator = Separator::of(text);
         let fields = separator.split(text);
-        if !fields.is_empty()
-            && fields
-                .iter()
-                .all(|field| separator.number(field.trim_matches('"')).is_some())
-        {
+        if !fields.is_empty() && fields.iter().all(|field| separator.number(field.trim_matches('"')).is_some()) {
             // A comment may be the header row, as "# t [s], a [m/s2]".
             let bare = |text: &'a str| text.trim_start_matches(['#', '%', '!', '/']).trim();
-            let header = before
-                .last()
-                .map(|&(header, text)| (header, names(bare(text), separator, fields.len())));
+            let header = before.last().map(|&(header, text)| (header, names(bare(text), separator, fields.len())));
             let (header, names) = header.unwrap_or((line, Vec::new()));
-            let title = before
-                .first()
-                .filter(|&&(first, _)| names.is_empty() || first != header);
+            let title = before.first().filter(|&&(first, _)| names.is_empty() || first != header);
             let title = title.map_or(String::new(), |(_, text)| squeezed(bare(text)));
-            return Ok(Layout {
-                separator,
-                first_row: line,
-                width: fields.len(),
-                header,
-                names,
-                title,
-            });
+            return Ok(Layout { separator, first_row: line, width: fields.len(), header, names, title });
         }
         let lower = text.to_lowercase();
-        let spectrum = ["spectrum", "spectra"]
-            .iter()
-            .any(|word| lower.contains(word))
-            && !lower.contains("matched");
-        if spectrum
-            || lower
-                .trim_start()
-                .trim_start_matches('"')
-                .starts_with("period")
-        {
-            return Err(
-                source.not_acceleration(line, format!("a response spectrum ({})", quoted(text)))
-            );
+        let spectrum = ["spectrum", "spectra"].iter().any(|word| lower.contains(word)) && !lower.contains("matched");
+        if spectrum || lower.trim_start().trim_start_matches('"').starts_with("period") {
+            return Err(source.not_acceleration(line, format!("a response spectrum ({})", quoted(text))));
         }
         if !text.trim().is_empty() {
             before.push((line, text));
         }
     }
     let (line, text) = before.last().copied().unwrap_or((1, ""));
-    let expected = format!(
-        "the header of a known format ({}) or a row of numbers in the first {HEAD_LINES} lines",
-        Format::NAMES
-    );
+    let expected =
+        format!("the header of a known format ({}) or a row of numbers in the first {HEAD_LINES} lines", Format::NAMES);
     Err(source.header_error(line, text, expected))
 }
 
@@ -190,24 +141,13 @@ fn names(line: &str, separator: Separator, width: usize) -> Vec<Name<'_>> {
         Separator::Blanks if line.contains('\t') => Separator::Byte(b'\t').split(line),
         Separator::Blanks => {
             // One blank may stand between a name and its unit; two separate names.
-            let wide: Vec<&str> = line
-                .split("  ")
-                .map(str::trim)
-                .filter(|name| !name.is_empty())
-                .collect();
+            let wide: Vec<&str> = line.split("  ").map(str::trim).filter(|name| !name.is_empty()).collect();
             let units: Vec<&str> = line.split_inclusive([']', ')']).map(str::trim).collect();
             let words: Vec<&str> = line.split_whitespace().collect();
-            [wide, units, words]
-                .into_iter()
-                .find(|names| names.len() == width)
-                .unwrap_or_default()
+            [wide, units, words].into_iter().find(|names| names.len() == width).unwrap_or_default()
         }
     };
-    if split.len() == width {
-        split.into_iter().map(Name::new).collect()
-    } else {
-        Vec::new()
-    }
+    if split.len() == width { split.into_iter().map(Name::new).collect() } else { Vec::new() }
 }
 
 /// Lines of comment among the rows of numbers.

@@ -23,23 +23,13 @@ pub(super) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Decodes UTF-8, with or without its mark, or else Latin-1; refuses binary and empty files.
     pub(super) fn new(name: &str, bytes: &'a [u8]) -> Result<Source<'a>, RecordError> {
-        let name: String = name
-            .chars()
-            .map(|c| if c.is_control() { '?' } else { c })
-            .collect();
+        let name: String = name.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
         if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
-            return Err(RecordError::NotText {
-                file: name,
-                found: "UTF-16 text",
-            });
+            return Err(RecordError::NotText { file: name, found: "UTF-16 text" });
         }
-        let control =
-            |b: &&u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\r' | b'\n' | 0x0C | 0x1A);
+        let control = |b: &&u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\r' | b'\n' | 0x0C | 0x1A);
         if bytes.iter().filter(control).count() > bytes.len() / CONTROL_BYTES {
-            return Err(RecordError::NotText {
-                file: name,
-                found: "binary data",
-            });
+            return Err(RecordError::NotText { file: name, found: "binary data" });
         }
         let text = match std::str::from_utf8(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)) {
             Ok(text) => Cow::Borrowed(text.trim_end_matches('\x1A')),
@@ -59,42 +49,23 @@ impl<'a> Source<'a> {
 
     /// The first lines, among which every known header ends.
     pub(super) fn head(&self) -> Vec<&str> {
-        self.lines()
-            .take(HEAD_LINES)
-            .map(|(_, line)| line)
-            .collect()
+        self.lines().take(HEAD_LINES).map(|(_, line)| line).collect()
     }
 
-    pub(super) fn header_error(
-        &self,
-        line: usize,
-        found: &str,
-        expected: impl Into<String>,
-    ) -> RecordError {
-        RecordError::Header {
-            file: self.name.clone(),
-            line,
-            found: quoted(found),
-            expected: expected.into(),
-        }
+    pub(super) fn header_error(&self, line: usize, found: &str, expected: impl Into<String>) -> RecordError {
+        RecordError::Header { file: self.name.clone(), line, found: quoted(found), expected: expected.into() }
     }
 
     pub(super) fn number(&self, line: usize, token: &str) -> Result<f64, RecordError> {
-        number(token)
-            .filter(|value| value.is_finite())
-            .ok_or_else(|| RecordError::Number {
-                file: self.name.clone(),
-                line,
-                found: quoted(token),
-            })
+        number(token).filter(|value| value.is_finite()).ok_or_else(|| RecordError::Number {
+            file: self.name.clone(),
+            line,
+            found: quoted(token),
+        })
     }
 
     pub(super) fn not_acceleration(&self, line: usize, found: impl Into<String>) -> RecordError {
-        RecordError::NotAcceleration {
-            file: self.name.clone(),
-            line,
-            found: found.into(),
-        }
+        RecordError::NotAcceleration { file: self.name.clone(), line, found: found.into() }
     }
 }
 
@@ -136,13 +107,7 @@ impl Digits {
 
 impl<'s> Values<'s> {
     pub(super) fn new(source: &'s Source<'s>) -> Values<'s> {
-        Values {
-            source,
-            numbers: Vec::new(),
-            digits: None,
-            last_line: 0,
-            last: String::new(),
-        }
+        Values { source, numbers: Vec::new(), digits: None, last_line: 0, last: String::new() }
     }
 
     pub(super) fn push(&mut self, line: usize, token: &str) -> Result<(), RecordError> {
@@ -166,19 +131,9 @@ impl<'s> Values<'s> {
         let last = Digits::of(&self.last);
         let fewer = last.decimals < others.decimals || last.exponent < others.exponent;
         if fewer && self.numbers.len() > EQUAL_VALUES && self.source.text.ends_with(&self.last) {
-            let decimals = others
-                .decimals
-                .map_or(String::new(), |n| format!(" {n} decimals"));
-            let exponent = if others.exponent > 0 {
-                " an exponent"
-            } else {
-                ""
-            };
-            let and = if decimals.is_empty() || exponent.is_empty() {
-                ""
-            } else {
-                " and"
-            };
+            let decimals = others.decimals.map_or(String::new(), |n| format!(" {n} decimals"));
+            let exponent = if others.exponent > 0 { " an exponent" } else { "" };
+            let and = if decimals.is_empty() || exponent.is_empty() { "" } else { " and" };
             return Err(RecordError::Truncated {
                 file: self.source.name.clone(),
                 line: self.last_line,
@@ -192,28 +147,19 @@ impl<'s> Values<'s> {
 
 /// Mantissa and exponent, the latter empty if there is none.
 fn split_exponent(token: &str) -> (&str, &str) {
-    token
-        .split_once(['e', 'E', 'd', 'D'])
-        .unwrap_or((token, ""))
+    token.split_once(['e', 'E', 'd', 'D']).unwrap_or((token, ""))
 }
 
 /// Reads a number as C and Fortran print it (`.5E-02`, `0.5D-02`), not finite ones included.
 pub(super) fn number(token: &str) -> Option<f64> {
-    if token.contains(['D', 'd']) {
-        token.replace(['D', 'd'], "e").parse().ok()
-    } else {
-        token.parse().ok()
-    }
+    if token.contains(['D', 'd']) { token.replace(['D', 'd'], "e").parse().ok() } else { token.parse().ok() }
 }
 
 /// One unit of a number's last printed digit: half of it is how far the value may be off.
 pub(super) fn print_quantum(token: &str) -> f64 {
     let (mantissa, exponent) = split_exponent(token);
     let decimals = mantissa.split_once('.').map_or(0, |(_, tail)| tail.len());
-    let power = exponent
-        .parse::<i32>()
-        .unwrap_or(0)
-        .saturating_sub(i32::try_from(decimals).unwrap_or(0));
+    let power = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(decimals).unwrap_or(0));
     10f64.powi(power)
 }
 
@@ -221,30 +167,18 @@ pub(super) fn print_quantum(token: &str) -> f64 {
 pub(super) fn fixed_width(line: &str, width: usize) -> impl Iterator<Item = &str> {
     let line = line.trim_end();
     // A line with anything but ASCII holds no numbers: it is handed on whole, to be refused as a number.
-    let width = if line.is_ascii() {
-        width.max(1)
-    } else {
-        line.len().max(1)
-    };
-    (0..line.len()).step_by(width).filter_map(move |start| {
-        line.get(start..line.len().min(start + width))
-            .map(str::trim)
-    })
+    let width = if line.is_ascii() { width.max(1) } else { line.len().max(1) };
+    (0..line.len())
+        .step_by(width)
+        .filter_map(move |start| line.get(start..line.len().min(start + width)).map(str::trim))
 }
 
 /// A piece of the file for an error message: one line, not too long.
 pub(super) fn quoted(piece: &str) -> String {
     const LONGEST: usize = 60;
     let piece = piece.trim();
-    let more = if piece.chars().count() > LONGEST {
-        "…"
-    } else {
-        ""
-    };
-    format!(
-        "{:?}",
-        piece.chars().take(LONGEST).collect::<String>() + more
-    )
+    let more = if piece.chars().count() > LONGEST { "…" } else { "" };
+    format!("{:?}", piece.chars().take(LONGEST).collect::<String>() + more)
 }
 
 /// Words of a header line with one blank between them.
@@ -255,7 +189,5 @@ pub(super) fn squeezed(line: &str) -> String {
 /// Whether a line only marks the end of the data: `*** End Data ***`, `/& --- END OF DATA`, `End-of-data for`.
 pub(super) fn is_end_mark(line: &str) -> bool {
     let line = line.trim_start();
-    line.starts_with("***")
-        || line.starts_with("/&")
-        || line.to_ascii_lowercase().starts_with("end-of-data")
+    line.starts_with("***") || line.starts_with("/&") || line.to_ascii_lowercase().starts_with("end-of-data")
 }

@@ -22,10 +22,7 @@ pub(super) struct TimeAxis {
 
 impl TimeAxis {
     pub(super) fn new() -> TimeAxis {
-        TimeAxis {
-            times: Vec::new(),
-            quantum: 0.0,
-        }
+        TimeAxis { times: Vec::new(), quantum: 0.0 }
     }
 
     /// Adds a time (s) that is printed to a multiple of `quantum` (s).
@@ -40,73 +37,38 @@ impl TimeAxis {
     /// Start time (s) and time step; every time must be at its place of an even spacing up to the precision with which
     /// times are printed. The mean step is
     /// rounded to the shortest decimal number that prints as the same times.
-    pub(super) fn even_spacing(
-        &self,
-        source: &Source<'_>,
-    ) -> Result<(f64, Option<StatedStep>), RecordError> {
-        let (Some(&(line, start)), Some(&(_, end))) = (
-            self.times.first(),
-            self.times.get(1..).and_then(<[_]>::last),
-        ) else {
+    pub(super) fn even_spacing(&self, source: &Source<'_>) -> Result<(f64, Option<StatedStep>), RecordError> {
+        let (Some(&(line, start)), Some(&(_, end))) = (self.times.first(), self.times.get(1..).and_then(<[_]>::last))
+        else {
             return Ok((0.0, None));
         };
         for pair in self.times.windows(2) {
             if let [(_, before), (line, after)] = pair
                 && after <= before
             {
-                return Err(source.header_error(
-                    *line,
-                    &format!("time {after} s"),
-                    format!("a time after {before} s"),
-                ));
+                return Err(source.header_error(*line, &format!("time {after} s"), format!("a time after {before} s")));
             }
         }
         let intervals = (self.times.len() - 1) as f64;
         let mean = (end - start) / intervals;
-        let printed = self
-            .quantum
-            .max(SINGLE_PRECISION * start.abs().max(end.abs()));
+        let printed = self.quantum.max(SINGLE_PRECISION * start.abs().max(end.abs()));
         let tolerance = printed.min(LARGEST_SHIFT * mean).max(ROUNDING * mean);
         let off = |step: f64| {
-            let places = self
-                .times
-                .iter()
-                .enumerate()
-                .map(|(index, &(line, t))| (line, t, start + index as f64 * step));
+            let places =
+                self.times.iter().enumerate().map(|(index, &(line, t))| (line, t, start + index as f64 * step));
             // A step that overflowed gives NaN for the first place.
-            places.into_iter().find(|(_, found, expected)| {
-                expected.is_nan() || (found - expected).abs() > tolerance
-            })
+            places.into_iter().find(|(_, found, expected)| expected.is_nan() || (found - expected).abs() > tolerance)
         };
         if let Some(place) = off(mean) {
             // The first step shows where the spacing changes; the mean step is already spoilt by the change.
-            let first = self
-                .times
-                .get(1)
-                .map_or(mean, |&(_, second)| second - start);
+            let first = self.times.get(1).map_or(mean, |&(_, second)| second - start);
             let (time_step, place) = off(first).map_or((mean, place), |place| (first, place));
             let (file, (line, found, expected)) = (source.name.clone(), place);
-            return Err(RecordError::UnevenTime {
-                file,
-                line,
-                found,
-                expected,
-                time_step,
-            });
+            return Err(RecordError::UnevenTime { file, line, found, expected, time_step });
         }
         let tolerance = tolerance / intervals + ROUNDING * mean;
         let rounded = (0..9).filter_map(|digits| format!("{mean:.digits$e}").parse().ok());
-        let value = rounded
-            .into_iter()
-            .find(|step: &f64| (step - mean).abs() < tolerance / 2.0)
-            .unwrap_or(mean);
-        Ok((
-            start,
-            Some(StatedStep {
-                line,
-                value,
-                tolerance,
-            }),
-        ))
+        let value = rounded.into_iter().find(|step: &f64| (step - mean).abs() < tolerance / 2.0).unwrap_or(mean);
+        Ok((start, Some(StatedStep { line, value, tolerance })))
     }
 }

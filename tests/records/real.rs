@@ -17,10 +17,7 @@ fn shared() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!(
-        "skipped: the records of {} may not be redistributed",
-        folder.display()
-    );
+    println!("skipped: the records of {} may not be redistributed", folder.display());
     None
 }
 
@@ -35,40 +32,20 @@ fn without_options(folder: &Path, name: &str) -> Record {
 
 fn assert_peak(record: &Record, acceleration: f64, time: f64, tolerance: f64) {
     let peak = record.peak();
-    assert!(
-        (peak.acceleration - acceleration).abs() <= tolerance,
-        "{peak:?}, expected {acceleration} m/s²"
-    );
-    assert!(
-        (peak.time - time).abs() <= 1e-9,
-        "{peak:?}, expected {time} s"
-    );
+    assert!((peak.acceleration - acceleration).abs() <= tolerance, "{peak:?}, expected {acceleration} m/s²");
+    assert!((peak.time - time).abs() <= 1e-9, "{peak:?}, expected {time} s");
 }
 
 /// The SMC headers print largest and smallest value with seven digits, and their times.
 #[test]
 fn smc_agrees_with_its_own_header() {
     let shafter = own("0111a.smc");
-    assert_eq!(
-        (shafter.format, shafter.unit),
-        (Format::Smc, Unit::CentimetrePerSecondSquared)
-    );
-    assert_eq!(
-        (shafter.acceleration.len(), shafter.time_step),
-        (6001, 0.005)
-    );
-    assert!(
-        shafter.title.contains("Loma Prieta") && shafter.title.contains("1295 Shafter"),
-        "{}",
-        shafter.title
-    );
+    assert_eq!((shafter.format, shafter.unit), (Format::Smc, Unit::CentimetrePerSecondSquared));
+    assert_eq!((shafter.acceleration.len(), shafter.time_step), (6001, 0.005));
+    assert!(shafter.title.contains("Loma Prieta") && shafter.title.contains("1295 Shafter"), "{}", shafter.title);
     // "pk = 104.4"; values are printed with five digits.
     assert_peak(&shafter, 1.044078, 10.17, 5e-5);
-    let smallest = shafter
-        .acceleration
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
+    let smallest = shafter.acceleration.iter().copied().fold(f64::INFINITY, f64::min);
     assert!((smallest + 0.7882104).abs() <= 5e-6, "{smallest}");
     assert!((shafter.at(10.34) - smallest).abs() <= 1e-12);
 
@@ -113,31 +90,16 @@ fn peer_headers_of_all_kinds() {
     ];
     for (name, time_step, count, peak) in table {
         let record = without_options(&folder, name);
-        assert_eq!(
-            (record.format, record.unit),
-            (Format::Peer, Unit::G),
-            "{name}"
-        );
-        assert_eq!(
-            (record.time_step, record.acceleration.len()),
-            (time_step, count),
-            "{name}"
-        );
+        assert_eq!((record.format, record.unit), (Format::Peer, Unit::G), "{name}");
+        assert_eq!((record.time_step, record.acceleration.len()), (time_step, count), "{name}");
         let found = record.peak().acceleration.abs() / GRAVITY;
-        assert!(
-            (found - peak).abs() <= PEAK_TOLERANCE,
-            "{name}: {found} g, expected {peak} g"
-        );
+        assert!((found - peak).abs() <= PEAK_TOLERANCE, "{name}: {found} g, expected {peak} g");
     }
     assert_eq!(
         without_options(&folder, "fallback/IELC180.AT2").title,
         "IMPERIAL VALLEY 5/19/40 0439, EL CENTRO ARRAY #9, 180 (USGS STATION 117)"
     );
-    assert!(
-        without_options(&folder, "fallback/elCentro.AT2")
-            .title
-            .starts_with("Data for El Centro 1940")
-    );
+    assert!(without_options(&folder, "fallback/elCentro.AT2").title.starts_with("Data for El Centro 1940"));
 }
 
 #[test]
@@ -146,36 +108,12 @@ fn peer_without_header_needs_unit_and_time_step() {
     for (name, peak) in [("SCS052", 0.6125), ("SCS142", 0.8972), ("SCSUP", 0.5862)] {
         let path = folder.join("paper").join(name).with_extension("AT2");
         let record = read(&path, &said(Unit::G, 0.005)).unwrap();
-        assert_eq!(
-            (record.format, record.acceleration.len()),
-            (Format::Peer, 8000),
-            "{name}"
-        );
+        assert_eq!((record.format, record.acceleration.len()), (Format::Peer, 8000), "{name}");
         let found = record.peak().acceleration.abs() / GRAVITY;
-        assert!(
-            (found - peak).abs() <= PEAK_TOLERANCE,
-            "{name}: {found} g, expected {peak} g"
-        );
-        let error = read(
-            &path,
-            &ReadOptions {
-                unit: Some(Unit::G),
-                ..ReadOptions::default()
-            },
-        )
-        .unwrap_err();
-        assert!(
-            matches!(error, RecordError::TimeStepMissing { .. }),
-            "{error}"
-        );
-        let error = read(
-            &path,
-            &ReadOptions {
-                time_step: Some(0.005),
-                ..ReadOptions::default()
-            },
-        )
-        .unwrap_err();
+        assert!((found - peak).abs() <= PEAK_TOLERANCE, "{name}: {found} g, expected {peak} g");
+        let error = read(&path, &ReadOptions { unit: Some(Unit::G), ..ReadOptions::default() }).unwrap_err();
+        assert!(matches!(error, RecordError::TimeStepMissing { .. }), "{error}");
+        let error = read(&path, &ReadOptions { time_step: Some(0.005), ..ReadOptions::default() }).unwrap_err();
         assert!(matches!(error, RecordError::UnitMissing { .. }), "{error}");
     }
 }
@@ -189,10 +127,7 @@ fn rinaldi_equals_its_rotated_components() {
     let derived = without_options(&folder, "paper_derived/RRS228_unrotated.AT2");
     assert_eq!(original.acceleration.len(), derived.acceleration.len());
     for (a, b) in original.acceleration.iter().zip(&derived.acceleration) {
-        assert!(
-            (a - b).abs() <= 1.8e-7 * GRAVITY * (1.0 + 1e-6),
-            "{a} and {b} m/s²"
-        );
+        assert!((a - b).abs() <= 1.8e-7 * GRAVITY * (1.0 + 1e-6), "{a} and {b} m/s²");
     }
 }
 
@@ -202,10 +137,7 @@ fn line_ends_make_no_difference() {
     let plain = without_options(&folder, "formats/ARL360_pacific.at2");
     assert_eq!(without_options(&folder, "formats/ARL360_crcrlf.at2"), plain);
     let long = without_options(&folder, "formats/elCentro_6line_header.at2");
-    assert_eq!(
-        long.acceleration,
-        without_options(&folder, "fallback/elCentro.AT2").acceleration
-    );
+    assert_eq!(long.acceleration, without_options(&folder, "fallback/elCentro.AT2").acceleration);
 }
 
 #[test]
@@ -216,50 +148,24 @@ fn columns_with_and_without_time() {
         ("formats/CHV1-20140203E.txt", 13549, 67.74),
         ("formats/Northridge_Sylmar_County.dat", 3000, 59.98),
         ("formats/San Fernando.dat", 1500, 29.98),
-        (
-            "formats/RSN1063_NORTHR_RRS228_velocity_cm_s.txt",
-            1991,
-            19.9,
-        ),
+        ("formats/RSN1063_NORTHR_RRS228_velocity_cm_s.txt", 1991, 19.9),
     ] {
-        let options = ReadOptions {
-            unit: Some(Unit::CentimetrePerSecondSquared),
-            ..ReadOptions::default()
-        };
+        let options = ReadOptions { unit: Some(Unit::CentimetrePerSecondSquared), ..ReadOptions::default() };
         let record = read(&folder.join(name), &options).unwrap();
-        assert_eq!(
-            (record.format, record.acceleration.len()),
-            (Format::Columns, count),
-            "{name}"
-        );
-        assert!(
-            (record.start_time + record.duration() - last).abs() <= 1e-9,
-            "{name}: {record:?}"
-        );
+        assert_eq!((record.format, record.acceleration.len()), (Format::Columns, count), "{name}");
+        assert!((record.start_time + record.duration() - last).abs() <= 1e-9, "{name}: {record:?}");
         let error = read(&folder.join(name), &ReadOptions::default()).unwrap_err();
         assert!(matches!(error, RecordError::UnitMissing { .. }), "{error}");
         let error = read(&folder.join(name), &said(Unit::G, 0.004)).unwrap_err();
-        assert!(
-            matches!(error, RecordError::TimeStepContradicted { .. }),
-            "{error}"
-        );
+        assert!(matches!(error, RecordError::TimeStepContradicted { .. }), "{error}");
     }
-    for (name, count) in [
-        ("fallback/tabasFN.txt", 2500),
-        ("fallback/tabasFP.txt", 2500),
-        ("formats/rrsmv1_1.txt", 2989),
-    ] {
+    for (name, count) in
+        [("fallback/tabasFN.txt", 2500), ("fallback/tabasFP.txt", 2500), ("formats/rrsmv1_1.txt", 2989)]
+    {
         let record = read(&folder.join(name), &said(Unit::MetrePerSecondSquared, 0.02)).unwrap();
-        assert_eq!(
-            (record.format, record.acceleration.len()),
-            (Format::Columns, count),
-            "{name}"
-        );
+        assert_eq!((record.format, record.acceleration.len()), (Format::Columns, count), "{name}");
         let error = read(&folder.join(name), &ReadOptions::default()).unwrap_err();
-        assert!(
-            matches!(error, RecordError::TimeStepMissing { .. }),
-            "{error}"
-        );
+        assert!(matches!(error, RecordError::TimeStepMissing { .. }), "{error}");
     }
 }
 
@@ -267,34 +173,17 @@ fn columns_with_and_without_time() {
 #[test]
 fn velocities_taken_for_g_are_absurd() {
     let Some(folder) = shared() else { return };
-    let options = ReadOptions {
-        unit: Some(Unit::G),
-        ..ReadOptions::default()
-    };
-    let error = read(
-        &folder.join("formats/RSN1063_NORTHR_RRS228_velocity_cm_s.txt"),
-        &options,
-    )
-    .unwrap_err();
+    let options = ReadOptions { unit: Some(Unit::G), ..ReadOptions::default() };
+    let error = read(&folder.join("formats/RSN1063_NORTHR_RRS228_velocity_cm_s.txt"), &options).unwrap_err();
     // The file's peak is 147.9.
-    assert!(
-        matches!(error, RecordError::Absurd { peak, .. } if (peak - 147.9).abs() < 0.05),
-        "{error}"
-    );
+    assert!(matches!(error, RecordError::Absurd { peak, .. } if (peak - 147.9).abs() < 0.05), "{error}");
 }
 
 #[test]
 fn a_response_spectrum_is_refused() {
     let Some(folder) = shared() else { return };
-    let error = read(
-        &folder.join("formats/SeismoSignal_Imperial Valley.txt"),
-        &said(Unit::G, 0.01),
-    )
-    .unwrap_err();
-    assert!(
-        matches!(error, RecordError::NotAcceleration { line: 2, .. }),
-        "{error}"
-    );
+    let error = read(&folder.join("formats/SeismoSignal_Imperial Valley.txt"), &said(Unit::G, 0.01)).unwrap_err();
+    assert!(matches!(error, RecordError::NotAcceleration { line: 2, .. }), "{error}");
 }
 
 /// The headers print the largest acceleration and its time.
@@ -302,21 +191,12 @@ fn a_response_spectrum_is_refused() {
 fn cosmos_agrees_with_its_own_header() {
     let Some(folder) = shared() else { return };
     let alaska = without_options(&folder, "formats/akbmrp_BNZ.acc.V2c");
-    assert_eq!(
-        (alaska.format, alaska.unit),
-        (Format::Cosmos, Unit::CentimetrePerSecondSquared)
-    );
-    assert_eq!(
-        (alaska.time_step, alaska.acceleration.len()),
-        (0.005, 42000)
-    );
+    assert_eq!((alaska.format, alaska.unit), (Format::Cosmos, Unit::CentimetrePerSecondSquared));
+    assert_eq!((alaska.time_step, alaska.acceleration.len()), (0.005, 42000));
     assert_peak(&alaska, -0.06851512, 76.215, 0.5e-8);
 
     let yucaipa = without_options(&folder, "formats/Cosmos12TimeSeriesTest.v1");
-    assert_eq!(
-        (yucaipa.time_step, yucaipa.acceleration.len()),
-        (0.01, 7000)
-    );
+    assert_eq!((yucaipa.time_step, yucaipa.acceleration.len()), (0.01, 7000));
     // Some of its columns touch each other, so that only their width separates them.
     assert_peak(&yucaipa, -1.61962, 27.85, 0.5e-5);
 }
@@ -326,29 +206,16 @@ fn cosmos_agrees_with_its_own_header() {
 fn csmip_agrees_with_its_own_headers() {
     let Some(folder) = shared() else { return };
     let path = folder.join("formats/ce36456p_CE36456.V2");
-    let channel = |channel| ReadOptions {
-        channel,
-        ..ReadOptions::default()
-    };
+    let channel = |channel| ReadOptions { channel, ..ReadOptions::default() };
     for (number, count, peak, time) in [(1, 3251, -2.67957, 10.94), (2, 3250, -0.94805, 11.68)] {
         let record = read(&path, &channel(Some(number))).unwrap();
-        assert_eq!(
-            (record.format, record.time_step, record.acceleration.len()),
-            (Format::Csmip, 0.02, count)
-        );
+        assert_eq!((record.format, record.time_step, record.acceleration.len()), (Format::Csmip, 0.02, count));
         assert_peak(&record, peak, time, 1e-12);
-        assert!(
-            record.title.contains(&format!("CHAN {number}")),
-            "{}",
-            record.title
-        );
+        assert!(record.title.contains(&format!("CHAN {number}")), "{}", record.title);
     }
     for wrong in [None, Some(0), Some(4)] {
         let error = read(&path, &channel(wrong)).unwrap_err();
-        assert!(
-            matches!(error, RecordError::Channel { count: 3, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, RecordError::Channel { count: 3, .. }), "{error}");
     }
 }
 
@@ -357,10 +224,7 @@ fn csmip_agrees_with_its_own_headers() {
 fn esm_agrees_with_its_own_header() {
     let Some(folder) = shared() else { return };
     let argos = without_options(&folder, "formats/HI.ARS1.HNE.ACC.ASC");
-    assert_eq!(
-        (argos.format, argos.unit),
-        (Format::Esm, Unit::CentimetrePerSecondSquared)
-    );
+    assert_eq!((argos.format, argos.unit), (Format::Esm, Unit::CentimetrePerSecondSquared));
     assert_eq!((argos.time_step, argos.acceleration.len()), (0.005, 19128));
     let Peak { acceleration, time } = argos.peak();
     assert!(
@@ -373,17 +237,13 @@ fn esm_agrees_with_its_own_header() {
 #[test]
 fn every_file_is_read_or_refused_in_one_line() {
     let Some(folder) = shared() else { return };
-    for entry in ["paper", "paper_derived", "fallback", "formats"]
-        .iter()
-        .flat_map(|sub| folder.join(sub).read_dir().unwrap())
+    for entry in
+        ["paper", "paper_derived", "fallback", "formats"].iter().flat_map(|sub| folder.join(sub).read_dir().unwrap())
     {
         let path = entry.unwrap().path();
         if let Err(error) = read(&path, &ReadOptions::default()) {
             let message = error.to_string();
-            assert!(
-                !message.contains('\n') && message.contains("expected"),
-                "{message}"
-            );
+            assert!(!message.contains('\n') && message.contains("expected"), "{message}");
             println!("{message}");
         }
     }

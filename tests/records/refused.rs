@@ -4,7 +4,8 @@ use rocking_block::records::{ReadOptions, RecordError, Unit, parse, read};
 
 use super::{accelerations, assert_refused, parsed, refusal, said};
 
-const HEADER: &str = "PEER STRONG MOTION DATABASE RECORD\nSOMEWHERE 1/1/01, STATION, 090\nACCELERATION TIME HISTORY IN UNITS OF G\n";
+const HEADER: &str =
+    "PEER STRONG MOTION DATABASE RECORD\nSOMEWHERE 1/1/01, STATION, 090\nACCELERATION TIME HISTORY IN UNITS OF G\n";
 
 #[test]
 fn count_that_is_not_the_headers() {
@@ -27,18 +28,9 @@ fn count_that_is_not_the_headers() {
 #[test]
 fn a_number_that_was_cut() {
     let row = "  0.1234567E-01".repeat(20);
-    assert!(
-        parsed(
-            &format!("{HEADER}NPTS= 21, DT= .01 SEC\n{row}  0.1234567E-01"),
-            &ReadOptions::default()
-        )
-        .is_ok()
-    );
+    assert!(parsed(&format!("{HEADER}NPTS= 21, DT= .01 SEC\n{row}  0.1234567E-01"), &ReadOptions::default()).is_ok());
     for cut in ["0.1234567E-0", "0.1234567", "0.12", "0"] {
-        let message = refusal(
-            &format!("{HEADER}NPTS= 21, DT= .01 SEC\n{row}  {cut}"),
-            &ReadOptions::default(),
-        );
+        let message = refusal(&format!("{HEADER}NPTS= 21, DT= .01 SEC\n{row}  {cut}"), &ReadOptions::default());
         let expected = format!(
             "made-up, line 5: the file ends within the number {cut:?}, expected 7 decimals and an exponent as in all numbers before"
         );
@@ -53,9 +45,7 @@ fn a_number_that_was_cut() {
 #[test]
 fn units() {
     let file = |unit: &str| {
-        format!(
-            "TITLE\nACCELERATION TIME HISTORY IN UNITS OF {unit}\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n"
-        )
+        format!("TITLE\nACCELERATION TIME HISTORY IN UNITS OF {unit}\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n")
     };
     let none = ReadOptions::default();
     for (unit, expected) in [
@@ -67,56 +57,31 @@ fn units() {
         ("m/s²", 0.3),
         ("M/SEC**2", 0.3),
     ] {
-        assert!(
-            (accelerations(&file(unit), &none).peak().acceleration - expected).abs() < 1e-15,
-            "{unit}"
-        );
+        assert!((accelerations(&file(unit), &none).peak().acceleration - expected).abs() < 1e-15, "{unit}");
     }
     // "²" of a Latin-1 file is a single byte.
-    let latin = file("m/s?")
-        .into_bytes()
-        .into_iter()
-        .map(|b| if b == b'?' { 0xB2 } else { b })
-        .collect::<Vec<_>>();
-    assert_eq!(
-        parse("latin", &latin, &none).unwrap().unit,
-        Unit::MetrePerSecondSquared
-    );
+    let latin = file("m/s?").into_bytes().into_iter().map(|b| if b == b'?' { 0xB2 } else { b }).collect::<Vec<_>>();
+    assert_eq!(parse("latin", &latin, &none).unwrap().unit, Unit::MetrePerSecondSquared);
 
     assert_refused(
         &file("FURLONGS"),
         "made-up, line 2: found \"ACCELERATION TIME HISTORY IN UNITS OF FURLONGS\", expected a unit among g, m/s2, cm/s2",
     );
-    assert_refused(
-        &file("CM/S"),
-        "made-up, line 2: found a velocity in CM/S, expected an acceleration time history",
-    );
+    assert_refused(&file("CM/S"), "made-up, line 2: found a velocity in CM/S, expected an acceleration time history");
     assert_refused(
         "TITLE\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n",
         "made-up: no unit in the file and none given, expected one of g, m/s2, cm/s2",
     );
     assert_eq!(
-        refusal(
-            &file("G"),
-            &ReadOptions {
-                unit: Some(Unit::CentimetrePerSecondSquared),
-                ..none.clone()
-            }
-        ),
+        refusal(&file("G"), &ReadOptions { unit: Some(Unit::CentimetrePerSecondSquared), ..none.clone() }),
         "made-up, line 2: the file is in g but cm/s² was given"
     );
     assert_eq!(
         refusal("0.1\n98.1\n", &said(Unit::G, 0.01)),
         "made-up: the peak would be 9.810e1 g at 0.01 s if the values were in g; check the unit, expected at most 20 g"
     );
-    let metric = ReadOptions {
-        gravity: 10.0,
-        ..none
-    };
-    assert_eq!(
-        accelerations(&file("G"), &metric).acceleration,
-        [1.0, 2.0, 3.0]
-    );
+    let metric = ReadOptions { gravity: 10.0, ..none };
+    assert_eq!(accelerations(&file("G"), &metric).acceleration, [1.0, 2.0, 3.0]);
 }
 
 #[test]
@@ -126,12 +91,8 @@ fn velocities_and_displacements() {
         ("a displacement", "DISPLACEMENT TIME SERIES IN UNITS OF CM"),
     ] {
         assert_refused(
-            &format!(
-                "PEER NGA STRONG MOTION DATABASE RECORD\nTITLE\n{text}\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n"
-            ),
-            &format!(
-                "made-up, line 3: found {found} ({text:?}), expected an acceleration time history"
-            ),
+            &format!("PEER NGA STRONG MOTION DATABASE RECORD\nTITLE\n{text}\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n"),
+            &format!("made-up, line 3: found {found} ({text:?}), expected an acceleration time history"),
         );
     }
     assert_refused(
@@ -155,10 +116,7 @@ fn velocities_and_displacements() {
 #[test]
 fn time_steps() {
     let file = format!("{HEADER}NPTS= 3, DT= .0200 SEC,\n0.1 0.2 0.3\n");
-    let given = |time_step| ReadOptions {
-        time_step: Some(time_step),
-        ..ReadOptions::default()
-    };
+    let given = |time_step| ReadOptions { time_step: Some(time_step), ..ReadOptions::default() };
     assert_eq!(accelerations(&file, &given(0.02)).time_step, 0.02);
     assert_eq!(
         refusal(&file, &given(0.01)),
@@ -189,27 +147,15 @@ fn time_steps() {
 #[test]
 fn what_is_no_accelerogram() {
     assert_refused("", "made-up: the file is empty, expected an accelerogram");
-    assert_refused(
-        " \r\n\r\n",
-        "made-up: the file is empty, expected an accelerogram",
-    );
-    let binary: Vec<u8> = (0..100u8)
-        .flat_map(|i| f32::from(i).to_le_bytes())
-        .collect();
+    assert_refused(" \r\n\r\n", "made-up: the file is empty, expected an accelerogram");
+    let binary: Vec<u8> = (0..100u8).flat_map(|i| f32::from(i).to_le_bytes()).collect();
     let error = parse("binary", &binary, &ReadOptions::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "binary: found binary data, expected an accelerogram as ASCII, Latin-1 or UTF-8 text"
     );
-    let wide: Vec<u8> = [0xFEFF_u16]
-        .into_iter()
-        .chain("0.1\n".encode_utf16())
-        .flat_map(u16::to_le_bytes)
-        .collect();
-    assert!(matches!(
-        parse("wide", &wide, &ReadOptions::default()),
-        Err(RecordError::NotText { .. })
-    ));
+    let wide: Vec<u8> = [0xFEFF_u16].into_iter().chain("0.1\n".encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    assert!(matches!(parse("wide", &wide, &ReadOptions::default()), Err(RecordError::NotText { .. })));
     assert_refused(
         "Dear all,\n",
         "made-up, line 1: found \"Dear all,\", expected the header of a known format (peer, smc, columns, cosmos, csmip, esm) or a row of numbers in the first 64 lines",
@@ -219,30 +165,12 @@ fn what_is_no_accelerogram() {
         "made-up, line 1: found an uncorrected CSMIP accelerogram (volume 1), not evenly spaced, which is not read; expected the corrected record (volume 2)",
     );
     for word in ["NaN", "inf", "-Infinity", "1e999", "*******"] {
-        let message = refusal(
-            &format!("{HEADER}NPTS= 3, DT= .01\n0.1 {word} 0.3\n"),
-            &ReadOptions::default(),
-        );
-        assert_eq!(
-            message,
-            format!("made-up, line 5: found {word:?}, expected a finite number")
-        );
+        let message = refusal(&format!("{HEADER}NPTS= 3, DT= .01\n0.1 {word} 0.3\n"), &ReadOptions::default());
+        assert_eq!(message, format!("made-up, line 5: found {word:?}, expected a finite number"));
     }
-    assert_eq!(
-        refusal("0.1\n", &said(Unit::G, 0.01)),
-        "made-up: found 1 values, expected at least 2"
-    );
-    let error = read(
-        std::path::Path::new("no such file"),
-        &ReadOptions::default(),
-    )
-    .unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .starts_with("no such file: cannot be read: "),
-        "{error}"
-    );
+    assert_eq!(refusal("0.1\n", &said(Unit::G, 0.01)), "made-up: found 1 values, expected at least 2");
+    let error = read(std::path::Path::new("no such file"), &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().starts_with("no such file: cannot be read: "), "{error}");
 }
 
 /// The public SMC files, damaged.
@@ -254,36 +182,20 @@ fn smc_that_is_damaged() {
         refusal(smc.rsplit_once("-2.8745E-1").unwrap().0, &none),
         "made-up, line 14: header says 17th integer= 6001 but the file has 6000 values"
     );
+    assert!(refusal(smc.trim_end().strip_suffix("45E-1").unwrap(), &none).contains("ends within the number \"-2.87\""));
     assert!(
-        refusal(smc.trim_end().strip_suffix("45E-1").unwrap(), &none)
-            .contains("ends within the number \"-2.87\"")
+        refusal(&smc.replacen("0.2000000E+03", "0.2000000E+09", 1), &none).contains("expected a sampling rate above 0")
     );
-    assert!(
-        refusal(&smc.replacen("0.2000000E+03", "0.2000000E+09", 1), &none)
-            .contains("expected a sampling rate above 0")
-    );
-    assert!(
-        refusal(&smc.replacen("|ref", " ref", 1), &none)
-            .contains("expected one of 8 comment lines")
-    );
+    assert!(refusal(&smc.replacen("|ref", " ref", 1), &none).contains("expected one of 8 comment lines"));
     // A sampling rate that is not known is the user's to give.
     let unknown = smc.replacen("0.2000000E+03", "0.1700000E+39", 1);
-    assert!(matches!(
-        parsed(&unknown, &none),
-        Err(RecordError::TimeStepMissing { .. })
-    ));
-    assert_eq!(
-        accelerations(&unknown, &said(Unit::CentimetrePerSecondSquared, 0.005)).time_step,
-        0.005
-    );
+    assert!(matches!(parsed(&unknown, &none), Err(RecordError::TimeStepMissing { .. })));
+    assert_eq!(accelerations(&unknown, &said(Unit::CentimetrePerSecondSquared, 0.005)).time_step, 0.005);
 }
 
 #[test]
 fn interpolation() {
-    let record = accelerations(
-        "t [s],a [m/s2]\n2.0,1\n2.5,3\n3.0,-4\n",
-        &ReadOptions::default(),
-    );
+    let record = accelerations("t [s],a [m/s2]\n2.0,1\n2.5,3\n3.0,-4\n", &ReadOptions::default());
     for (t, expected) in [
         (1.999, 0.0),
         (2.0, 1.0),
@@ -297,18 +209,9 @@ fn interpolation() {
     ] {
         assert_eq!(record.at(t), expected, "at {t} s");
     }
-    assert_eq!(
-        (
-            record.duration(),
-            record.peak().acceleration,
-            record.peak().time
-        ),
-        (1.0, -4.0, 3.0)
-    );
+    assert_eq!((record.duration(), record.peak().acceleration, record.peak().time), (1.0, -4.0, 3.0));
     // The end of a long record is not lost to rounding.
-    let text: String = (0..1000)
-        .map(|i| format!("{}\n", 0.001 * f64::from(i)))
-        .collect();
+    let text: String = (0..1000).map(|i| format!("{}\n", 0.001 * f64::from(i))).collect();
     let long = accelerations(&text, &said(Unit::MetrePerSecondSquared, 0.005));
     assert_eq!(long.at(long.start_time + long.duration()), 0.999);
     assert_eq!(record.scaled(-0.5).acceleration, [-0.5, -1.5, 2.0]);

@@ -39,9 +39,7 @@ const VARIANTS: [Variant; 7] = [
         last: "               \n",
     },
     Variant {
-        header: |n, dt| {
-            format!("A\nB\nACCELERATION TIME HISTORY IN UNITS OF G\nNPTS={n:7}, dt=  {dt:.5}\n")
-        },
+        header: |n, dt| format!("A\nB\nACCELERATION TIME HISTORY IN UNITS OF G\nNPTS={n:7}, dt=  {dt:.5}\n"),
         per_line: 5,
         line_end: "\n",
         last: "\n",
@@ -57,9 +55,7 @@ const VARIANTS: [Variant; 7] = [
         last: "\r\r\n",
     },
     Variant {
-        header: |n, dt| {
-            format!("A\nB\nACCELERATION TIME HISTORY IN UNITS OF G\nNPTS={n:7}, DT= {dt:.5} SEC\n")
-        },
+        header: |n, dt| format!("A\nB\nACCELERATION TIME HISTORY IN UNITS OF G\nNPTS={n:7}, DT= {dt:.5} SEC\n"),
         per_line: 5,
         line_end: "\r\n",
         last: "\r\n",
@@ -74,12 +70,7 @@ const VARIANTS: [Variant; 7] = [
         line_end: "\n",
         last: "\n*** End Data ***\n\n\n",
     },
-    Variant {
-        header: |_, _| String::new(),
-        per_line: 5,
-        line_end: "\r\n",
-        last: "",
-    },
+    Variant { header: |_, _| String::new(), per_line: 5, line_end: "\r\n", last: "" },
 ];
 
 fn written(variant: &Variant, values: &[f64], dt: f64) -> String {
@@ -95,15 +86,9 @@ fn written(variant: &Variant, values: &[f64], dt: f64) -> String {
 
 /// With an exponent of two digits, as Fortran and C print it.
 fn fortran(value: f64) -> String {
-    let (mantissa, exponent) = format!("{value:.7e}")
-        .split_once('e')
-        .map(|(m, e)| (m.to_owned(), e.parse::<i32>().unwrap()))
-        .unwrap();
-    let (sign, exponent) = if exponent < 0 {
-        ('-', -exponent)
-    } else {
-        ('+', exponent)
-    };
+    let (mantissa, exponent) =
+        format!("{value:.7e}").split_once('e').map(|(m, e)| (m.to_owned(), e.parse::<i32>().unwrap())).unwrap();
+    let (sign, exponent) = if exponent < 0 { ('-', -exponent) } else { ('+', exponent) };
     format!("{mantissa:>10}E{sign}{exponent:02}")
 }
 
