@@ -8,7 +8,6 @@ use roxmltree::{Document, Node};
 /// What the build takes from modelDescription.xml.
 pub struct Description {
     pub guid: String,
-    pub model_identifier: String,
     pub variables: Vec<Variable>,
     /// The file with the GUID in it.
     pub packed: String,
@@ -52,8 +51,10 @@ pub fn read(text: &str) -> Result<Description, String> {
     let guid = format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()));
     let place = root.attribute_node("guid").ok_or("fmiModelDescription has no guid")?.range_value();
     let packed = format!("{}{guid}{}", &text[..place.start], &text[place.end..]);
-    let model_identifier = attribute(child(root, "CoSimulation")?, "modelIdentifier")?.to_string();
-    Ok(Description { guid, model_identifier, variables, packed })
+    if attribute(child(root, "CoSimulation")?, "modelIdentifier")? != "rocking_block" {
+        return Err("the modelIdentifier is the library's name, rocking_block".into());
+    }
+    Ok(Description { guid, variables, packed })
 }
 
 fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {

@@ -1,0 +1,92 @@
+//! The crates that are linked into the library → their licences.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+use cargo_metadata::{Metadata, MetadataCommand, PackageId};
+
+use crate::library;
+
+/// Files for `documentation/licenses`: path below it and content.
+pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
+    let metadata = metadata()?;
+    let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
+    let mut files = BTreeMap::new();
+    let mut index = String::from("The FMU's binary holds code of these packages, under these licences:\n\n");
+    for id in linked(&metadata)? {
+        let package = &metadata[&id];
+        if id == root {
+            for name in ["LICENSE-APACHE", "LICENSE-MIT"] {
+                files.insert(name.to_string(), std::fs::read(name).map_err(|e| format!("{name}: {e}"))?);
+            }
+        }
+        let folder = format!("{}-{}", package.name, package.version);
+        let licence = package.license.as_deref().unwrap_or("see its licence file");
+        let repository = package.repository.as_deref().unwrap_or("");
+        let _ = writeln!(index, "{folder}: {licence} {repository}");
+        if id != root {
+            let home = package.manifest_path.parent().ok_or("a manifest is in no folder")?;
+            for (name, text) in licence_files(home.as_std_path())? {
+                files.insert(format!("{folder}/{name}"), text);
+            }
+        }
+    }
+    files.insert("packages.txt".into(), index.into_bytes());
+    Ok(files)
+}
+
+fn metadata() -> Result<Metadata, String> {
+    let mut command = library::inner_cargo()?;
+    command.args(["metadata", "--format-version", "1", "--no-default-features", "--locked", "--filter-platform"]);
+    command.arg(crate::variable("TARGET")?);
+    MetadataCommand::parse(told(command)?).map_err(|e| format!("cargo metadata: {e}"))
+}
+
+/// The root and all that its code needs at run time: no build or test dependencies, no macros. `cargo tree` knows which
+/// optional dependencies are really used, which `cargo metadata` does not.
+fn linked(metadata: &Metadata) -> Result<BTreeSet<PackageId>, String> {
+    let mut command = library::inner_cargo()?;
+    command.args(["tree", "--edges", "normal,no-proc-macro", "--no-default-features", "--locked", "--no-dedupe"]);
+    command.args(["--prefix", "none", "--format", "{p}", "--target", &crate::variable("TARGET")?]);
+    let tree = told(command)?;
+    // `name vVERSION`, and the folder of a local package.
+    let used: BTreeSet<(&str, &str)> = tree
+        .lines()
+        .filter_map(|line| {
+            let mut words = line.split_whitespace();
+            Some((words.next()?, words.next()?.strip_prefix('v')?))
+        })
+        .collect();
+    let id = |&(name, version): &(&str, &str)| {
+        let found = metadata.packages.iter().find(|p| p.name == name && p.version.to_string() == version);
+        found.map(|package| package.id.clone()).ok_or_else(|| format!("cargo metadata has no {name} {version}"))
+    };
+    used.iter().map(id).collect()
+}
+
+fn told(mut command: Command) -> Result<String, String> {
+    let output = command.output().map_err(|e| format!("cargo does not start: {e}"))?;
+    if !output.status.success() {
+        return Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn licence_files(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut files = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(|e| format!("{}: {e}", folder.display()))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let upper = name.to_uppercase();
+        let is_licence = ["LICENSE", "LICENCE", "COPYING", "COPYRIGHT", "NOTICE", "UNLICENSE"]
+            .iter()
+            .any(|beginning| upper.starts_with(beginning));
+        if is_licence && entry.path().is_file() {
+            files.push((name, std::fs::read(entry.path()).map_err(|e| format!("{}: {e}", entry.path().display()))?));
+        }
+    }
+    Ok(files)
+}
