@@ -1,0 +1,101 @@
+//! Orders of the integrator: fitted from step sizes on a smooth piece, and error over tolerance on whole runs.
+
+use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::dynamics::{State, instant};
+use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
+use rocking_block::integrator::{Rate, Step};
+use rocking_block::regime::Regime;
+use rocking_block::simulation::{Initial, Settings, Simulation};
+
+fn block() -> Block {
+    let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    Block::from_dimensionless(&d, &Common::default()).unwrap()
+}
+
+/// The block on its right corner under a horizontal acceleration that is no polynomial.
+fn rate(block: &Block, time: f64, x: &State) -> Rate {
+    let forcing = Forcing { x: 2.0 * libm::sin(9.0 * time), z: 0.5 * libm::cos(7.0 * time), moment: 0.0 };
+    let x = instant(block, Regime::TiltingRight, [x[0], x[1], x[2], x[3]], (0.0, 0.0), forcing);
+    let powers = x.powers(block, Regime::TiltingRight, forcing).into();
+    Rate { state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot), powers }
+}
+
+fn start() -> State {
+    State::new(0.1, -0.05, -0.004, 0.03)
+}
+
+/// State after 0.4 s in `steps` equal steps, and the state a third into the last of them from its dense output.
+fn run(steps: u32) -> (State, State, f64) {
+    let block = block();
+    let size = 0.4 / f64::from(steps);
+    let (mut x, mut inside, mut inside_time) = (start(), State::zeros(), 0.0);
+    for i in 0..steps {
+        let time = size * f64::from(i);
+        let f = |t: f64, x: &State| rate(&block, t, x);
+        let step = Step::attempt(time, size, x, f(time, &x), f);
+        inside_time = time + size / 3.0;
+        inside = step.dense(f(time + size, &step.end), f).state(size / 3.0);
+        x = step.end;
+    }
+    (x, inside, inside_time)
+}
+
+fn slope(errors: &[(f64, f64)]) -> f64 {
+    let n = errors.len() as f64;
+    let logs: Vec<(f64, f64)> = errors.iter().map(|(h, e)| (h.ln(), e.ln())).collect();
+    let (mx, my) = logs.iter().fold((0.0, 0.0), |s, l| (s.0 + l.0 / n, s.1 + l.1 / n));
+    let covariance: f64 = logs.iter().map(|l| (l.0 - mx) * (l.1 - my)).sum();
+    covariance / logs.iter().map(|l| (l.0 - mx).powi(2)).sum::<f64>()
+}
+
+#[test]
+fn steps_are_of_order_eight() {
+    let exact = run(400).0;
+    let errors: Vec<(f64, f64)> =
+        [20, 24, 28, 32, 40].iter().map(|&n| (0.4 / f64::from(n), (run(n).0 - exact).norm())).collect();
+    let order = slope(&errors);
+    assert!((7.6..9.0).contains(&order), "order {order} from {errors:?}");
+}
+
+#[test]
+fn the_dense_output_is_of_order_seven() {
+    let errors: Vec<(f64, f64)> = [8, 10, 12, 16, 20]
+        .iter()
+        .map(|&n| {
+            let (_, inside, time) = run(n);
+            // To the same time in many small steps.
+            let block = block();
+            let f = |t: f64, x: &State| rate(&block, t, x);
+            let size = time / 200.0;
+            let exact = (0..200).fold(start(), |x, i| {
+                let t = size * f64::from(i);
+                Step::attempt(t, size, x, f(t, &x), f).end
+            });
+            (0.4 / f64::from(n), (inside - exact).norm())
+        })
+        .collect();
+    let order = slope(&errors);
+    // An error of order h^8 in one step, on top of the steps before it.
+    assert!((7.0..9.0).contains(&order), "order {order} from {errors:?}");
+}
+
+/// Over a run with impacts, the error follows the tolerance, and stays below it in units of α.
+#[test]
+fn the_error_follows_the_tolerance() {
+    let pulse =
+        Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: std::f64::consts::TAU / 5.0, start: 0.0 };
+    let theta = |tolerance: f64| {
+        let settings = Settings { tolerance, ..Settings::default() };
+        let mut simulation = Simulation::new(block(), settings, pulse, &Initial::default(), 0.0, &Inputs::default());
+        simulation.advance(8.0, &Inputs::default(), &mut |_| ()).unwrap();
+        simulation.observe(&Inputs::default()).theta
+    };
+    let exact = theta(1e-13);
+    let errors: Vec<(f64, f64)> =
+        [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10].iter().map(|&t| (t, (theta(t) - exact).abs() / 0.25)).collect();
+    for &(tolerance, error) in &errors {
+        assert!(error < 100.0 * tolerance, "{error} alpha at {tolerance}: {errors:?}");
+    }
+    let order = slope(&errors);
+    assert!((0.7..1.3).contains(&order), "the error goes with the tolerance to the power {order}: {errors:?}");
+}

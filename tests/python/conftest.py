@@ -1,0 +1,30 @@
+"""Where the FMU, the reference trajectories and the records are."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def fmu():
+    path = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
+    assert path.exists(), f"{path} is missing: cargo build --release makes it"
+    return str(path)
+
+
+@pytest.fixture(scope="session")
+def reference():
+    return ROOT / "tests/reference"
+
+
+@pytest.fixture(scope="session")
+def rinaldi():
+    """Rinaldi 228 in m/s2 every 0.01 s; the record may not be redistributed."""
+    path = ROOT.parent / "shared/records/paper/NGA_no_1063_RRS228.AT2"
+    if not path.exists():
+        pytest.skip(f"the record {path.name} may not be redistributed and is not at hand")
+    words = path.read_text().split("\n", 4)[4].split()
+    return [9.81 * float(word) for word in words]
