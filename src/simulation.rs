@@ -715,6 +715,11 @@ impl Simulation {
         self.time
     }
 
+    /// Present state `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`crate::dynamics`].
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
     /// Present regime.
     pub fn regime(&self) -> Regime {
         self.regime

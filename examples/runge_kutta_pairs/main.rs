@@ -1,0 +1,235 @@
+//! Which embedded Runge-Kutta pair needs the fewest evaluations for a given error, on the smooth pieces between the
+//! events of the reference cases: `cargo run --release --example runge_kutta_pairs`.
+//!
+//! Writes the table of docs/integrator.md. Records that are not at hand are left out, and named.
+
+#[path = "../../tests/common/mod.rs"]
+#[allow(dead_code, reason = "the tests use more of it")]
+mod common;
+mod tableaux;
+
+use rocking_block::block::{Block, Foundation};
+use rocking_block::dynamics::{State, instant};
+use rocking_block::excitation::Excitation;
+use rocking_block::regime::Regime;
+use rocking_block::simulation::Simulation;
+
+use common::{Case, Record, cases, inputs_at, record_step};
+use tableaux::{PAIRS, Pair};
+
+/// A stretch of motion without an event.
+struct Piece {
+    regime: Regime,
+    start: (f64, State),
+    end: (f64, State),
+}
+
+/// What a pair did on a group of cases: evaluations, and the greatest error in α.
+#[derive(Clone, Copy)]
+struct Outcome {
+    evaluations: u64,
+    error: f64,
+}
+
+fn main() {
+    for pair in PAIRS {
+        println!("{:22} order {:.2}", pair.name, order(pair));
+    }
+    let groups: [(&str, fn(&Case) -> bool); 3] = [
+        ("Pulses and free motion", |case| !is_record(case)),
+        ("Records, eta = 40 and 100", |case| is_record(case) && !case.name.contains("pad")),
+        ("Record on bridge pads, eta = 863", |case| case.name.contains("pad")),
+    ];
+    for (title, belongs) in groups {
+        println!("\n{title}: evaluations for an error of 1e-5, 1e-6, 1e-8, 1e-10 alpha");
+        let problems: Vec<Problem> = cases().iter().filter(|case| belongs(case)).filter_map(Problem::new).collect();
+        for pair in PAIRS {
+            let outcomes: Vec<Outcome> = (8..=26)
+                .map(|i| 10_f64.powf(-0.5 * f64::from(i)))
+                .map(|tolerance| {
+                    problems.iter().map(|problem| problem.run(pair, tolerance)).fold(
+                        Outcome { evaluations: 0, error: 0.0 },
+                        |sum, one| Outcome {
+                            evaluations: sum.evaluations + one.evaluations,
+                            error: sum.error.max(one.error),
+                        },
+                    )
+                })
+                .collect();
+            let cells: Vec<String> = [1e-5, 1e-6, 1e-8, 1e-10].iter().map(|&e| cell(&outcomes, e)).collect();
+            println!("| {:20} | {} |", pair.name, cells.join(" | "));
+        }
+    }
+}
+
+/// Fewest evaluations with which an error is met, whatever the tolerance.
+fn cell(outcomes: &[Outcome], error: f64) -> String {
+    let fewest = outcomes.iter().filter(|o| o.error <= error).map(|o| o.evaluations).min();
+    fewest.map_or("not met".into(), |fewest| fewest.to_string())
+}
+
+fn is_record(case: &Case) -> bool {
+    case.records().map_or(true, |records| record_step(&records).is_some())
+}
+
+struct Problem {
+    block: Block,
+    case: Case,
+    records: [Option<Record>; 2],
+    pieces: Vec<Piece>,
+}
+
+impl Problem {
+    /// The smooth pieces of a case, from a run at a tolerance far below those that are compared.
+    fn new(case: &Case) -> Option<Problem> {
+        let Ok(records) = case.records() else {
+            println!("({} is left out: its record is not at hand)", case.name);
+            return None;
+        };
+        // Housner's block is no test of an integrator: it has one slow motion.
+        if case.block().foundation == Foundation::Rigid {
+            return None;
+        }
+        let mut simulation = case.start(1e-14, &records);
+        let mut pieces = Vec::new();
+        let mut times: Vec<f64> = case.events.iter().map(|event| event.0).collect();
+        times.push(case.t_final);
+        let mut from = 0.0;
+        for time in times {
+            // Clear of the events at both ends.
+            let (start, end) = (from + 1e-7, time - 1e-7);
+            if end > start + 1e-3 {
+                let regime = go(&mut simulation, start, &records);
+                let first = *simulation.state();
+                go(&mut simulation, end, &records);
+                pieces.push(Piece { regime, start: (start, first), end: (end, *simulation.state()) });
+            }
+            from = time;
+        }
+        let case = cases().into_iter().find(|other| other.name == case.name)?;
+        Some(Problem { block: case.block(), case, records, pieces })
+    }
+
+    fn run(&self, pair: &Pair, tolerance: f64) -> Outcome {
+        let mut outcome = Outcome { evaluations: 0, error: 0.0 };
+        for piece in &self.pieces {
+            let (x, evaluations) = self.integrate(pair, tolerance, piece);
+            outcome.evaluations += evaluations;
+            outcome.error = outcome.error.max((x[0] - piece.end.1[0]).abs() / self.block.alpha);
+        }
+        outcome
+    }
+
+    /// The state at the end of a piece, and the evaluations that it took.
+    fn integrate(&self, pair: &Pair, tolerance: f64, piece: &Piece) -> (State, u64) {
+        let (mut time, mut x) = piece.start;
+        let weights = weights(&self.block, piece.regime, tolerance);
+        // As long as a third of the period of the vertical motion.
+        let mut proposal = 2.0 / self.block.omega_v;
+        let mut evaluations = 1;
+        let per_step = pair.stages.len() as u64 - u64::from(pair.first_same_as_last);
+        while time < piece.end.0 {
+            let (stop, excitation) = self.smooth(time, piece.end.0);
+            let remaining = stop - time;
+            let steps = (remaining / proposal).ceil().max(1.0);
+            let size = remaining / steps;
+            let (next, error) = step(pair, &self.block, piece.regime, &excitation, time, x, size, &weights);
+            evaluations += per_step;
+            let factor = (0.9 * error.powf(-1.0 / f64::from(pair.order))).clamp(1.0 / 3.0, 6.0);
+            if error <= 1.0 {
+                x = next;
+                time = if steps == 1.0 { stop } else { time + size };
+                proposal = if factor < 1.0 { size * factor } else { proposal.max(size * factor) };
+            } else {
+                proposal = size * factor;
+            }
+        }
+        (x, evaluations)
+    }
+
+    /// The next kink of the excitation, and the excitation until then.
+    fn smooth(&self, time: f64, end: f64) -> (f64, Excitation) {
+        let mut stop = self.case.pulse().next_kink(time).map_or(end, |kink| kink.min(end));
+        let mut sample = 0;
+        if let Some(dt) = record_step(&self.records) {
+            sample = (time / dt * (1.0 + 1e-14)).floor() as usize;
+            stop = stop.min((sample + 1) as f64 * dt);
+        }
+        let inputs = inputs_at(&self.records, sample);
+        (stop, Excitation::from_time(time, &inputs, &self.case.pulse(), &self.block))
+    }
+}
+
+fn go(simulation: &mut Simulation, until: f64, records: &[Option<Record>; 2]) -> Regime {
+    let dt = record_step(records).unwrap_or(f64::INFINITY);
+    while simulation.time() < until {
+        let sample = (simulation.time() / dt * (1.0 + 1e-14)).floor();
+        let stop = ((sample + 1.0) * dt).min(until);
+        simulation.advance(stop, &inputs_at(records, sample as usize), &mut |_| ()).expect("the reference cases run");
+    }
+    simulation.regime()
+}
+
+/// The error norm of the solver.
+fn weights(block: &Block, regime: Regime, tolerance: f64) -> State {
+    let turning = block.b * block.b / (block.i0 + block.h * block.h);
+    let (rocking, vertical) = match regime {
+        Regime::FullContact => (block.p.max(block.omega_v * turning.sqrt()), block.omega_v),
+        _ => (block.p, block.omega_v * (0.5 * (1.0 + turning)).sqrt()),
+    };
+    let allowed = 1.0 / (tolerance * block.alpha * block.p);
+    State::new(rocking * allowed, allowed, vertical * allowed / block.r0, allowed / block.r0)
+}
+
+#[allow(clippy::too_many_arguments, reason = "a step of a method on a problem, written out")]
+fn step(
+    pair: &Pair,
+    block: &Block,
+    regime: Regime,
+    excitation: &Excitation,
+    time: f64,
+    x: State,
+    size: f64,
+    weights: &State,
+) -> (State, f64) {
+    let rate = |time: f64, x: &State| {
+        let x = instant(block, regime, (*x).into(), (0.0, 0.0), excitation.at(time));
+        State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot)
+    };
+    let (next, k) = stages(pair, time, x, size, rate);
+    let sum = |c: &[f64]| c.iter().zip(&k).fold(State::zeros(), |sum, (c, k)| sum + *k * *c).component_mul(weights);
+    let error = sum(pair.error);
+    let norm = match pair.second_error {
+        Some(second) => {
+            let (fifth, third) = (error.norm_squared(), sum(second).norm_squared());
+            if fifth == 0.0 { 0.0 } else { size * fifth / (fifth + 0.01 * third).sqrt() }
+        }
+        None => size * error.norm(),
+    };
+    (next, norm)
+}
+
+fn stages(pair: &Pair, time: f64, x: State, size: f64, rate: impl Fn(f64, &State) -> State) -> (State, Vec<State>) {
+    let mut k: Vec<State> = Vec::with_capacity(pair.stages.len());
+    for (row, node) in pair.stages.iter().zip(pair.nodes) {
+        let increment = row.iter().zip(&k).fold(State::zeros(), |sum, (a, k)| sum + *k * *a);
+        k.push(rate(time + node * size, &(x + increment * size)));
+    }
+    let increment = pair.weights.iter().zip(&k).fold(State::zeros(), |sum, (b, k)| sum + *k * *b);
+    (x + increment * size, k)
+}
+
+/// Order with which a pair's error falls on problems with known solutions, as a check of its tableau.
+fn order(pair: &Pair) -> f64 {
+    // x = (sin t, cos t, e^sin t, 1/(1+t)) at t = 6 from t = 0.
+    let rate = |t: f64, x: &State| State::new(x[1], -x[0], x[2] * t.cos(), -x[3] * x[3]);
+    let error = |steps: u32| {
+        let size = 6.0 / f64::from(steps);
+        let start = State::new(0.0, 1.0, 1.0, 1.0);
+        let end = (0..steps).fold(start, |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
+        (end - State::new(6_f64.sin(), 6_f64.cos(), 6_f64.sin().exp(), 1.0 / 7.0)).norm()
+    };
+    // Steps so long that rounding, which Verner's large coefficients magnify, stays out of the way.
+    let coarse = if pair.order > 5 { 24 } else { 60 };
+    (error(coarse) / error(2 * coarse)).log2()
+}
