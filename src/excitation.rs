@@ -131,6 +131,11 @@ impl Pulse {
         }
     }
 
+    /// Its acceleration at `time` [m/s²].
+    pub fn acceleration(&self, time: f64) -> f64 {
+        if self.acts_at(time) { self.wave().at(time) } else { 0.0 }
+    }
+
     fn wave(&self) -> Wave {
         let phase = match self.shape {
             PulseShape::None | PulseShape::OneSine => 0.0,
@@ -160,6 +165,13 @@ struct Wave {
     omega: f64,
     phase: f64,
     start: f64,
+}
+
+impl Wave {
+    #[inline]
+    fn at(&self, time: f64) -> f64 {
+        self.amplitude * libm::sin(self.omega * (time - self.start) + self.phase)
+    }
 }
 
 /// What drives the block at one instant, per unit of its mass: ground accelerations less the loads' share.
@@ -215,10 +227,7 @@ impl Excitation {
     #[inline]
     pub fn at(&self, time: f64) -> Forcing<f64> {
         let elapsed = time - self.time;
-        let pulse = match self.wave {
-            Some(wave) => wave.amplitude * libm::sin(wave.omega * (time - wave.start) + wave.phase),
-            None => 0.0,
-        };
+        let pulse = self.wave.map_or(0.0, |wave| wave.at(time));
         Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed) }
     }
 

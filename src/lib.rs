@@ -19,4 +19,8 @@ pub mod simulation;
 pub mod fmi2;
 
 #[cfg(feature = "program")]
+pub mod cli;
+#[cfg(feature = "program")]
 pub mod records;
+#[cfg(feature = "program")]
+pub mod study;

@@ -1,0 +1,30 @@
+//! The command line of the `rocking` program.
+
+mod output;
+mod simulate;
+
+use clap::{Parser, Subcommand};
+
+/// A rigid block rocking on viscoelastic supports under earthquakes and pulses.
+///
+/// Without a command, an embedded record makes a block rock: see `rocking simulate --help`.
+#[derive(Parser)]
+#[command(name = "rocking", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Runs one block under a pulse or an accelerogram; writes a table and a picture
+    Simulate(Box<simulate::Options>),
+}
+
+/// Reads the command line and does what it says. The error is to be told on one line.
+pub fn run() -> anyhow::Result<()> {
+    match Arguments::parse().command {
+        Some(Command::Simulate(options)) => simulate::run(&options),
+        None => simulate::run(&simulate::Options::parse_from(["rocking"])),
+    }
+}

@@ -1,0 +1,425 @@
+//! `rocking simulate`: options → a run → a table, a picture and a summary.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use clap::{Args, Parser, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
+use crate::cli::output::Pending;
+use crate::excitation::{Pulse, PulseShape};
+use crate::records::{self, ReadOptions, Record, Unit};
+use crate::simulation::{Initial, Settings};
+use crate::study::ground::Ground;
+use crate::study::history::{History, Run};
+use crate::study::picture::PictureFormat;
+use crate::study::{plot, table};
+
+/// The record that is run when none is named: U.S. Geological Survey, public domain.
+const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../records/np01002p_4225a_a.smc"));
+
+/// Options of `rocking simulate`.
+#[derive(Parser)]
+pub struct Options {
+    #[command(flatten)]
+    excitation: Excitation,
+    #[command(flatten)]
+    block: BlockOptions,
+    #[command(flatten)]
+    beginning: Beginning,
+    /// Relative tolerance of the integration
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL", help_heading = "Run")]
+    tolerance: f64,
+    /// Duration; without it the record's, or five periods of the pulse, with time to come to rest [s]
+    #[arg(long, value_name = "S", help_heading = "Run")]
+    duration: Option<f64>,
+    /// Time between rows of the table; without it the record's time step or 0.01 [s]
+    #[arg(long, value_name = "S", help_heading = "Run")]
+    step: Option<f64>,
+    /// Table of the history; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    /// Picture of the history, SVG or PNG by its ending
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    plot: Option<PathBuf>,
+    /// List each event
+    #[arg(long, help_heading = "Results")]
+    events: bool,
+    /// No summary
+    #[arg(long, help_heading = "Results")]
+    quiet: bool,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Excitation (without any, an embedded record)")]
+struct Excitation {
+    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Accelerogram of the vertical ground motion
+    #[arg(long, value_name = "FILE")]
+    vertical: Option<PathBuf>,
+    /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// Time step of the accelerograms, where they do not say [s]
+    #[arg(long, value_name = "S")]
+    dt: Option<f64>,
+    /// Factor on the accelerograms
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    scale: f64,
+    /// Pulse, alone or added to the record
+    #[arg(long, value_enum, default_value_t = Shape::None)]
+    pulse: Shape,
+    /// Amplitude a_p of the pulse [m/s2]
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true)]
+    amplitude: f64,
+    /// Period T_p of the pulse [s]
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    period: f64,
+    /// Time at which the pulse begins [s]
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    start: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Shape {
+    /// No pulse
+    None,
+    /// Type A: one sine in acceleration
+    OneSine,
+    /// Type B: one cosine in acceleration
+    OneCosine,
+    /// Type C1: one cycle of displacement and back
+    C1,
+    /// Type C2: two cycles of displacement and back
+    C2,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Block")]
+struct BlockOptions {
+    /// Slenderness angle alpha [rad]; 0.25, for the embedded record 0.15
+    #[arg(long, value_name = "RAD", conflicts_with_all = ["width", "height", "stiffness", "damping"])]
+    alpha: Option<f64>,
+    /// Frequency parameter p [rad/s]; 1, for the embedded record 2
+    #[arg(long, value_name = "RAD/S", conflicts_with_all = ["width", "height", "stiffness", "damping"])]
+    p: Option<f64>,
+    /// Stiffness ratio eta = omega_v/p; 40
+    #[arg(long, conflicts_with_all = ["width", "height", "stiffness", "damping"])]
+    eta: Option<f64>,
+    /// Vertical damping ratio xi_v; 0.1, for the embedded record 0.2
+    #[arg(long, conflicts_with_all = ["width", "height", "stiffness", "damping"])]
+    xi_v: Option<f64>,
+    /// Width of the base, instead of alpha, p, eta, xi_v: all four sizes together [m]
+    #[arg(long, value_name = "M", requires_all = ["height", "stiffness", "damping"])]
+    width: Option<f64>,
+    /// Twice the height of the centre of mass over the base [m]
+    #[arg(long, value_name = "M", requires = "width")]
+    height: Option<f64>,
+    /// Stiffness K of one support [N/m]
+    #[arg(long, value_name = "N/M", requires = "width")]
+    stiffness: Option<f64>,
+    /// Damping C of one support [N.s/m]
+    #[arg(long, value_name = "N.S/M", requires = "width")]
+    damping: Option<f64>,
+    /// Mass M [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    /// Shape factor gamma = M R0²/I0
+    #[arg(long, default_value_t = Common::default().gamma)]
+    gamma: f64,
+    /// Restitution epsilon of the landing corner, 0 to 1
+    #[arg(long, default_value_t = Common::default().epsilon)]
+    epsilon: f64,
+    /// Gravity, also for records in g [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+    /// What the block stands on
+    #[arg(long, value_enum, default_value_t = Base::Viscoelastic)]
+    foundation: Base,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Base {
+    /// A spring and a dashpot under each corner
+    Viscoelastic,
+    /// Housner's rigid base
+    Rigid,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Beginning")]
+struct Beginning {
+    /// Rotation at the start, positive to the right [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.0, allow_negative_numbers = true)]
+    theta: f64,
+    /// Rate of rotation at the start [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.0, allow_negative_numbers = true)]
+    theta_dot: f64,
+    /// Height of the centre of mass over its place at rest, instead of the vertical equilibrium [m]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    v: Option<f64>,
+    /// Vertical velocity at the start, instead of the vertical equilibrium [m/s]
+    #[arg(long, value_name = "M/S", allow_negative_numbers = true)]
+    v_dot: Option<f64>,
+}
+
+/// Does what the options say.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let (run, source) = options.run()?;
+    let (csv, picture) = options.places()?;
+    let format = picture.as_deref().map(PictureFormat::of).transpose()?;
+    let to_stdout = csv.as_deref() == Some(Path::new("-"));
+    let mut csv_file = csv.as_deref().filter(|_| !to_stdout).map(Pending::new).transpose()?;
+    let mut picture_file = picture.as_deref().map(Pending::new).transpose()?;
+
+    let mut bar = Progress::new();
+    let history = run.history(|part| bar.show(part))?;
+    bar.clear();
+
+    if let Some(file) = &mut csv_file {
+        let mut bytes = Vec::new();
+        table::write(&history, &mut bytes).context("the table cannot be made")?;
+        file.write(&bytes)?;
+    }
+    if let (Some(file), Some(format)) = (&mut picture_file, format) {
+        let svg = plot::history(&run.block, &history, &source)?;
+        file.write(&format.encode(&svg)?)?;
+    }
+    Pending::place(csv_file.into_iter().chain(picture_file).collect())?;
+    if to_stdout {
+        return to_standard_output(&history);
+    }
+    if !options.quiet {
+        print!("{}", summary(&run, &history, &source, options.events));
+        for path in csv.iter().chain(&picture) {
+            println!("written       {}", path.display());
+        }
+    }
+    Ok(())
+}
+
+/// A reader that has seen enough closes the pipe; that is no error.
+fn to_standard_output(history: &History) -> anyhow::Result<()> {
+    match table::write(history, std::io::stdout().lock()).map_err(csv::Error::into_kind) {
+        Ok(()) => Ok(()),
+        Err(csv::ErrorKind::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => anyhow::bail!("standard output: {error:?}"),
+    }
+}
+
+impl Options {
+    /// Where the results go: `out/rocking.csv` and `out/rocking.png` unless told otherwise.
+    fn places(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
+        if self.csv.is_some() || self.plot.is_some() {
+            return Ok((self.csv.clone(), self.plot.clone()));
+        }
+        let folder = Path::new("out");
+        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        Ok((Some(folder.join("rocking.csv")), Some(folder.join("rocking.png"))))
+    }
+
+    fn is_embedded(&self) -> bool {
+        let Excitation { record, vertical, pulse, .. } = &self.excitation;
+        let Beginning { theta, theta_dot, v, v_dot } = &self.beginning;
+        let at_rest = *theta == 0.0 && *theta_dot == 0.0 && v.is_none() && v_dot.is_none();
+        record.is_none() && vertical.is_none() && *pulse == Shape::None && at_rest
+    }
+
+    /// The run, and what excites it.
+    fn run(&self) -> anyhow::Result<(Run, String)> {
+        let block = self.block()?;
+        let (ground, mut source) = self.ground()?;
+        let pulse = self.pulse()?;
+        if pulse.shape != PulseShape::None {
+            let name = self.excitation.pulse.to_possible_value().map(|v| v.get_name().to_string());
+            let pulse_line =
+                format!("{} pulse, a_p = {} m/s², T_p = {} s", name.unwrap_or_default(), pulse.amplitude, pulse.period);
+            source = if source.is_empty() { pulse_line } else { format!("{source} + {pulse_line}") };
+        }
+        if source.is_empty() {
+            source = "free motion".into();
+        }
+        finite("theta", self.beginning.theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
+        finite("theta-dot", self.beginning.theta_dot, |_| true, "a finite rate")?;
+        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        let Beginning { theta, theta_dot, v, v_dot } = self.beginning;
+        let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
+        for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
+            finite("v and v-dot", *value, |_| true, "finite numbers")?;
+        }
+        let output_step = self.step.or(ground.time_step()).unwrap_or(0.01);
+        finite("step", output_step, |x| x > 0.0, "a time > 0 s")?;
+        let of_pulse = (pulse.shape != PulseShape::None).then(|| pulse.end() + 4.0 * pulse.period);
+        let of_record = ground.end().map(|end| end - ground.start());
+        let duration = self.duration.or(of_record.into_iter().chain(of_pulse).reduce(f64::max)).unwrap_or(10.0);
+        finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
+        let rows = duration / output_step;
+        anyhow::ensure!(
+            rows < 1e8,
+            "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
+        );
+        let settings = Settings { tolerance: self.tolerance, ..Settings::default() };
+        let initial = Initial { theta, theta_dot, vertical };
+        Ok((Run { block, settings, initial, pulse, ground, duration, output_step }, source))
+    }
+
+    fn block(&self) -> anyhow::Result<Block> {
+        let BlockOptions { mass, gamma, epsilon, g, foundation, .. } = self.block;
+        let foundation = match foundation {
+            Base::Viscoelastic => Foundation::Viscoelastic,
+            Base::Rigid => Foundation::Rigid,
+        };
+        let common = Common { mass, gamma, epsilon, gravity: g, foundation };
+        let BlockOptions { width, height, stiffness, damping, .. } = self.block;
+        if let (Some(width), Some(height), Some(stiffness), Some(damping)) = (width, height, stiffness, damping) {
+            return Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?);
+        }
+        // A slender block of the size of a statue for the embedded record, the paper's block otherwise.
+        let (alpha, p, xi_v) = if self.is_embedded() { (0.15, 2.0, 0.2) } else { (0.25, 1.0, 0.1) };
+        let BlockOptions { alpha: given_alpha, p: given_p, eta, xi_v: given_xi_v, .. } = self.block;
+        let dimensionless = Dimensionless {
+            alpha: given_alpha.unwrap_or(alpha),
+            p: given_p.unwrap_or(p),
+            eta: eta.unwrap_or(40.0),
+            xi_v: given_xi_v.unwrap_or(xi_v),
+        };
+        Ok(Block::from_dimensionless(&dimensionless, &common)?)
+    }
+
+    fn ground(&self) -> anyhow::Result<(Ground, String)> {
+        let Excitation { record, vertical, unit, dt, scale, .. } = &self.excitation;
+        finite("scale", *scale, |_| true, "a finite factor")?;
+        let options = ReadOptions { unit: *unit, time_step: *dt, gravity: self.block.g, ..ReadOptions::default() };
+        let load = |path: &Option<PathBuf>| -> anyhow::Result<Option<Record>> {
+            Ok(path.as_deref().map(|path| records::read(path, &options)).transpose()?)
+        };
+        let (mut horizontal, vertical) = (load(record)?, load(vertical)?);
+        if self.is_embedded() {
+            let (name, bytes) = EMBEDDED;
+            let options = ReadOptions { gravity: self.block.g, ..ReadOptions::default() };
+            horizontal = Some(records::parse(name, bytes, &options)?);
+        }
+        let mut lines = Vec::new();
+        let named = [("", &horizontal, record), ("vertical ", &vertical, &self.excitation.vertical)];
+        for (direction, record, path) in named {
+            if let Some(record) = record {
+                let pga = record.peak().acceleration.abs() * scale.abs() / self.block.g;
+                // A file without a header has no other title than its path.
+                let title = match path.as_deref().filter(|path| path.as_os_str() == record.title.as_str()) {
+                    Some(path) => path.file_name().unwrap_or_default().to_string_lossy(),
+                    None => record.title.split_whitespace().collect::<Vec<_>>().join(" ").into(),
+                };
+                lines.push(format!("{direction}{title}, {pga:.3} g"));
+            }
+        }
+        let scaled = |record: Option<Record>| record.map(|record| record.scaled(*scale));
+        Ok((Ground { horizontal: scaled(horizontal), vertical: scaled(vertical) }, lines.join(" + ")))
+    }
+
+    fn pulse(&self) -> anyhow::Result<Pulse> {
+        let Excitation { pulse, amplitude, period, start, .. } = self.excitation;
+        finite("amplitude", amplitude, |_| true, "a finite acceleration")?;
+        finite("period", period, |x| x > 0.0, "a time > 0 s")?;
+        finite("start", start, |_| true, "a finite time")?;
+        anyhow::ensure!(
+            pulse == Shape::None || amplitude != 0.0,
+            "--amplitude = 0 m/s2 makes no pulse; expected the amplitude a_p"
+        );
+        let shape = match pulse {
+            Shape::None => PulseShape::None,
+            Shape::OneSine => PulseShape::OneSine,
+            Shape::OneCosine => PulseShape::OneCosine,
+            Shape::C1 => PulseShape::C1,
+            Shape::C2 => PulseShape::C2,
+        };
+        Ok(Pulse { shape, amplitude, period, start })
+    }
+}
+
+fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> anyhow::Result<()> {
+    anyhow::ensure!(value.is_finite() && fits(value), "--{name} = {value}; expected {expected}");
+    Ok(())
+}
+
+/// What happened, for a person.
+fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> String {
+    let block = &run.block;
+    let History { events, peaks, counts, ending, .. } = history;
+    let weight = block.mass * block.gravity;
+    let last = history.rows.last().map_or(0.0, |row| row.time);
+    let end = match ending {
+        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
+        None => format!("completed at t = {last:.4} s"),
+    };
+    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
+    let largest = history.greatest_energy();
+    let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
+    line("excitation", source.into());
+    line("block", plot::block_line(block));
+    line("end", end);
+    line(
+        "peak",
+        format!(
+            "|θ|/α = {:.4}, uplift {:.1} mm, N = {:.3} M g, |H| = {:.3} M g",
+            peaks.theta / block.alpha,
+            1e3 * peaks.uplift,
+            peaks.reaction / weight,
+            peaks.horizontal / weight
+        ),
+    );
+    let last_event = events.last().map(|event| format!(", the last at t = {:.4} s", event.time));
+    line(
+        "events",
+        format!("{} impacts, {} lift-offs{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
+    );
+    line(
+        "energy",
+        format!(
+            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J; residual {residual:.1e} of the largest",
+            energies.input, energies.dashpots, energies.impacts
+        ),
+    );
+    line("steps", format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations));
+    if with_events {
+        for event in events {
+            line("", event.to_string());
+        }
+    }
+    text
+}
+
+/// A bar on the terminal once the run takes over a second.
+struct Progress {
+    since: Instant,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    fn new() -> Progress {
+        Progress { since: Instant::now(), bar: None }
+    }
+
+    fn show(&mut self, part: f64) {
+        const PARTS: u64 = 1000;
+        if self.bar.is_none() && self.since.elapsed() > Duration::from_secs(1) && std::io::stderr().is_terminal() {
+            let style = ProgressStyle::with_template("{wide_bar} {percent}% {eta}");
+            self.bar = Some(ProgressBar::new(PARTS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_position((part * PARTS as f64) as u64);
+        }
+    }
+
+    fn clear(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Records → inputs that are linear in time between their samples.
+
+use crate::excitation::{Inputs, Ramp};
+use crate::records::Record;
+
+/// Ground motion: records, linear between samples and zero outside, each with a time step of its own.
+#[derive(Clone, Debug, Default)]
+pub struct Ground {
+    /// Horizontal ground acceleration, positive to the right.
+    pub horizontal: Option<Record>,
+    /// Vertical ground acceleration, positive up.
+    pub vertical: Option<Record>,
+}
+
+impl Ground {
+    fn records(&self) -> impl Iterator<Item = &Record> {
+        self.horizontal.iter().chain(&self.vertical)
+    }
+
+    /// Time of the first sample (s); 0 without a record.
+    pub fn start(&self) -> f64 {
+        self.records().map(|record| record.start_time).reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// Time of the last sample (s), if there is a record.
+    pub fn end(&self) -> Option<f64> {
+        self.records().map(|record| record.start_time + record.duration()).reduce(f64::max)
+    }
+
+    /// Least time step of the records (s), if there is one.
+    pub fn time_step(&self) -> Option<f64> {
+        self.records().map(|record| record.time_step).reduce(f64::min)
+    }
+
+    /// Inputs from `time` on, and the time until which they hold: the next sample of any record (s).
+    pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
+        let mut until = f64::INFINITY;
+        let mut ramp = |record: &Option<Record>| match record {
+            Some(record) => {
+                let (ramp, end) = ramp_from(record, time);
+                until = until.min(end);
+                ramp
+            }
+            None => Ramp::default(),
+        };
+        let (a_gx, a_gz) = (ramp(&self.horizontal), ramp(&self.vertical));
+        (Inputs { time, a_gx, a_gz, ..Inputs::default() }, until)
+    }
+}
+
+/// The straight line on which a record is from `time` on, and the time of its end.
+fn ramp_from(record: &Record, time: f64) -> (Ramp, f64) {
+    let sample_time = |i: usize| record.start_time + i as f64 * record.time_step;
+    if time < record.start_time {
+        return (Ramp::default(), record.start_time);
+    }
+    // The sample at or before `time`: a division may be off by one either way.
+    let mut i = ((time - record.start_time) / record.time_step) as usize;
+    while i > 0 && sample_time(i) > time {
+        i -= 1;
+    }
+    while sample_time(i + 1) <= time {
+        i += 1;
+    }
+    match (record.acceleration.get(i), record.acceleration.get(i + 1)) {
+        (Some(a), Some(b)) => {
+            let rate = (b - a) / record.time_step;
+            (Ramp { value: a + rate * (time - sample_time(i)), rate }, sample_time(i + 1))
+        }
+        _ => (Ramp::default(), f64::INFINITY),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::{ReadOptions, Unit, parse};
+
+    fn record(text: &str, dt: f64) -> Record {
+        let options =
+            ReadOptions { unit: Some(Unit::MetrePerSecondSquared), time_step: Some(dt), ..ReadOptions::default() };
+        parse("record", text.as_bytes(), &options).unwrap()
+    }
+
+    /// Whatever the order of samples, the inputs are those of the records, and no sample is stepped over.
+    #[test]
+    fn two_records_of_different_steps_are_followed() {
+        let ground = Ground {
+            horizontal: Some(record("0.0\n1.0\n-1.0\n0.5\n", 0.01)),
+            vertical: Some(record("0.2\n0.4\n0.1\n0.0\n0.3\n", 0.004)),
+        };
+        let (mut time, mut stops) = (0.0, Vec::new());
+        while time < ground.end().unwrap() {
+            let (inputs, until) = ground.inputs_from(time);
+            for t in [time, 0.5 * (time + until)] {
+                let inputs = inputs.moved_to(t);
+                let exact = [&ground.horizontal, &ground.vertical].map(|r| r.as_ref().unwrap().at(t));
+                assert!((inputs.a_gx.value - exact[0]).abs() < 1e-12);
+                assert!((inputs.a_gz.value - exact[1]).abs() < 1e-12 || t > 0.016);
+            }
+            stops.push(until);
+            time = until;
+        }
+        let expected = [0.004, 0.008, 0.01, 0.012, 0.016, 0.02, 0.03];
+        assert_eq!(stops.len(), expected.len());
+        assert!(stops.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{stops:?}");
+    }
+}

@@ -1,0 +1,188 @@
+//! The `rocking` program, as a user runs it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape};
+use rocking_block::simulation::{Initial, Settings, Simulation};
+
+fn rocking(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rocking")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Rows of a table by column name.
+fn column(path: &Path, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let place = reader.headers().unwrap().iter().position(|header| header == name).unwrap();
+    reader.records().map(|row| row.unwrap()[place].parse().unwrap()).collect()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn without_arguments_a_real_record_makes_a_block_rock() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = rocking(folder.path(), &[]);
+    let told = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for word in ["Loma Prieta", "|θ|/α", "impacts", "residual", "rocking.csv", "rocking.png"] {
+        assert!(told.contains(word), "{word} is not in:\n{told}");
+    }
+    let table = folder.path().join("out/rocking.csv");
+    let theta = column(&table, "theta");
+    let peak = theta.iter().fold(0.0_f64, |peak, x| peak.max(x.abs())) / 0.15;
+    assert!((0.2..1.0).contains(&peak), "peak {peak} alpha");
+    let printed: f64 = told.split("|θ|/α = ").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!((printed - peak).abs() < 1e-3, "printed {printed}, in the table {peak}");
+    let picture = std::fs::read(folder.path().join("out/rocking.png")).unwrap();
+    assert_eq!(&picture[..8], b"\x89PNG\r\n\x1a\n");
+    assert_eq!(picture[16..24], [0, 0, 0x07, 0x80, 0, 0, 0x05, 0xf0], "1920 by 1520 pixels");
+}
+
+#[test]
+fn the_table_holds_the_solvers_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["simulate", "--pulse", "one-sine", "--amplitude", "6.2622", "--period", "1.25", "--duration", "3"];
+    let output = rocking(folder.path(), &[&arguments[..], &["--csv", "run.csv", "--plot", "run.svg"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    let block = Block::from_dimensionless(&d, &Common::default()).unwrap();
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.25, start: 0.0 };
+    let inputs = Inputs::default();
+    let mut simulation = Simulation::new(block, Settings::default(), pulse, &Initial::default(), 0.0, &inputs);
+    let (t, theta) = (column(&folder.path().join("run.csv"), "t"), column(&folder.path().join("run.csv"), "theta"));
+    assert_eq!(t.len(), 301);
+    for (t, theta) in t.iter().zip(theta) {
+        simulation.advance(*t, &inputs, &mut |_| ()).unwrap();
+        assert_eq!(simulation.observe(&inputs).theta, theta);
+    }
+    let svg = std::fs::read_to_string(folder.path().join("run.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    for label in ["θ / α", "N / (M g)", "ground / g", "time (s)", "on both", "one-sine pulse"] {
+        assert!(svg.contains(label), "{label} is not in the picture");
+    }
+}
+
+#[test]
+fn the_same_run_gives_the_same_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a", "b"] {
+        let (csv, plot) = (format!("{name}.csv"), format!("{name}.png"));
+        assert!(rocking(folder.path(), &["simulate", "--csv", &csv, "--plot", &plot]).status.success());
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("a.csv"), read("b.csv"));
+    assert_eq!(read("a.png"), read("b.png"));
+}
+
+#[test]
+fn a_run_that_ends_early_says_so_and_ends_its_table_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["simulate", "--pulse", "one-sine", "--amplitude", "6.2622", "--period", "1.2566370614359172"];
+    let more = ["--eta", "60", "--epsilon", "0.4", "--csv", "run.csv", "--events"];
+    let output = rocking(folder.path(), &[&arguments[..], &more].concat());
+    let told = text(&output.stdout);
+    // From the reference case sine_separates.
+    assert!(told.contains("complete separation at t = 1.3901 s"), "{told}");
+    assert!(told.contains("lift-off of R, tilting right -> separated"), "{told}");
+    let last = *column(&folder.path().join("run.csv"), "t").last().unwrap();
+    assert!((last - 1.3900586035017384).abs() < 1e-6, "{last}");
+}
+
+#[test]
+fn a_pulse_and_a_record_are_added() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ground.csv"), "t [s],a [m/s2]\n0,0\n0.1,1\n0.2,0\n").unwrap();
+    let arguments =
+        ["simulate", "--record", "ground.csv", "--scale", "2", "--pulse", "one-cosine", "--amplitude", "0.5"];
+    let output = rocking(folder.path(), &[&arguments[..], &["--csv", "run.csv", "--step", "0.05"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let a_gx = column(&folder.path().join("run.csv"), "a_gx");
+    assert!((a_gx[0] - 0.5).abs() < 1e-12);
+    let pulse = 0.5 * (std::f64::consts::TAU * 0.1).cos();
+    assert!((a_gx[2] - (2.0 + pulse)).abs() < 1e-12, "{}", a_gx[2]);
+}
+
+#[test]
+fn the_table_can_go_to_standard_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = rocking(folder.path(), &["simulate", "--csv", "-", "--duration", "1"]);
+    let told = text(&output.stdout);
+    assert!(told.starts_with("t,theta,theta_dot,"), "{told}");
+    assert_eq!(told.lines().count(), 202);
+    assert!(files(folder.path()).is_empty());
+}
+
+/// Each gets one clear line and status 1, and leaves nothing.
+#[test]
+fn what_cannot_be_done_is_said_in_one_line() {
+    let at2 = |count: usize, unit: &str, values: &str| {
+        format!(
+            "PEER NGA STRONG MOTION DATABASE RECORD\nSOMEWHERE\nACCELERATION TIME HISTORY IN UNITS OF {unit}\n{count}    0.0100    NPTS, DT\n{values}\n"
+        )
+    };
+    let values = "  0.100000E+00  0.200000E+00 -0.100000E+00  0.100000E-01  0.100000E-01";
+    let cases: Vec<(&str, Vec<u8>, &str)> = vec![
+        ("text.at2", b"no accelerogram at all\njust words\n".to_vec(), "text.at2"),
+        ("image.at2", vec![0x89, b'P', b'N', b'G', 0, 1, 2, 255, 0, 0], "image.at2"),
+        ("empty.at2", Vec::new(), "empty.at2"),
+        ("cut.at2", at2(5, "G", "  0.100000E+00  0.200000E+00 -0.100").into_bytes(), "cut.at2"),
+        ("count.at2", at2(7, "G", values).into_bytes(), "7"),
+        ("unit.at2", at2(5, "FURLONGS", values).into_bytes(), "FURLONGS"),
+        ("nan.at2", at2(5, "G", &values.replace("0.200000E+00", "NaN")).into_bytes(), "NaN"),
+    ];
+    for (name, content, named) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(name), content).unwrap();
+        let output = rocking(folder.path(), &["simulate", "--record", name, "--csv", "run.csv", "--plot", "run.png"]);
+        refused(&output, named);
+        assert_eq!(files(folder.path()), [name], "a result was left");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let refuses: [(&[&str], &str); 9] = [
+        (&["--record", "missing.at2"], "missing.at2"),
+        (&["--csv", "no/such/folder/run.csv"], "folder does not exist"),
+        (&["--csv", "/dev/null/run.csv"], "cannot be written"),
+        (&["--plot", "run.jpeg"], ".jpeg"),
+        (&["--alpha", "2"], "alpha = 2"),
+        (&["--mass", "0"], "mass = 0"),
+        (&["--pulse", "c1"], "--amplitude"),
+        (&["--duration", "0"], "--duration = 0"),
+        (&["--step", "NaN"], "--step = NaN"),
+    ];
+    for (arguments, named) in refuses {
+        refused(&rocking(folder.path(), &[&["simulate"], arguments].concat()), named);
+    }
+    assert!(files(folder.path()).iter().all(|name| name == "out"));
+}
+
+/// The file of a run that fails does not replace the one of an earlier run.
+#[test]
+fn an_old_result_survives_a_failed_run() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("run.csv"), "old").unwrap();
+    let output = rocking(folder.path(), &["simulate", "--csv", "run.csv", "--plot", "none/run.png"]);
+    refused(&output, "none/run.png");
+    assert_eq!(std::fs::read_to_string(folder.path().join("run.csv")).unwrap(), "old");
+    assert_eq!(files(folder.path()), ["run.csv"]);
+}
+
+fn refused(output: &Output, named: &str) {
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+    assert!(told.starts_with("rocking: ") && told.contains(named), "{named} is not in: {told}");
+    assert!(output.stdout.is_empty());
+}
