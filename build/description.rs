@@ -19,7 +19,6 @@ pub struct Variable {
     pub kind: &'static str,
     pub causality: &'static str,
     pub variability: &'static str,
-    pub declared_type: Option<String>,
     pub unit: Option<String>,
     pub start: Option<f64>,
     pub min: Option<f64>,
@@ -90,8 +89,8 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
         "Enumeration" => "Enumeration",
         other => return Err(wrong(&format!("type {other} is not used here"))),
     };
-    let declared_type = of_type.attribute("declaredType").map(str::to_string);
-    let declaration = match &declared_type {
+    let declared_type = of_type.attribute("declaredType");
+    let declaration = match declared_type {
         Some(declared) => {
             Some(simple_type(root, declared).ok_or_else(|| wrong(&format!("type {declared} is not declared")))?)
         }
@@ -131,7 +130,7 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
         return Err(wrong("has a unit if, and only if, it is Real"));
     }
     let description = attribute(node, "description")?.to_string();
-    Ok(Variable { name, description, kind, causality, variability, declared_type, unit, start, min, max, items })
+    Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, items })
 }
 
 fn items(declaration: Node) -> Result<Vec<Item>, String> {

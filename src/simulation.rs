@@ -49,11 +49,11 @@ impl Default for Settings {
 /// Where the block is at the beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Initial {
-    /// Rotation θ [rad], positive to the right, |θ| < π/2.
+    /// Rotation θ (rad), positive to the right, |θ| < π/2.
     pub theta: f64,
-    /// θ̇ [rad/s].
+    /// θ̇ (rad/s).
     pub theta_dot: f64,
-    /// `(v, v̇)` of the centre of mass [m, m/s]; `None` starts at the vertical equilibrium of `theta`: the supports that
+    /// `(v, v̇)` of the centre of mass (m, m/s); `None` starts at the vertical equilibrium of `theta`: the supports that
     /// touch carry the weight, and the middle of the base (or the one touching corner) does not move vertically.
     pub vertical: Option<(f64, f64)>,
 }
@@ -81,7 +81,7 @@ impl std::fmt::Display for Ending {
 pub enum Progress {
     /// The time that was asked for.
     Reached,
-    /// The run ended before, at this time [s].
+    /// The run ended before, at this time (s).
     Ended(Ending, f64),
 }
 
@@ -91,9 +91,9 @@ pub enum SimulationError {
     /// The step size fell below what time can resolve.
     #[error("the step size fell to {size:e} s at t = {time} s: the tolerance {tolerance:e} cannot be met there")]
     StepTooSmall {
-        /// Time [s].
+        /// Time (s).
         time: f64,
-        /// Step size [s].
+        /// Step size (s).
         size: f64,
         /// The tolerance asked for.
         tolerance: f64,
@@ -101,20 +101,20 @@ pub enum SimulationError {
     /// The motion overflowed.
     #[error("the motion is not finite after t = {time} s; ground accelerations or loads are out of all proportion")]
     NotFinite {
-        /// Time of the last good state [s].
+        /// Time of the last good state (s).
         time: f64,
     },
     /// The regime changed again and again without time going on.
     #[error("{count} events in the same instant t = {time} s leave no regime that lasts")]
     NoRegime {
-        /// Time [s].
+        /// Time (s).
         time: f64,
         /// Events so far in that instant.
         count: u32,
     },
 }
 
-/// Energy sums since the start, per unit mass [m²/s²].
+/// Energy sums since the start, per unit mass (m²/s²).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergySums {
     /// Total energy at the start.
@@ -127,7 +127,7 @@ pub struct EnergySums {
     pub impacts: f64,
 }
 
-/// Energies at one time [J], and what became of them since the start.
+/// Energies at one time (J), and what became of them since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
     /// Total energy, zero at rest.
@@ -270,7 +270,7 @@ impl Simulation {
         self.state = State::new(initial.theta, initial.theta_dot, 0.0, 0.0);
     }
 
-    /// Goes on to `until` [s], which is not before the present time, under inputs that are linear in time, and tells
+    /// Goes on to `until` (s), which is not before the present time, under inputs that are linear in time, and tells
     /// `observer` each event as it happens.
     ///
     /// Stops at the end of the run if that comes first; from then on it goes no further, or, where the end is held,
@@ -412,7 +412,7 @@ impl Simulation {
         }
     }
 
-    /// Reciprocals of the errors that a step may make in each component of the state, and the longest step [s].
+    /// Reciprocals of the errors that a step may make in each component of the state, and the longest step (s).
     ///
     /// An error counts as the velocity it amounts to: a displacement times the circular frequency of its motion, a
     /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p. A step is at most a third of
@@ -710,7 +710,7 @@ impl Simulation {
         }
     }
 
-    /// Present time [s].
+    /// Present time (s).
     pub fn time(&self) -> f64 {
         self.time
     }
@@ -745,7 +745,7 @@ impl Simulation {
         self.peaks
     }
 
-    /// Time of the last event [s]; the start if there was none.
+    /// Time of the last event (s); the start if there was none.
     pub fn last_event(&self) -> f64 {
         self.last_event
     }
@@ -789,7 +789,7 @@ impl Simulation {
         look(view, excitation.rate_at(self.time))
     }
 
-    /// Energies and their sums now [J].
+    /// Energies and their sums now (J).
     pub fn energies(&self) -> Energies {
         let x = self.point_at(self.time, self.state, &Excitation::none()).instant;
         let (kinetic, potential) = energy(&self.block, self.regime, &x);
@@ -808,7 +808,7 @@ impl Simulation {
         }
     }
 
-    /// Rates at which the energies and their sums change now [W].
+    /// Rates at which the energies and their sums change now (W).
     pub fn energy_rates(&self, inputs: &Inputs) -> Energies {
         if self.is_frozen() {
             return Energies::default();
