@@ -126,6 +126,9 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     {
         return Err(wrong(&format!("unit {unit} is not defined")));
     }
+    if unit.as_deref() != of_type.attribute("unit") {
+        return Err(wrong("has another unit than its type"));
+    }
     if (kind == "Real") != unit.is_some() {
         return Err(wrong("has a unit if, and only if, it is Real"));
     }

@@ -31,7 +31,13 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
         let _ = writeln!(index, "{folder}: {licence} {repository}");
         if id != root {
             let home = package.manifest_path.parent().ok_or("a manifest is in no folder")?;
-            for (name, text) in licence_files(home.as_std_path())? {
+            let texts = licence_files(home.as_std_path())?;
+            if texts.is_empty() {
+                return Err(format!(
+                    "{folder} ({licence}) comes without the text of its licence, which the FMU has to hold"
+                ));
+            }
+            for (name, text) in texts {
                 files.insert(format!("{folder}/{name}"), text);
             }
         }
