@@ -277,7 +277,6 @@ impl Instance {
     pub fn step_status(&self, kind: StatusKind) -> Result<Status, Fault> {
         match (kind, self.core.phase) {
             (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),
-            (StatusKind::DoStepStatus, Phase::Error) => Ok(Status::Error),
             (StatusKind::DoStepStatus, _) => Ok(Status::Ok),
             (StatusKind::PendingStatus | StatusKind::LastSuccessfulTime | StatusKind::Terminated, _) => {
                 Err(Fault::error(format!("{kind:?} is no fmi2Status; fmi2DoStepStatus is")))
