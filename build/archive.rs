@@ -24,11 +24,14 @@ pub fn pack(
     files.insert(library::place()?, load(binary)?);
     files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
     let page = read("documentation/index.html")?
-        .replace("<!-- SIGNS -->", &read("documentation/signs.svg")?)
-        .replace("<!-- VARIABLES -->", &table(description));
+        .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
+        .replace("<!-- variables -->", &tables(description));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
     for (name, text) in licences {
         files.insert(format!("documentation/licenses/{name}"), text.clone());
+    }
+    for path in crate::files(Path::new("documentation/licenses"))? {
+        files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
     let temporary = fmu.with_extension(format!("fmu.{}", std::process::id()));
     let written = write(&temporary, &files)
@@ -55,56 +58,66 @@ fn write(path: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
     Ok(())
 }
 
-/// The variables as a table of HTML.
-fn table(description: &Description) -> String {
-    let mut html = String::from(
-        "<table>\n<thead><tr><th>Name</th><th>Unit or type</th><th>Start</th><th>Limits</th><th>Meaning</th></tr></thead>\n",
-    );
-    let mut causality = "";
-    for v in &description.variables {
-        if v.causality != causality {
-            causality = v.causality;
-            let title = match causality {
-                "Input" => "Inputs",
-                "Parameter" => "Parameters",
-                "CalculatedParameter" => "Calculated parameters",
-                _ => "Outputs",
-            };
-            let _ = writeln!(html, "<tbody><tr><th colspan=\"5\">{title}</th></tr></tbody>");
-        }
+/// The variables as tables of HTML, one for each causality.
+fn tables(description: &Description) -> String {
+    let mut html = String::new();
+    for (causality, title) in [
+        ("Input", "Inputs"),
+        ("Parameter", "Parameters"),
+        ("CalculatedParameter", "Calculated parameters"),
+        ("Output", "Outputs"),
+    ] {
+        // What the FMU computes has neither start value nor limits.
+        let set = matches!(causality, "Input" | "Parameter");
+        let columns = if set { "<th>Start</th><th>Limits</th>" } else { "" };
         let _ = writeln!(
             html,
-            "<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-            v.name,
-            of_type(v),
-            start(v),
-            limits(v),
-            v.description.replace('&', "&amp;").replace('<', "&lt;"),
+            "<h3>{title}</h3>\n<div class=\"wide\"><table class=\"variables\">\n\
+             <thead><tr><th>Name</th><th>Unit</th>{columns}<th>Meaning</th></tr></thead>\n<tbody>"
         );
+        for v in description.variables.iter().filter(|v| v.causality == causality) {
+            let values = if set { format!("<td>{}</td><td>{}</td>", start(v), limits(v)) } else { String::new() };
+            let items: String = v
+                .items
+                .iter()
+                .map(|item| format!("<li>{} <b>{}</b>: {}</li>", item.value, item.name, escaped(&item.description)))
+                .collect();
+            let items = if items.is_empty() { items } else { format!("<ul>{items}</ul>") };
+            let _ = writeln!(
+                html,
+                "<tr><td><code>{}</code></td><td>{}</td>{values}<td>{}{items}</td></tr>",
+                v.name,
+                of_type(v),
+                escaped(&v.description)
+            );
+        }
+        html += "</tbody>\n</table></div>\n";
     }
-    html + "</table>"
+    html
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 fn of_type(v: &Variable) -> String {
-    v.unit.clone().or_else(|| v.declared_type.clone()).unwrap_or_else(|| v.kind.to_string())
+    v.unit.clone().unwrap_or_else(|| v.kind.to_string())
 }
 
 fn start(v: &Variable) -> String {
     let Some(start) = v.start else { return String::new() };
-    match (v.kind, v.items.iter().find(|item| f64::from(item.1) == start)) {
+    match (v.kind, v.items.iter().find(|item| f64::from(item.value) == start)) {
         ("Boolean", _) => (start != 0.0).to_string(),
-        (_, Some((name, value))) => format!("{name} ({value})"),
-        _ => start.to_string(),
+        (_, Some(item)) => item.name.clone(),
+        // Six digits of a number that is none of a person's.
+        _ => format!("{start:.6}").trim_end_matches('0').trim_end_matches('.').to_string(),
     }
 }
 
 fn limits(v: &Variable) -> String {
-    if v.kind == "Enumeration" {
-        return v.items.iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ");
-    }
     let number = |x: f64| if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") };
     match (v.min, v.max) {
-        (Some(min), Some(max)) => format!("{} … {}", number(min), number(max)),
+        (Some(min), Some(max)) if v.items.is_empty() => format!("{} … {}", number(min), number(max)),
         _ => String::new(),
     }
 }

@@ -1,6 +1,6 @@
 //! modelDescription.xml → a checked list of variables → Rust.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use roxmltree::{Document, Node};
@@ -19,13 +19,18 @@ pub struct Variable {
     pub kind: &'static str,
     pub causality: &'static str,
     pub variability: &'static str,
-    pub declared_type: Option<String>,
     pub unit: Option<String>,
     pub start: Option<f64>,
     pub min: Option<f64>,
     pub max: Option<f64>,
-    /// Values of the items, if it is an enumeration.
-    pub items: Vec<(String, i32)>,
+    /// The items, if it is an enumeration.
+    pub items: Vec<Item>,
+}
+
+pub struct Item {
+    pub name: String,
+    pub value: i32,
+    pub description: String,
 }
 
 /// Name space of the GUIDs of this FMU: a random UUID, fixed once.
@@ -84,8 +89,8 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
         "Enumeration" => "Enumeration",
         other => return Err(wrong(&format!("type {other} is not used here"))),
     };
-    let declared_type = of_type.attribute("declaredType").map(str::to_string);
-    let declaration = match &declared_type {
+    let declared_type = of_type.attribute("declaredType");
+    let declaration = match declared_type {
         Some(declared) => {
             Some(simple_type(root, declared).ok_or_else(|| wrong(&format!("type {declared} is not declared")))?)
         }
@@ -102,8 +107,8 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     let (start, mut min, mut max) = (number("start")?, number("min")?, number("max")?);
     let items = declaration.map(items).transpose()?.unwrap_or_default();
     if kind == "Enumeration" {
-        min = items.iter().map(|item| f64::from(item.1)).reduce(f64::min);
-        max = items.iter().map(|item| f64::from(item.1)).reduce(f64::max);
+        min = items.iter().map(|item| f64::from(item.value)).reduce(f64::min);
+        max = items.iter().map(|item| f64::from(item.value)).reduce(f64::max);
     }
     let settable = matches!(causality, "Input" | "Parameter");
     if settable != start.is_some() {
@@ -121,21 +126,25 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     {
         return Err(wrong(&format!("unit {unit} is not defined")));
     }
+    if unit.as_deref() != of_type.attribute("unit") {
+        return Err(wrong("has another unit than its type"));
+    }
     if (kind == "Real") != unit.is_some() {
         return Err(wrong("has a unit if, and only if, it is Real"));
     }
     let description = attribute(node, "description")?.to_string();
-    Ok(Variable { name, description, kind, causality, variability, declared_type, unit, start, min, max, items })
+    Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, items })
 }
 
-fn items(declaration: Node) -> Result<Vec<(String, i32)>, String> {
+fn items(declaration: Node) -> Result<Vec<Item>, String> {
     declaration
         .descendants()
         .filter(|node| node.has_tag_name("Item"))
         .map(|item| {
             let value = attribute(item, "value")?;
             let value = value.parse().map_err(|_| format!("item value {value} is no integer"))?;
-            Ok((attribute(item, "name")?.to_string(), value))
+            let text = |name: &str| attribute(item, name).map(str::to_string);
+            Ok(Item { name: text("name")?, value, description: text("description")? })
         })
         .collect()
 }
@@ -203,7 +212,7 @@ impl Description {
         writeln!(code, "}}\n/// All variables, by value reference.")?;
         writeln!(code, "pub static VARIABLES: [Metadata; {}] = [", self.variables.len())?;
         for v in &self.variables {
-            let items: Vec<i32> = v.items.iter().map(|item| item.1).collect();
+            let items: Vec<i32> = v.items.iter().map(|item| item.value).collect();
             writeln!(
                 code,
                 "    Metadata {{ variable: Variable::{}, name: {:?}, kind: Kind::{}, causality: Causality::{}, \
@@ -217,19 +226,6 @@ impl Description {
                 v.min,
                 v.max,
             )?;
-        }
-        writeln!(code, "];")?;
-        let mut enumerations = BTreeMap::new();
-        for variable in self.variables.iter().filter(|v| v.kind == "Enumeration") {
-            enumerations.insert(variable.declared_type.clone().unwrap_or_default(), &variable.items);
-        }
-        writeln!(
-            code,
-            "/// The items of each enumeration.\npub static ENUMERATIONS: [Enumeration; {}] = [",
-            enumerations.len()
-        )?;
-        for (name, items) in enumerations {
-            writeln!(code, "    Enumeration {{ name: {name:?}, items: &{items:?} }},")?;
         }
         writeln!(code, "];")
     }

@@ -18,7 +18,7 @@ pub fn build(out: &Path) -> Result<PathBuf, String> {
     command.args(["rustc", "--lib", "--crate-type", "cdylib", "--no-default-features", "--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
     // The library carries no path of this machine, and none of its names but those that it exports.
-    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
+    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols").env("CARGO_PROFILE_DEV_DEBUG", "0");
     let mut folder = target_dir.clone();
     if host != target {
         command.args(["--target", &target]);
@@ -58,15 +58,25 @@ pub fn place() -> Result<String, String> {
     Ok(format!("binaries/{folder}/rocking_block.{suffix}"))
 }
 
-/// Cargo without what the outer one, clippy or the like left in the environment.
+/// Cargo without what the outer one, clippy or the like left in the environment, and with what the user has configured.
 pub fn inner_cargo() -> Result<Command, String> {
+    const KEPT: [&str; 8] = [
+        "CARGO_HOME",
+        "CARGO_NET_",
+        "CARGO_HTTP_",
+        "CARGO_REGISTRIES_",
+        "CARGO_REGISTRY_",
+        "CARGO_SOURCE_",
+        "CARGO_TARGET_",
+        "CARGO_MAKEFLAGS",
+    ];
+    const OTHERS: [&str; 5] =
+        ["RUSTFLAGS", "RUSTDOCFLAGS", "RUSTC_WRAPPER", "RUSTC_WORKSPACE_WRAPPER", "CARGO_TARGET_DIR"];
     let mut command = Command::new(variable("CARGO")?);
     for (name, _) in std::env::vars_os() {
         let text = name.to_string_lossy();
-        let inherited = text.starts_with("CARGO_") && !matches!(text.as_ref(), "CARGO_HOME" | "CARGO_NET_OFFLINE");
-        if inherited
-            || matches!(text.as_ref(), "RUSTFLAGS" | "RUSTC_WRAPPER" | "RUSTC_WORKSPACE_WRAPPER" | "RUSTDOCFLAGS")
-        {
+        let inherited = text.starts_with("CARGO_") && !KEPT.iter().any(|kept| text.starts_with(kept));
+        if inherited || OTHERS.contains(&text.as_ref()) {
             command.env_remove(&name);
         }
     }
@@ -80,6 +90,9 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     let mut folders = vec![(manifest, "rocking-block"), (target_dir.to_path_buf(), "target")];
     let home = std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".cargo"));
     if let Some(cargo_home) = std::env::var_os("CARGO_HOME").map(PathBuf::from).or(home) {
+        // The folder of a registry is named after its host.
+        let sources = std::fs::read_dir(cargo_home.join("registry/src")).into_iter().flatten().flatten();
+        folders.extend(sources.map(|source| (source.path(), "registry")));
         folders.insert(0, (cargo_home, "cargo"));
     }
     let mut flags = OsString::new();

@@ -14,7 +14,10 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
     let metadata = metadata()?;
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
     let mut files = BTreeMap::new();
-    let mut index = String::from("The FMU's binary holds code of these packages, under these licences:\n\n");
+    let mut index = String::from(
+        "The FMU's binary holds code of these packages, under these licences, whose texts stand beside this file:\n\n\
+         rust-standard-library: MIT OR Apache-2.0 https://github.com/rust-lang/rust\n",
+    );
     for id in linked(&metadata)? {
         let package = &metadata[&id];
         if id == root {
@@ -28,12 +31,18 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
         let _ = writeln!(index, "{folder}: {licence} {repository}");
         if id != root {
             let home = package.manifest_path.parent().ok_or("a manifest is in no folder")?;
-            for (name, text) in licence_files(home.as_std_path())? {
+            let texts = licence_files(home.as_std_path())?;
+            if texts.is_empty() {
+                return Err(format!(
+                    "{folder} ({licence}) comes without the text of its licence, which the FMU has to hold"
+                ));
+            }
+            for (name, text) in texts {
                 files.insert(format!("{folder}/{name}"), text);
             }
         }
     }
-    files.insert("packages.txt".into(), index.into_bytes());
+    files.insert("license.txt".into(), index.into_bytes());
     Ok(files)
 }
 

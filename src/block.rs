@@ -5,26 +5,26 @@ use serde::{Deserialize, Serialize};
 /// The paper's four parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dimensionless {
-    /// Slenderness angle α [rad], 0 < α < π/2.
+    /// Slenderness angle α (rad), 0 < α < π/2.
     pub alpha: f64,
-    /// Frequency parameter p [rad/s].
+    /// Frequency parameter p (rad/s).
     pub p: f64,
-    /// Stiffness ratio η = ω_v/p [1].
+    /// Stiffness ratio η = ω_v/p (1).
     pub eta: f64,
-    /// Vertical damping ratio ξ_v [1].
+    /// Vertical damping ratio ξ_v (1).
     pub xi_v: f64,
 }
 
 /// Sizes and one support's stiffness and damping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Physical {
-    /// Width of the base, 2b [m].
+    /// Width of the base, 2b (m).
     pub width: f64,
-    /// Twice the height of the centre of mass over the base, 2h [m].
+    /// Twice the height of the centre of mass over the base, 2h (m).
     pub height: f64,
-    /// Stiffness K of one support [N/m].
+    /// Stiffness K of one support (N/m).
     pub stiffness: f64,
-    /// Damping C of one support [N.s/m].
+    /// Damping C of one support (N.s/m).
     pub damping: f64,
 }
 
@@ -41,13 +41,13 @@ pub enum Foundation {
 /// What both ways of giving a block share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Common {
-    /// Mass M [kg].
+    /// Mass M (kg).
     pub mass: f64,
-    /// Shape factor γ = M R0²/I0 [1]; 3 for a homogeneous rectangle.
+    /// Shape factor γ = M R0²/I0 (1); 3 for a homogeneous rectangle.
     pub gamma: f64,
-    /// Restitution ε of the landing corner [1], 0 ≤ ε ≤ 1; eq. (17).
+    /// Restitution ε of the landing corner (1), 0 ≤ ε ≤ 1; eq. (17).
     pub epsilon: f64,
-    /// Gravity g [m/s²].
+    /// Gravity g (m/s²).
     pub gravity: f64,
     /// Supports or rigid base.
     pub foundation: Foundation,
@@ -74,35 +74,35 @@ pub struct BlockError {
 /// A block on its foundation, in both parameterizations; valid by construction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block {
-    /// Mass M [kg].
+    /// Mass M (kg).
     pub mass: f64,
-    /// Gravity g [m/s²].
+    /// Gravity g (m/s²).
     pub gravity: f64,
-    /// Shape factor γ [1].
+    /// Shape factor γ (1).
     pub gamma: f64,
-    /// Restitution ε [1].
+    /// Restitution ε (1).
     pub epsilon: f64,
     /// Supports or rigid base.
     pub foundation: Foundation,
-    /// Slenderness angle α [rad].
+    /// Slenderness angle α (rad).
     pub alpha: f64,
-    /// Distance R0 from the centre of mass to each corner [m].
+    /// Distance R0 from the centre of mass to each corner (m).
     pub r0: f64,
-    /// Half width b = R0 sin α [m].
+    /// Half width b = R0 sin α (m).
     pub b: f64,
-    /// Height of the centre of mass h = R0 cos α [m].
+    /// Height of the centre of mass h = R0 cos α (m).
     pub h: f64,
-    /// Frequency parameter p [rad/s], eq. (3).
+    /// Frequency parameter p (rad/s), eq. (3).
     pub p: f64,
-    /// Vertical circular frequency ω_v in full contact [rad/s].
+    /// Vertical circular frequency ω_v in full contact (rad/s).
     pub omega_v: f64,
-    /// Vertical damping ratio ξ_v [1].
+    /// Vertical damping ratio ξ_v (1).
     pub xi_v: f64,
-    /// Stiffness K of one support [N/m].
+    /// Stiffness K of one support (N/m).
     pub stiffness: f64,
-    /// Damping C of one support [N.s/m].
+    /// Damping C of one support (N.s/m).
     pub damping: f64,
-    /// I0/M [m²].
+    /// I0/M (m²).
     pub i0: f64,
 }
 
@@ -199,38 +199,38 @@ impl Block {
         Ok(self)
     }
 
-    /// Centroidal moment of inertia I0 = M R0²/γ [kg.m²].
+    /// Centroidal moment of inertia I0 = M R0²/γ (kg.m²).
     pub fn inertia(&self) -> f64 {
         self.mass * self.i0
     }
 
-    /// Stiffness ratio η = ω_v/p [1].
+    /// Stiffness ratio η = ω_v/p (1).
     pub fn eta(&self) -> f64 {
         self.omega_v / self.p
     }
 
-    /// Static deflection δ_s = M g/(2K) = g/ω_v² [m].
+    /// Static deflection δ_s = M g/(2K) = g/ω_v² (m).
     pub fn static_deflection(&self) -> f64 {
         self.gravity / (self.omega_v * self.omega_v)
     }
 
-    /// Rate K/C at which a lifted support creeps back to its free height [1/s]; infinite without damping.
+    /// Rate K/C at which a lifted support creeps back to its free height (1/s); infinite without damping.
     pub fn creep_rate(&self) -> f64 {
         self.stiffness / self.damping
     }
 
-    /// Housner's restitution e that ε amounts to [1], eq. (6).
+    /// Housner's restitution e that ε amounts to (1), eq. (6).
     pub fn restitution(&self) -> f64 {
         let cos = libm::cos(2.0 * self.alpha);
         (1.0 + self.gamma * self.epsilon + (1.0 - self.epsilon) * self.gamma * cos) / (1.0 + self.gamma)
     }
 
-    /// Greatest e without jumps, at ε = 0 [1], eq. (2).
+    /// Greatest e without jumps, at ε = 0 (1), eq. (2).
     pub fn max_restitution(&self) -> f64 {
         (1.0 + self.gamma * libm::cos(2.0 * self.alpha)) / (1.0 + self.gamma)
     }
 
-    /// Rotation at which one corner lifts quasi-statically [rad], eq. (29); π/2 where the supports are so soft that
+    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29); π/2 where the supports are so soft that
     /// none does.
     pub fn separation_angle(&self) -> f64 {
         let sin = self.static_deflection() / self.b;
@@ -253,7 +253,7 @@ fn positive(name: &'static str, value: f64) -> Result<(), BlockError> {
 }
 
 fn not_negative(name: &'static str, value: f64) -> Result<(), BlockError> {
-    if value >= 0.0 && value < f64::INFINITY {
+    if (0.0..f64::INFINITY).contains(&value) {
         Ok(())
     } else {
         Err(BlockError { name, value, expected: "a finite number >= 0" })

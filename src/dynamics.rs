@@ -17,43 +17,43 @@ use crate::scalar::Scalar;
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State = SVector<f64, 4>;
 
-/// Powers that are integrated along [m²/s³]: of the excitation, and of the dashpots (positive when they take energy).
+/// Powers that are integrated along (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
 pub type Powers = SVector<f64, 2>;
 
 /// Everything that the equations of motion say of one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant<T> {
-    /// Rotation θ [rad].
+    /// Rotation θ (rad).
     pub theta: T,
-    /// θ̇ [rad/s].
+    /// θ̇ (rad/s).
     pub theta_dot: T,
-    /// θ̈ [rad/s²].
+    /// θ̈ (rad/s²).
     pub theta_ddot: T,
-    /// ẇ [m/s].
+    /// ẇ (m/s).
     pub w_dot: T,
-    /// ẅ [m/s²].
+    /// ẅ (m/s²).
     pub w_ddot: T,
-    /// Horizontal place of the centre of mass over the middle of the base [m], positive to the right.
+    /// Horizontal place of the centre of mass over the middle of the base (m), positive to the right.
     pub u: T,
-    /// u̇ relative to the ground [m/s].
+    /// u̇ relative to the ground (m/s).
     pub u_dot: T,
-    /// ü [m/s²].
+    /// ü (m/s²).
     pub u_ddot: T,
-    /// Height v of the centre of mass above its place at rest [m].
+    /// Height v of the centre of mass above its place at rest (m).
     pub v: T,
-    /// v̇ [m/s].
+    /// v̇ (m/s).
     pub v_dot: T,
-    /// v̈ [m/s²].
+    /// v̈ (m/s²).
     pub v_ddot: T,
-    /// Heights of the corners L and R above their places at rest [m].
+    /// Heights of the corners L and R above their places at rest (m).
     pub corner: [T; 2],
-    /// Their rates [m/s].
+    /// Their rates (m/s).
     pub corner_dot: [T; 2],
-    /// Their accelerations [m/s²].
+    /// Their accelerations (m/s²).
     pub corner_ddot: [T; 2],
-    /// Vertical reactions N_L/M, N_R/M [m/s²], positive up.
+    /// Vertical reactions N_L/M, N_R/M (m/s²), positive up.
     pub reaction: [T; 2],
-    /// Horizontal reaction H/M on the block [m/s²], positive to the right.
+    /// Horizontal reaction H/M on the block (m/s²), positive to the right.
     pub horizontal: T,
 }
 
@@ -242,13 +242,13 @@ impl<'a, T: Scalar> Posture<'a, T> {
         }
     }
 
-    /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass [m].
+    /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass (m).
     #[inline]
     fn reach(&self, s: f64) -> T {
         self.cos * self.block.b + self.sin * (s * self.block.h)
     }
 
-    /// `R0 cos φ`: height of the centre of mass over the corner [m].
+    /// `R0 cos φ`: height of the centre of mass over the corner (m).
     #[inline]
     fn height(&self, s: f64) -> T {
         self.cos * self.block.h - self.sin * (s * self.block.b)
@@ -289,7 +289,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
 }
 
 impl<T: Scalar> Instant<T> {
-    /// Powers of the excitation and of the dashpots per unit mass [m²/s³]; the first is `−a_gx u̇ − a_gz v̇` with the
+    /// Powers of the excitation and of the dashpots per unit mass (m²/s³); the first is `−a_gx u̇ − a_gz v̇` with the
     /// loads' work in it.
     #[inline]
     pub fn powers(&self, block: &Block, regime: Regime, forcing: Forcing<T>) -> [T; 2] {
@@ -305,7 +305,7 @@ impl<T: Scalar> Instant<T> {
     }
 }
 
-/// Energy per unit mass [m²/s²]: kinetic, and potential of weight and touching springs; zero at rest.
+/// Energy per unit mass (m²/s²): kinetic, and potential of weight and touching springs; zero at rest.
 ///
 /// `E = ½ I0 θ̇² + ½ M (u̇² + v̇²) + M g v + ½ K Σ_touching (δ_s − v_I)² − ½ M g δ_s`, with the terms that cancel at rest
 /// taken together.

@@ -24,7 +24,7 @@ pub enum EventKind {
 /// An event, as it is told while the simulation runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// Time [s].
+    /// Time (s).
     pub time: f64,
     /// What happened.
     pub kind: EventKind,
@@ -52,14 +52,14 @@ impl std::fmt::Display for Event {
 /// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping is back at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Creep {
-    /// δ_s − y₀ [m] at lift-off.
+    /// δ_s − y₀ (m) at lift-off.
     pub depth: f64,
-    /// Time of lift-off [s].
+    /// Time of lift-off (s).
     pub since: f64,
 }
 
 impl Creep {
-    /// Height of the support's top above its place under the block at rest [m], and its rate [m/s].
+    /// Height of the support's top above its place under the block at rest (m), and its rate (m/s).
     pub fn top(&self, block: &Block, time: f64) -> Sample {
         match block.foundation {
             Foundation::Rigid => Sample::default(),
@@ -83,13 +83,13 @@ fn decay(x: f64) -> f64 {
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surface {
-    /// The reaction N_I/M of a touching corner [m/s²].
+    /// The reaction N_I/M of a touching corner (m/s²).
     Reaction(Corner),
-    /// The gap `v_I − y_I` between a lifted corner and its support [m].
+    /// The gap `v_I − y_I` between a lifted corner and its support (m).
     Gap(Corner),
-    /// How fast a corner that is held down would be pressed on if it were let go [m/s²]; see [`held`].
+    /// How fast a corner that is held down would be pressed on if it were let go (m/s²); see [`gap_opening`].
     Held(Corner),
-    /// What is left of the quarter turn, `π/2 − |θ|` [rad].
+    /// What is left of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
 }
 
@@ -98,7 +98,7 @@ pub enum Surface {
 pub struct Moment<'a> {
     /// The block.
     pub block: &'a Block,
-    /// Time [s].
+    /// Time (s).
     pub time: f64,
     /// Its regime.
     pub regime: Regime,
@@ -170,14 +170,14 @@ impl Surface {
     }
 }
 
-/// `Ṅ_I/M = −(K v̇_I + C v̈_I)/M` of a corner on its support [m/s³].
+/// `Ṅ_I/M = −(K v̇_I + C v̈_I)/M` of a corner on its support (m/s³).
 pub fn reaction_rate(block: &Block, x: &Instant<f64>, corner: Corner) -> f64 {
     let i = corner.index();
     let omega_v = block.omega_v;
     -0.5 * omega_v * omega_v * x.corner_dot[i] - block.xi_v * omega_v * x.corner_ddot[i]
 }
 
-/// Acceleration [m/s²] with which the gap of a touching corner would open if it left its support now, the other one
+/// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one
 /// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
 /// the gap opens with the rate v̇_I: infinitely fast by this measure.
 ///

@@ -40,17 +40,17 @@ impl Ramp {
 /// The inputs from a reference time on, each linear in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
-    /// Reference time of the ramps [s].
+    /// Reference time of the ramps (s).
     pub time: f64,
-    /// Horizontal ground acceleration [m/s²], positive to the right.
+    /// Horizontal ground acceleration (m/s²), positive to the right.
     pub a_gx: Ramp,
-    /// Vertical ground acceleration [m/s²], positive up.
+    /// Vertical ground acceleration (m/s²), positive up.
     pub a_gz: Ramp,
-    /// Horizontal load on the centre of mass [N], positive to the right.
+    /// Horizontal load on the centre of mass (N), positive to the right.
     pub f_x: Ramp,
-    /// Vertical load on the centre of mass [N], positive up.
+    /// Vertical load on the centre of mass (N), positive up.
     pub f_z: Ramp,
-    /// Moment on the block [N.m], positive clockwise.
+    /// Moment on the block (N.m), positive clockwise.
     pub m_y: Ramp,
 }
 
@@ -90,11 +90,11 @@ pub enum PulseShape {
 pub struct Pulse {
     /// Its shape.
     pub shape: PulseShape,
-    /// Amplitude a_p of the acceleration [m/s²].
+    /// Amplitude a_p of the acceleration (m/s²).
     pub amplitude: f64,
-    /// Period T_p [s].
+    /// Period T_p (s).
     pub period: f64,
-    /// Time at which it begins [s].
+    /// Time at which it begins (s).
     pub start: f64,
 }
 
@@ -102,7 +102,7 @@ impl Pulse {
     /// No pulse at all.
     pub const NONE: Pulse = Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0 };
 
-    /// Duration [s]: T_p, or (n + ½ − φ/π) T_p for type Cn.
+    /// Duration (s): T_p, or (n + ½ − φ/π) T_p for type Cn.
     pub fn duration(&self) -> f64 {
         let cycles = match self.shape {
             PulseShape::None => 0.0,
@@ -113,7 +113,7 @@ impl Pulse {
         cycles * self.period
     }
 
-    /// Time at which it ends [s].
+    /// Time at which it ends (s).
     pub fn end(&self) -> f64 {
         self.start + self.duration()
     }
@@ -123,7 +123,7 @@ impl Pulse {
         self.shape != PulseShape::None && self.start <= time && time < self.end()
     }
 
-    /// The first beginning or end later than `time` [s].
+    /// The first beginning or end later than `time` (s).
     pub fn next_kink(&self, time: f64) -> Option<f64> {
         match self.shape {
             PulseShape::None => None,
@@ -131,7 +131,7 @@ impl Pulse {
         }
     }
 
-    /// Its acceleration at `time` [m/s²].
+    /// Its acceleration at `time` (m/s²).
     pub fn acceleration(&self, time: f64) -> f64 {
         if self.acts_at(time) { self.wave().at(time) } else { 0.0 }
     }
@@ -147,7 +147,7 @@ impl Pulse {
     }
 }
 
-/// φ of a type-Cn pulse [rad]: the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's condition
+/// φ of a type-Cn pulse (rad): the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's condition
 /// `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ. φ = 0.0697π for n = 1, 0.0410π for n = 2.
 fn c_phase(n: f64) -> f64 {
     let mut phase: f64 = 0.0;
@@ -177,11 +177,11 @@ impl Wave {
 /// What drives the block at one instant, per unit of its mass: ground accelerations less the loads' share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forcing<T> {
-    /// `a_gx − F_x/M` [m/s²].
+    /// `a_gx − F_x/M` (m/s²).
     pub x: T,
-    /// `a_gz − F_z/M` [m/s²].
+    /// `a_gz − F_z/M` (m/s²).
     pub z: T,
-    /// `M_y/M` [m²/s²].
+    /// `M_y/M` (m²/s²).
     pub moment: T,
 }
 
@@ -223,7 +223,7 @@ impl Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
     }
 
-    /// What drives the block at `time` [s].
+    /// What drives the block at `time` (s).
     #[inline]
     pub fn at(&self, time: f64) -> Forcing<f64> {
         let elapsed = time - self.time;
@@ -240,7 +240,7 @@ impl Excitation {
         Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate }
     }
 
-    /// Circular frequency of the pulse that acts [rad/s], zero if none does.
+    /// Circular frequency of the pulse that acts (rad/s), zero if none does.
     pub fn frequency(&self) -> f64 {
         self.wave.map_or(0.0, |wave| wave.omega)
     }

@@ -8,7 +8,7 @@ use crate::regime::Corner;
 ///
 /// Linear and angular momentum change by the impulses of H and N at the landing corner only, the corner's vertical
 /// velocity by the factor ε, and the horizontal constraint from the standing corner to the middle of the base.
-/// [m/s], [rad/s] positive clockwise.
+/// (m/s), (rad/s) positive clockwise.
 pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot: f64) -> (f64, f64) {
     let Block { i0, epsilon, b, h, .. } = *block;
     // The mirror image of a landing on R is one on L: θ and θ̇ change sign.

@@ -16,35 +16,35 @@ pub const MOST_FRICTION_DEMAND: f64 = 1e6;
 /// Motion, reactions and corners at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation<T> {
-    /// Rotation θ [rad], positive to the right.
+    /// Rotation θ (rad), positive to the right.
     pub theta: T,
-    /// θ̇ [rad/s].
+    /// θ̇ (rad/s).
     pub theta_dot: T,
-    /// θ̈ [rad/s²].
+    /// θ̈ (rad/s²).
     pub theta_ddot: T,
-    /// Height of the centre of mass above its place at rest, relative to the ground [m].
+    /// Height of the centre of mass above its place at rest, relative to the ground (m).
     pub v: T,
-    /// v̇ [m/s].
+    /// v̇ (m/s).
     pub v_dot: T,
-    /// v̈ [m/s²].
+    /// v̈ (m/s²).
     pub v_ddot: T,
-    /// Horizontal motion of the centre of mass relative to the ground [m], positive to the right.
+    /// Horizontal motion of the centre of mass relative to the ground (m), positive to the right.
     pub u: T,
-    /// u̇ [m/s].
+    /// u̇ (m/s).
     pub u_dot: T,
-    /// ü [m/s²].
+    /// ü (m/s²).
     pub u_ddot: T,
-    /// Vertical reactions N_L, N_R [N].
+    /// Vertical reactions N_L, N_R (N).
     pub reaction: [T; 2],
-    /// Horizontal reaction H on the block [N], positive to the right.
+    /// Horizontal reaction H on the block (N), positive to the right.
     pub horizontal: T,
-    /// Moment of the reactions about the middle of the base at rest [N.m], positive clockwise: `b (N_L − N_R)`.
+    /// Moment of the reactions about the middle of the base at rest (N.m), positive clockwise: `b (N_L − N_R)`.
     pub base_moment: T,
-    /// Heights of the corners L, R above their places at rest [m].
+    /// Heights of the corners L, R above their places at rest (m).
     pub corner: [T; 2],
-    /// Their heights above their supports [m], zero for a corner that touches.
+    /// Their heights above their supports (m), zero for a corner that touches.
     pub uplift: [T; 2],
-    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` [1], at most [`MOST_FRICTION_DEMAND`].
+    /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most [`MOST_FRICTION_DEMAND`].
     pub friction_demand: T,
 }
 
@@ -96,7 +96,7 @@ pub struct View<'a> {
     pub block: &'a Block,
     /// Its regime.
     pub regime: Regime,
-    /// Time [s].
+    /// Time (s).
     pub time: f64,
     /// Its state.
     pub state: &'a State,

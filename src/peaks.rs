@@ -9,15 +9,15 @@ use crate::roots::{Sample, greatest, upper_bound};
 /// Greatest absolute values since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Peaks {
-    /// Of the rotation θ [rad].
+    /// Of the rotation θ (rad).
     pub theta: f64,
-    /// Of the reactions N_L and N_R [N].
+    /// Of the reactions N_L and N_R (N).
     pub reaction: f64,
-    /// Of the horizontal reaction H [N].
+    /// Of the horizontal reaction H (N).
     pub horizontal: f64,
-    /// Of the heights of the corners above their supports [m].
+    /// Of the heights of the corners above their supports (m).
     pub uplift: f64,
-    /// Of the friction demand [1].
+    /// Of the friction demand (1).
     pub friction_demand: f64,
 }
 

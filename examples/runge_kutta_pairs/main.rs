@@ -31,11 +31,14 @@ struct Outcome {
     error: f64,
 }
 
+/// A title, and which cases belong under it.
+type Group = (&'static str, fn(&Case) -> bool);
+
 fn main() {
     for pair in PAIRS {
         println!("{:22} order {:.2}", pair.name, order(pair));
     }
-    let groups: [(&str, fn(&Case) -> bool); 3] = [
+    let groups: [Group; 3] = [
         ("Pulses and free motion", |case| !is_record(case)),
         ("Records, eta = 40 and 100", |case| is_record(case) && !case.name.contains("pad")),
         ("Record on bridge pads, eta = 863", |case| case.name.contains("pad")),

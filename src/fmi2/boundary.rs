@@ -176,7 +176,7 @@ pub unsafe fn write<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result
 /// A single place that is written.
 ///
 /// # Safety
-/// As for [`write`], with one element.
+/// As for [`write()`], with one element.
 pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<&'a mut T, Fault> {
     // SAFETY: null or, by contract, a place that nothing else touches meanwhile.
     unsafe { pointer.as_mut() }.ok_or_else(|| Fault::error(format!("{name} is NULL; expected a place for the result")))

@@ -89,15 +89,6 @@ pub struct Metadata {
     pub items: &'static [i32],
 }
 
-/// An enumeration and its items.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Enumeration {
-    /// Its name.
-    pub name: &'static str,
-    /// Names and values of its items.
-    pub items: &'static [(&'static str, i32)],
-}
-
 impl Metadata {
     /// Whether it can be set from outside at all.
     pub fn is_settable(&self) -> bool {

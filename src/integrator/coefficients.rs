@@ -1,7 +1,7 @@
 //! Coefficients of the pair DOP853: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I",
 //! 2nd ed., Springer 1993, section II.5, and their Fortran code dop853.f, rounded to double precision.
 
-/// `Σ coefficient · k[stage]` over the coefficients that are not zero, written out.
+/// `Σ coefficient · k(stage)` over the coefficients that are not zero, written out.
 macro_rules! combine {
     ($k:expr; $first:literal: $c:expr $(, $stage:literal: $d:expr)* $(,)?) => {
         $k[$first] * $c $(+ $k[$stage] * $d)*

@@ -22,15 +22,15 @@ pub struct Rate {
 /// An attempted step, kept whole for its dense output.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Time at its beginning [s].
+    /// Time at its beginning (s).
     pub time: f64,
-    /// Its size [s].
+    /// Its size (s).
     pub size: f64,
     /// State at its beginning.
     pub start: State,
     /// State at its end.
     pub end: State,
-    /// Work of excitation and dashpots over the step, per unit mass [m²/s²].
+    /// Work of excitation and dashpots over the step, per unit mass (m²/s²).
     pub work: Powers,
     stages: [State; 12],
     powers: [Powers; 12],
@@ -136,9 +136,9 @@ fn polynomial<const N: usize>(
 /// The motion inside a step: polynomials of degree 7 that take on the step's ends and their rates.
 #[derive(Clone, Copy, Debug)]
 pub struct DenseOutput {
-    /// Time at the step's beginning [s].
+    /// Time at the step's beginning (s).
     pub time: f64,
-    /// Size of the step [s].
+    /// Size of the step (s).
     pub size: f64,
     state: Polynomial<4>,
     work: Polynomial<2>,

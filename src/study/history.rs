@@ -39,7 +39,7 @@ pub struct Row {
     pub regime: Regime,
     /// Energies (J).
     pub energies: Energies,
-    /// Ground acceleration, horizontal with the pulse, and vertical [m/s²].
+    /// Ground acceleration, horizontal with the pulse, and vertical (m/s²).
     pub ground: [f64; 2],
 }
 

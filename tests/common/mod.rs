@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::records::{self, ReadOptions, Unit};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use serde::Deserialize;
 
@@ -153,24 +154,23 @@ impl Case {
 
     fn record(&self, motion: &Motion) -> Result<Option<Record>, String> {
         let Some(name) = &motion.record else { return Ok(None) };
-        let (file, dt, header) = match name.as_str() {
-            "rinaldi" => ("paper/NGA_no_1063_RRS228.AT2", 0.01, 4),
-            "erzincan" => ("paper_derived/ERZ-NS_unrotated.AT2", 0.005, 4),
-            "sylmar052" => ("paper/SCS052.AT2", 0.005, 0),
-            "sylmar142" => ("paper/SCS142.AT2", 0.005, 0),
-            "sylmar_up" => ("paper/SCSUP.AT2", 0.005, 0),
-            "elcentro" => ("fallback/IELC180.AT2", 0.01, 4),
+        let (file, dt) = match name.as_str() {
+            "rinaldi" => ("paper/NGA_no_1063_RRS228.AT2", None),
+            "erzincan" => ("paper_derived/ERZ-NS_unrotated.AT2", None),
+            "sylmar052" => ("paper/SCS052.AT2", Some(0.005)),
+            "sylmar142" => ("paper/SCS142.AT2", Some(0.005)),
+            "sylmar_up" => ("paper/SCSUP.AT2", Some(0.005)),
+            "elcentro" => ("fallback/IELC180.AT2", None),
             other => panic!("unknown record {other}"),
         };
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/records").join(file);
-        let text = std::fs::read_to_string(&path).map_err(|_| name.clone())?;
-        let acceleration = text
-            .lines()
-            .skip(header)
-            .flat_map(str::split_whitespace)
-            .map(|a| a.parse::<f64>().unwrap() * self.g * motion.scale)
-            .collect();
-        Ok(Some(Record { dt, acceleration }))
+        if !path.exists() {
+            return Err(name.clone());
+        }
+        let unit = dt.map(|_| Unit::G);
+        let options = ReadOptions { unit, time_step: dt, gravity: self.g, ..ReadOptions::default() };
+        let record = records::read(&path, &options).unwrap().scaled(motion.scale);
+        Ok(Some(Record { dt: record.time_step, acceleration: record.acceleration }))
     }
 
     /// The run at a tolerance, at its beginning.

@@ -1,0 +1,87 @@
+//! The block in motion → what a user sees of it.
+
+use num_dual::Dual64;
+
+use crate::dynamics::energy;
+use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
+use crate::outputs::{Observation, View};
+use crate::simulation::stepping::NO_FLIGHT;
+use crate::simulation::{AtEnd, Energies, EnergySums, Simulation};
+
+impl Simulation {
+    /// Whether the run ended and is held there: nothing moves and no support bears any more.
+    pub fn is_frozen(&self) -> bool {
+        self.ending.is_some_and(|(ending, _)| self.at_end(ending) == AtEnd::Hold)
+    }
+
+    /// What a user sees now, under these inputs.
+    pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
+        let seen = self.with_view(inputs, |view, _| view.observe());
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The same with, in the dual parts, the exact rates of change along the motion while the inputs go on.
+    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
+        let seen = self.with_view(inputs, |view, rate| view.observe_rates(rate));
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The same with, in the dual parts, the exact derivatives with respect to the inputs in the direction whose
+    /// components are the values of `direction`: at this instant, so with state and regime as they are.
+    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs) -> Observation<Dual64> {
+        let direction = Excitation::from_time(0.0, direction, &Pulse::NONE, &self.block).at(direction.time);
+        let seen = self.with_view(inputs, |view, _| view.observe_direction(direction));
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    fn with_view<R>(&self, inputs: &Inputs, look: impl FnOnce(View, Forcing<f64>) -> R) -> R {
+        let excitation = Excitation::from_time(self.time, inputs, &self.pulse, &self.block);
+        let view = View {
+            block: &self.block,
+            regime: self.regime,
+            time: self.time,
+            state: &self.state,
+            flight: NO_FLIGHT,
+            creep: &self.creep,
+            forcing: excitation.at(self.time),
+        };
+        look(view, excitation.rate_at(self.time))
+    }
+
+    /// Energies and their sums now (J).
+    pub fn energies(&self) -> Energies {
+        let x = self.point_at(self.time, self.state, &Excitation::none()).instant;
+        let (kinetic, potential) = energy(&self.block, self.regime, &x);
+        let EnergySums { initial, input, dashpots, impacts } = self.sums;
+        let [kinetic, potential, initial, input, dashpots, impacts] =
+            [kinetic, potential, initial, input, dashpots, impacts].map(|part| part * self.block.mass);
+        let total = kinetic + potential;
+        Energies {
+            total,
+            kinetic,
+            potential,
+            input,
+            dashpots,
+            impacts,
+            residual: total - initial - input + dashpots + impacts,
+        }
+    }
+
+    /// Rates at which the energies and their sums change now (W).
+    pub fn energy_rates(&self, inputs: &Inputs) -> Energies {
+        if self.is_frozen() {
+            return Energies::default();
+        }
+        self.with_view(inputs, |view, _| {
+            let block = &self.block;
+            let x = view.along(Forcing::default());
+            let (kinetic, potential) = energy(block, self.regime, &x);
+            let forcing = view.forcing;
+            let [input, dashpots] = view.instant().powers(block, self.regime, forcing);
+            let [kinetic, potential, input, dashpots] =
+                [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
+            let total = kinetic + potential;
+            Energies { total, kinetic, potential, input, dashpots, impacts: 0.0, residual: total - input + dashpots }
+        })
+    }
+}

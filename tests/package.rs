@@ -1,0 +1,140 @@
+//! What is in `RockingBlock.fmu`, and that it depends on the sources alone.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use rocking_block::fmi2::variables::{GUID, VARIABLES};
+use zip::{CompressionMethod, DateTime, ZipArchive};
+
+const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
+
+fn open(path: &Path) -> ZipArchive<File> {
+    let file = File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    ZipArchive::new(file).unwrap()
+}
+
+/// The FMU's files, by path.
+fn files() -> BTreeMap<String, Vec<u8>> {
+    let mut archive = open(Path::new(env!("ROCKING_BLOCK_FMU")));
+    let mut files = BTreeMap::new();
+    for position in 0..archive.len() {
+        let mut entry = archive.by_index(position).unwrap();
+        let name = entry.name().unwrap().into_owned();
+        let mut content = Vec::new();
+        entry.read_to_end(&mut content).unwrap();
+        assert!(!content.is_empty(), "{name} is empty");
+        assert!(files.insert(name.clone(), content).is_none(), "{name} is there twice");
+    }
+    files
+}
+
+fn text(files: &BTreeMap<String, Vec<u8>>, path: &str) -> String {
+    let content = files.get(path).unwrap_or_else(|| panic!("{path} is missing"));
+    String::from_utf8(content.clone()).unwrap()
+}
+
+/// The path and content of the one binary.
+fn binary(files: &BTreeMap<String, Vec<u8>>) -> (&str, &[u8]) {
+    let mut binaries = files.iter().filter(|(path, _)| path.starts_with("binaries/"));
+    let (path, content) = binaries.next().expect("a binary");
+    assert_eq!(binaries.next(), None);
+    (path, content)
+}
+
+fn contains(content: &[u8], part: &str) -> bool {
+    content.windows(part.len()).any(|window| window == part.as_bytes())
+}
+
+#[test]
+fn holds_what_the_standard_names_and_nothing_else() {
+    let files = files();
+    let (binary, _) = binary(&files);
+    let found: Vec<_> = files.keys().filter(|path| !path.starts_with("documentation/licenses/")).collect();
+    assert_eq!(found, [binary, "documentation/index.html", "model.png", "modelDescription.xml"]);
+
+    let (folder, file) = binary["binaries/".len()..].split_once('/').unwrap();
+    assert_eq!(file.split('.').next(), Some("rocking_block"));
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        assert_eq!((folder, file), ("linux64", "rocking_block.so"));
+    }
+}
+
+#[test]
+fn holds_the_licence_of_every_crate_it_lists() {
+    let files = files();
+    let index = text(&files, "documentation/licenses/license.txt");
+    // A crate's line: name version: licence, repository.
+    let crates = index.lines().filter_map(|line| line.split_once(": ")?.0.rsplit_once('-'));
+    let mut listed: BTreeSet<_> = crates
+        .filter(|(name, version)| *name != "rocking-block" && version.starts_with(|first: char| first.is_ascii_digit()))
+        .map(|(name, version)| format!("{name}-{version}"))
+        .collect();
+    assert!(listed.iter().any(|name| name.starts_with("nalgebra-")), "{index}");
+    listed.insert("rust-standard-library".to_owned());
+
+    let licenses = files.keys().filter_map(|path| path.strip_prefix("documentation/licenses/"));
+    let (folders, top): (Vec<_>, Vec<_>) = licenses.partition(|path| path.contains('/'));
+    assert_eq!(top, ["LICENSE-APACHE", "LICENSE-MIT", "license.txt"]);
+    let folders: BTreeSet<_> = folders.iter().map(|path| path.split('/').next().unwrap().to_owned()).collect();
+    assert_eq!(folders, listed);
+}
+
+#[test]
+fn description_is_the_source_with_its_guid() {
+    let files = files();
+    let packed = text(&files, "modelDescription.xml");
+    let source = fs::read_to_string(Path::new(PACKAGE).join("modelDescription.xml")).unwrap();
+    assert_eq!(packed, source.replace("\r\n", "\n").replace("{computed by the build}", GUID));
+
+    let document = roxmltree::Document::parse(&packed).unwrap();
+    assert_eq!(document.root_element().attribute("guid"), Some(GUID));
+    let declared = document.descendants().filter(|node| node.has_tag_name("ScalarVariable"));
+    let declared: Vec<_> = declared.map(|node| node.attribute("name").unwrap()).collect();
+    assert_eq!(declared, VARIABLES.map(|variable| variable.name));
+}
+
+#[test]
+fn binary_holds_the_guid_and_no_path_of_this_machine() {
+    let files = files();
+    let (_, binary) = binary(&files);
+    assert!(contains(binary, GUID), "the binary was built from another description");
+    // Folders of registries are named after their hosts.
+    assert!(!contains(binary, "registry/src"), "the binary holds a path of a registry");
+    let mut paths = vec![PACKAGE.to_owned()];
+    paths.extend(["HOME", "USERPROFILE", "CARGO_HOME"].into_iter().filter_map(|name| std::env::var(name).ok()));
+    for path in paths.iter().filter(|path| path.len() > 1) {
+        assert!(!contains(binary, &format!("{path}/")), "the binary holds {path}");
+    }
+}
+
+#[test]
+fn page_shows_every_variable_and_loads_nothing() {
+    let page = text(&files(), "documentation/index.html");
+    for variable in &VARIABLES {
+        assert!(page.contains(&format!("<td><code>{}</code></td>", variable.name)), "{}", variable.name);
+    }
+    // A reference to the page itself, as to the arrowhead of the drawing, loads nothing.
+    let page = page.replace("url(#", "");
+    for forbidden in ["<script", "<link", "src=", "@import", "url(", "<!-- variables", "<!-- version"] {
+        assert!(!page.contains(forbidden), "the page holds {forbidden}");
+    }
+}
+
+/// Whatever differs between two builds of one source would show here first.
+#[test]
+fn entries_are_sorted_and_undated() {
+    let mut archive = open(Path::new(env!("ROCKING_BLOCK_FMU")));
+    let mut names = Vec::new();
+    for position in 0..archive.len() {
+        let entry = archive.by_index(position).unwrap();
+        let name = entry.name().unwrap().into_owned();
+        assert_eq!(entry.last_modified(), Some(DateTime::default()), "{name}");
+        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
+        assert_eq!(entry.unix_mode().map(|mode| mode & 0o777), Some(mode), "{name}");
+        assert_eq!(entry.compression(), CompressionMethod::Deflated, "{name}");
+        names.push(name);
+    }
+    assert!(names.is_sorted(), "{names:?}");
+}
