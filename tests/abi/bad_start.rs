@@ -6,6 +6,12 @@ use std::ptr::null;
 use crate::functions::*;
 use crate::host::{FMU, Instance, Message, Messages, call, callbacks};
 
+/// Name, type and GUID that are asked for.
+type Request<'a> = (Option<&'a str>, c_int, Option<&'a str>);
+
+/// Tolerance, start and stop.
+type Experiment = (Option<f64>, f64, Option<f64>);
+
 /// What `fmi2Instantiate` says, and whether it gave an instance.
 fn instantiate(name: Option<&str>, kind: c_int, guid: Option<&str>) -> (bool, Vec<Message>) {
     let messages = Messages::default();
@@ -25,17 +31,17 @@ fn instantiate(name: Option<&str>, kind: c_int, guid: Option<&str>) -> (bool, Ve
 fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
     let guid = FMU.description.guid.as_str();
     let wrong = "{00000000-0000-0000-0000-000000000000}";
-    let cases: [(Option<&str>, c_int, Option<&str>, &[&str]); 8] = [
-        (Some("block"), CO_SIMULATION, None, &["fmuGUID", guid]),
-        (Some("block"), CO_SIMULATION, Some(wrong), &["fmuGUID", wrong, guid]),
-        (Some("block"), CO_SIMULATION, Some(""), &["fmuGUID", guid]),
-        (None, CO_SIMULATION, Some(guid), &["instanceName"]),
-        (Some(""), CO_SIMULATION, Some(guid), &["instanceName"]),
-        (Some("block"), MODEL_EXCHANGE, Some(guid), &["fmuType = 0", "1"]),
-        (Some("block"), 7, Some(guid), &["fmuType = 7", "1"]),
-        (Some("block"), -1, Some(guid), &["fmuType = -1", "1"]),
+    let cases: [(Request, &[&str]); 8] = [
+        ((Some("block"), CO_SIMULATION, None), &["fmuGUID", guid]),
+        ((Some("block"), CO_SIMULATION, Some(wrong)), &["fmuGUID", wrong, guid]),
+        ((Some("block"), CO_SIMULATION, Some("")), &["fmuGUID", guid]),
+        ((None, CO_SIMULATION, Some(guid)), &["instanceName"]),
+        ((Some(""), CO_SIMULATION, Some(guid)), &["instanceName"]),
+        ((Some("block"), MODEL_EXCHANGE, Some(guid)), &["fmuType = 0", "1"]),
+        ((Some("block"), 7, Some(guid)), &["fmuType = 7", "1"]),
+        ((Some("block"), -1, Some(guid)), &["fmuType = -1", "1"]),
     ];
-    for (name, kind, guid, words) in cases {
+    for ((name, kind, guid), words) in cases {
         let (given, messages) = instantiate(name, kind, guid);
         assert!(!given, "{name:?} {kind} {guid:?}");
         let [Message { status: ERROR, category, format, text, .. }] = messages.as_slice() else {
@@ -124,19 +130,19 @@ fn parameters_that_are_not_read_are_warned_of() {
 
 #[test]
 fn an_experiment_that_cannot_be_is_refused_and_the_one_before_stays() {
-    let bad: [(Option<f64>, f64, Option<f64>, &[&str]); 8] = [
-        (None, f64::NAN, None, &["startTime", "NaN"]),
-        (None, f64::INFINITY, None, &["startTime", "inf"]),
-        (None, 1.0, Some(1.0), &["stopTime = 1", "startTime = 1"]),
-        (None, 1.0, Some(0.5), &["stopTime = 0.5", "startTime = 1"]),
-        (None, 0.0, Some(f64::NAN), &["stopTime", "NaN"]),
-        (Some(0.0), 0.0, None, &["tolerance = 0"]),
-        (Some(-1e-6), 0.0, None, &["tolerance", "-0.000001"]),
-        (Some(f64::NAN), 0.0, None, &["tolerance", "NaN"]),
+    let bad: [(Experiment, &[&str]); 8] = [
+        ((None, f64::NAN, None), &["startTime", "NaN"]),
+        ((None, f64::INFINITY, None), &["startTime", "inf"]),
+        ((None, 1.0, Some(1.0)), &["stopTime = 1", "startTime = 1"]),
+        ((None, 1.0, Some(0.5)), &["stopTime = 0.5", "startTime = 1"]),
+        ((None, 0.0, Some(f64::NAN)), &["stopTime", "NaN"]),
+        ((Some(0.0), 0.0, None), &["tolerance = 0"]),
+        ((Some(-1e-6), 0.0, None), &["tolerance", "-0.000001"]),
+        ((Some(f64::NAN), 0.0, None), &["tolerance", "NaN"]),
     ];
     let instance = Instance::new("block");
     assert_eq!(instance.setup(None, 3.0, Some(4.0)), OK);
-    for (tolerance, start, stop, words) in bad {
+    for ((tolerance, start, stop), words) in bad {
         instance.refuses(instance.setup(tolerance, start, stop), words);
     }
     assert_eq!(call!(instance, enter_initialization_mode), OK);
