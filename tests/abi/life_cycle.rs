@@ -232,11 +232,12 @@ fn a_whole_life_twice() {
     let run = || {
         instance.set("initial.theta", 0.1);
         instance.initialize(None);
+        let start = instance.bits();
         instance.go(0.0, 2.0, 0.05);
         let bits = instance.bits();
         assert_eq!(call!(instance, terminate), OK);
         assert_eq!(instance.bits(), bits, "the standard, 4.2.4: final values can be read after fmi2Terminate");
-        bits
+        (start, bits)
     };
     let first = run();
     assert_eq!(call!(instance, reset), OK);

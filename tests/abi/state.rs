@@ -50,10 +50,11 @@ fn back_to_any_step_and_on_again_gives_the_same_bits() {
         // A rate that is set and not yet used is part of the state.
         instance.set_rate("F_x", 100.0);
         uplifted += i32::from(instance.get("uplift_L") > 0.0 || instance.get("uplift_R") > 0.0);
-        let state = instance.save();
+        let (state, seen) = (instance.save(), instance.bits());
         let first = go_on(&instance, steps);
         for _ in 0..2 {
             instance.restore(state);
+            assert_eq!(instance.bits(), seen, "at step {steps}");
             assert_eq!(go_on(&instance, steps), first, "from step {steps}");
         }
         instance.free(state);
