@@ -63,6 +63,7 @@ const AFTER_INSTANTIATION: u8 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILE
 const READABLE: u8 = INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
 const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | COMPLETE;
 const STEPPED: u8 = COMPLETE | FAILED | TERMINATED | ERROR;
+const STATUS: u8 = COMPLETE | FAILED | TERMINATED;
 
 macro_rules! calls {
     ($($call:ident $name:literal $phases:expr;)*) => {
@@ -116,11 +117,11 @@ calls! {
     GetRealOutputDerivatives "fmi2GetRealOutputDerivatives" STEPPED;
     DoStep "fmi2DoStep" COMPLETE;
     CancelStep "fmi2CancelStep" NEVER;
-    GetStatus "fmi2GetStatus" STEPPED;
-    GetRealStatus "fmi2GetRealStatus" STEPPED;
-    GetIntegerStatus "fmi2GetIntegerStatus" STEPPED;
-    GetBooleanStatus "fmi2GetBooleanStatus" STEPPED;
-    GetStringStatus "fmi2GetStringStatus" STEPPED;
+    GetStatus "fmi2GetStatus" STATUS;
+    GetRealStatus "fmi2GetRealStatus" STATUS;
+    GetIntegerStatus "fmi2GetIntegerStatus" STATUS;
+    GetBooleanStatus "fmi2GetBooleanStatus" STATUS;
+    GetStringStatus "fmi2GetStringStatus" STATUS;
     EnterEventMode "fmi2EnterEventMode" NEVER;
     NewDiscreteStates "fmi2NewDiscreteStates" NEVER;
     EnterContinuousTimeMode "fmi2EnterContinuousTimeMode" NEVER;
@@ -140,14 +141,13 @@ impl Call {
         if phases & phase.bit() != 0 {
             return Ok(());
         }
-        let name = self.name();
         Err(match (phases, self) {
-            (NEVER, Call::CancelStep) => format!("{name}: no step is ever in progress, steps are synchronous"),
-            (NEVER, _) => format!("{name} belongs to Model Exchange; this FMU offers Co-Simulation only"),
+            (NEVER, Call::CancelStep) => "no step is ever in progress, steps are synchronous".into(),
+            (NEVER, _) => "this belongs to Model Exchange; this FMU offers Co-Simulation only".into(),
             _ => {
                 let allowed: Vec<String> =
                     Phase::ALL.into_iter().filter(|p| phases & p.bit() != 0).map(|p| p.to_string()).collect();
-                format!("{name} is not allowed in state {phase}; it is in {}", allowed.join(", "))
+                format!("not allowed in state {phase}; it is in {}", allowed.join(", "))
             }
         })
     }

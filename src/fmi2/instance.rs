@@ -5,9 +5,10 @@ use crate::excitation::Inputs;
 use crate::fmi2::calls::{Call, Phase};
 use crate::fmi2::log::{Category, Log};
 use crate::fmi2::types::{Status, StatusKind};
-use crate::fmi2::values::{INPUTS, Values, derived, history, inputs, real_output};
+use crate::fmi2::values::{INPUTS, Values, derived, history, history_rate, inputs, real_output};
 use crate::fmi2::variables::{Causality, Kind, Metadata, VARIABLES, Variability, Variable};
 use crate::outputs::Observation;
+use crate::peaks;
 use crate::simulation::{Energies, Progress, Settings, Simulation};
 
 /// A call that was refused or failed: what the importer gets, and why.
@@ -277,7 +278,6 @@ impl Instance {
     pub fn step_status(&self, kind: StatusKind) -> Result<Status, Fault> {
         match (kind, self.core.phase) {
             (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),
-            (StatusKind::DoStepStatus, Phase::Error) => Ok(Status::Error),
             (StatusKind::DoStepStatus, _) => Ok(Status::Ok),
             (StatusKind::PendingStatus | StatusKind::LastSuccessfulTime | StatusKind::Terminated, _) => {
                 Err(Fault::error(format!("{kind:?} is no fmi2Status; fmi2DoStepStatus is")))
@@ -394,12 +394,11 @@ impl Instance {
 
     /// `fmi2SetRealInputDerivatives`, order 1 only.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
-        let mut inputs = Vec::with_capacity(references.len());
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let metadata = known(reference, Kind::Real)?;
-            let Some(input) = INPUTS.iter().position(|&input| input == metadata.variable) else {
+            if metadata.causality != Causality::Input {
                 return Err(Fault::error(format!("{} is no input; only inputs have set derivatives", metadata.name)));
-            };
+            }
             if order != 1 {
                 return Err(Fault::error(format!("derivative of {} of order {order}; expected 1", metadata.name)));
             }
@@ -409,14 +408,17 @@ impl Instance {
                     metadata.name
                 )));
             }
-            inputs.push((input, value));
         }
         if !self.core.rates_are_new {
             self.core.rates = [0.0; INPUTS.len()];
             self.core.rates_are_new = true;
         }
-        for (input, value) in inputs {
-            self.core.rates[input] = value;
+        for (&reference, &value) in references.iter().zip(values) {
+            for (input, rate) in INPUTS.into_iter().zip(&mut self.core.rates) {
+                if input as u32 == reference {
+                    *rate = value;
+                }
+            }
         }
         self.refresh_inputs();
         Ok(Status::Ok)
@@ -432,10 +434,12 @@ impl Instance {
         }
         let inputs = self.core.inputs;
         let simulation = self.preview()?;
-        let rates = simulation.observe_rates(&inputs).map(|x| x.eps);
+        let seen = simulation.observe_rates(&inputs);
+        let (rates, samples) = (seen.map(|x| x.eps), peaks::samples(&seen));
         let energies = simulation.energy_rates(&inputs);
+        let history = |variable| history_rate(variable, &samples, &simulation.peaks());
         for (&reference, value) in references.iter().zip(values) {
-            *value = real_output(VARIABLES[reference as usize].variable, &rates, &energies, |_| 0.0);
+            *value = real_output(VARIABLES[reference as usize].variable, &rates, &energies, history);
         }
         Ok(Status::Ok)
     }

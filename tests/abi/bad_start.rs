@@ -1,0 +1,168 @@
+//! Instances that are not to be had, and initializations that are refused (interface.md, *What bad use gets*).
+
+use std::ffi::{CString, c_int};
+use std::ptr::null;
+
+use crate::functions::*;
+use crate::host::{FMU, Instance, Message, Messages, call, callbacks};
+
+/// Name, type and GUID that are asked for.
+type Request<'a> = (Option<&'a str>, c_int, Option<&'a str>);
+
+/// Tolerance, start and stop.
+type Experiment = (Option<f64>, f64, Option<f64>);
+
+/// What `fmi2Instantiate` says, and whether it gave an instance.
+fn instantiate(name: Option<&str>, kind: c_int, guid: Option<&str>) -> (bool, Vec<Message>) {
+    let messages = Messages::default();
+    let callbacks = callbacks(&messages);
+    let [name, guid] = [name, guid].map(|text| text.map(|text| CString::new(text).unwrap()));
+    let [name_pointer, guid_pointer] = [&name, &guid].map(|text| text.as_ref().map_or(null(), |text| text.as_ptr()));
+    // SAFETY: texts end with 0 or are NULL, the callbacks outlive the instance.
+    let given = unsafe {
+        let component = (FMU.functions.instantiate)(name_pointer, kind, guid_pointer, null(), &callbacks, 0, 1);
+        (FMU.functions.free_instance)(component);
+        !component.is_null()
+    };
+    (given, messages.into_inner().unwrap())
+}
+
+#[test]
+fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
+    let guid = FMU.description.guid.as_str();
+    let wrong = "{00000000-0000-0000-0000-000000000000}";
+    let cases: [(Request, &[&str]); 8] = [
+        ((Some("block"), CO_SIMULATION, None), &["fmuGUID", guid]),
+        ((Some("block"), CO_SIMULATION, Some(wrong)), &["fmuGUID", wrong, guid]),
+        ((Some("block"), CO_SIMULATION, Some("")), &["fmuGUID", guid]),
+        ((None, CO_SIMULATION, Some(guid)), &["instanceName"]),
+        ((Some(""), CO_SIMULATION, Some(guid)), &["instanceName"]),
+        ((Some("block"), MODEL_EXCHANGE, Some(guid)), &["fmuType = 0", "1"]),
+        ((Some("block"), 7, Some(guid)), &["fmuType = 7", "1"]),
+        ((Some("block"), -1, Some(guid)), &["fmuType = -1", "1"]),
+    ];
+    for ((name, kind, guid), words) in cases {
+        let (given, messages) = instantiate(name, kind, guid);
+        assert!(!given, "{name:?} {kind} {guid:?}");
+        let [Message { status: ERROR, category, format, text, .. }] = messages.as_slice() else {
+            panic!("{messages:?}")
+        };
+        assert_eq!((category.as_str(), format.as_str()), ("logStatusError", "%s"));
+        assert!(words.iter().all(|word| text.contains(word)), "{text:?} should hold {words:?}");
+    }
+    assert_eq!(instantiate(Some("block"), CO_SIMULATION, Some(guid)), (true, vec![]));
+}
+
+#[test]
+fn without_callbacks_there_is_no_instance_and_without_a_logger_no_message() {
+    let guid = CString::new(FMU.description.guid.as_str()).unwrap();
+    let mut callbacks = callbacks(&Messages::default());
+    callbacks.logger = None;
+    let instantiate = FMU.functions.instantiate;
+    // SAFETY: texts end with 0; NULL callbacks are what is tested; the others outlive the instance.
+    unsafe {
+        assert!(instantiate(c"block".as_ptr(), CO_SIMULATION, guid.as_ptr(), null(), null(), 0, 1).is_null());
+        assert!(instantiate(c"block".as_ptr(), CO_SIMULATION, c"wrong".as_ptr(), null(), &callbacks, 0, 1).is_null());
+        let silent = instantiate(c"block".as_ptr(), CO_SIMULATION, guid.as_ptr(), null(), &callbacks, 0, 1);
+        assert!(!silent.is_null());
+        assert_eq!((FMU.functions.do_step)(silent, 0.0, 0.1, 1), ERROR);
+        (FMU.functions.free_instance)(silent);
+    }
+}
+
+/// interface.md, *Time stepping*: the resource location is not needed and not judged.
+#[test]
+fn any_resource_location_does() {
+    let odd = ["", "file:/", "file:///", "file:///a b/%20%s%n", "no such place", "http://localhost/x"];
+    for location in odd.map(Some).into_iter().chain([None]) {
+        let instance = Instance::at("block", location, true);
+        instance.initialize(None);
+        instance.step(0.0, 0.1);
+    }
+}
+
+#[test]
+fn geometry_that_makes_no_block_is_refused_until_it_is_mended() {
+    let fine: [(&str, f64); 3] = [("physical.width", 2.0), ("physical.height", 8.0), ("physical.K", 1e6)];
+    for (name, value) in fine {
+        let instance = Instance::new("block");
+        instance.set("parameterization", 2.0);
+        instance.set(name, 0.0);
+        assert_eq!(instance.setup(None, 0.0, None), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        let word = name.trim_start_matches("physical.");
+        instance.refuses(call!(instance, exit_initialization_mode), &["fmi2ExitInitializationMode", word, "0"]);
+        instance.refuses(instance.try_step(0.0, 0.1), &["fmi2DoStep", "initializationMode"]);
+        instance.set(name, value);
+        assert_eq!(call!(instance, exit_initialization_mode), OK, "{:?}", instance.messages());
+        instance.step(0.0, 0.1);
+    }
+}
+
+/// Each parameter is within its limits, and what they amount to overflows.
+#[test]
+fn parameters_whose_product_overflows_are_refused() {
+    let instance = Instance::new("block");
+    instance.set("parameterization", 2.0);
+    instance.set("physical.K", 1e-300);
+    instance.set("mass", 1e12);
+    assert_eq!(instance.setup(None, 0.0, None), OK);
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    instance.refuses(call!(instance, exit_initialization_mode), &["fmi2ExitInitializationMode"]);
+}
+
+/// interface.md, *Variables*: a parameter of the group that is not selected is reported, never silently ignored.
+#[test]
+fn parameters_that_are_not_read_are_warned_of() {
+    for (selected, name) in [(1.0, "physical.width"), (2.0, "dimensionless.alpha")] {
+        let instance = Instance::new("block");
+        instance.set("parameterization", selected);
+        instance.set(name, 1.25);
+        assert_eq!(instance.setup(None, 0.0, None), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        assert_eq!(call!(instance, exit_initialization_mode), WARNING);
+        let messages = instance.messages();
+        let [Message { status: WARNING, category, text, .. }] = messages.as_slice() else { panic!("{messages:?}") };
+        assert!(category == "logStatusWarning" && text.contains(name), "{text}");
+        instance.step(0.0, 0.1);
+    }
+}
+
+#[test]
+fn an_experiment_that_cannot_be_is_refused_and_the_one_before_stays() {
+    let bad: [(Experiment, &[&str]); 8] = [
+        ((None, f64::NAN, None), &["startTime", "NaN"]),
+        ((None, f64::INFINITY, None), &["startTime", "inf"]),
+        ((None, 1.0, Some(1.0)), &["stopTime = 1", "startTime = 1"]),
+        ((None, 1.0, Some(0.5)), &["stopTime = 0.5", "startTime = 1"]),
+        ((None, 0.0, Some(f64::NAN)), &["stopTime", "NaN"]),
+        ((Some(0.0), 0.0, None), &["tolerance = 0"]),
+        ((Some(-1e-6), 0.0, None), &["tolerance", "-0.000001"]),
+        ((Some(f64::NAN), 0.0, None), &["tolerance", "NaN"]),
+    ];
+    let instance = Instance::new("block");
+    assert_eq!(instance.setup(None, 3.0, Some(4.0)), OK);
+    for ((tolerance, start, stop), words) in bad {
+        instance.refuses(instance.setup(tolerance, start, stop), words);
+    }
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    assert_eq!(call!(instance, exit_initialization_mode), OK);
+    instance.refuses(instance.try_step(0.0, 0.5), &["t = 3"]);
+    instance.step(3.0, 1.0);
+    instance.refuses(instance.try_step(4.0, 0.5), &["4.5", "stopTime = 4"]);
+}
+
+/// Whatever is in the instance's name comes back as it was: no text of the host is ever a format.
+#[test]
+fn percent_signs_arrive_verbatim() {
+    let name = "100%s%n%d {0} \u{e4}";
+    let instance = Instance::at(name, None, true);
+    instance.refuses(instance.try_step(0.0, 0.1), &["fmi2DoStep"]);
+    let category = c"%s%n%1$s".as_ptr();
+    let status = call!(instance, set_debug_logging, 1, 1, &category);
+    let messages = instance.messages();
+    assert_eq!(status, ERROR);
+    let [Message { instance: told, format, text, .. }] = messages.as_slice() else { panic!("{messages:?}") };
+    assert_eq!((told.as_str(), format.as_str()), (name, "%s"));
+    assert!(text.contains("%s%n%1$s"), "{text}");
+}

@@ -1,0 +1,210 @@
+//! Derivatives of the outputs against differences of the outputs themselves.
+
+use std::ffi::c_int;
+
+use crate::functions::*;
+use crate::host::{FMU, Instance, call, reference};
+
+const MASS: f64 = 1000.0;
+const G: f64 = 9.81;
+/// R0 of the default block: gamma/(1 + gamma) g/p².
+const R0: f64 = 0.75 * G;
+
+/// The inputs and the sizes that make a weight, or a weight at the end of R0, of each.
+const INPUTS: [(&str, f64); 5] =
+    [("a_gx", G), ("a_gz", G), ("F_x", MASS * G), ("F_z", MASS * G), ("M_y", MASS * G * R0)];
+
+/// Parameters that lead to a regime, and the regime.
+type Scene = (&'static str, &'static [(&'static str, f64)], f64);
+
+const SCENES: [Scene; 6] = [
+    ("full contact", &[("initial.theta", 0.001)], 0.0),
+    ("tilting left", &[("initial.theta", -0.1)], -1.0),
+    ("tilting right", &[("initial.theta", 0.1)], 1.0),
+    ("rocking to the left on the rigid base", &[("foundation", 2.0), ("initial.theta", -0.1)], -1.0),
+    ("rocking to the right on the rigid base", &[("foundation", 2.0), ("initial.theta", 0.1)], 1.0),
+    ("at rest on the rigid base", &[("foundation", 2.0)], 0.0),
+];
+
+const START: f64 = 0.05;
+
+/// A block in this regime at t = 0.05 s, all inputs in use and changing.
+fn set_up(scene: &Scene) -> Instance {
+    let instance = Instance::new(scene.0);
+    for (name, value) in scene.1 {
+        instance.set(name, *value);
+    }
+    for (i, (input, size)) in INPUTS.into_iter().enumerate() {
+        instance.set(input, 0.002 * (i as f64 + 1.0) * size);
+    }
+    instance.initialize(Some(1e-12));
+    ramp(&instance);
+    instance.step(0.0, START);
+    assert_eq!(instance.get("regime"), scene.2, "{}", scene.0);
+    instance
+}
+
+/// All inputs go on changing, a weight in a few seconds.
+fn ramp(instance: &Instance) {
+    for (i, (input, size)) in INPUTS.into_iter().enumerate() {
+        instance.set_rate(input, (0.1 - 0.07 * i as f64) * size);
+    }
+}
+
+/// How large an output is in this scene: what a relative error is meant relative to.
+fn size(output: &str) -> f64 {
+    match output {
+        "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => MASS * G,
+        "M_base" => MASS * G * R0,
+        _ if output.starts_with("energy") => MASS * G * R0,
+        _ if output.ends_with("_ddot") => G,
+        _ => 1.0,
+    }
+}
+
+/// Derivatives of an output in a direction of inputs.
+fn exact(instance: &Instance, output: &str, direction: &[(&str, f64)]) -> f64 {
+    let known: Vec<Reference> = direction.iter().map(|(input, _)| reference(input)).collect();
+    let along: Vec<f64> = direction.iter().map(|(_, component)| *component).collect();
+    let mut result = f64::NAN;
+    let status = call!(
+        instance,
+        get_directional_derivative,
+        &reference(output),
+        1,
+        known.as_ptr(),
+        known.len(),
+        along.as_ptr(),
+        &mut result
+    );
+    assert_eq!(status, OK, "{:?}", instance.messages());
+    result
+}
+
+/// The output with an input moved off by `shift`, and the input set back.
+fn shifted(instance: &Instance, output: &str, input: &str, shift: f64) -> f64 {
+    let value = instance.get(input);
+    instance.set(input, value + shift);
+    let moved = instance.get(output);
+    instance.set(input, value);
+    moved
+}
+
+/// Outputs are linear in the inputs but for the friction demand, a quotient: differences over 1e-3 and 5e-4 of a weight,
+/// extrapolated (error of fourth order), are exact to 1e-11 in it and to rounding, 1e-16/1e-3, in the others.
+#[test]
+fn directional_derivatives_are_those_of_the_outputs() {
+    for scene in &SCENES {
+        let instance = set_up(scene);
+        for output in FMU.description.real_outputs() {
+            for (input, weight) in INPUTS {
+                let name = output.name.as_str();
+                let difference = |part: f64| {
+                    let ahead = shifted(&instance, name, input, part * weight);
+                    (ahead - shifted(&instance, name, input, -part * weight)) / (2.0 * part)
+                };
+                let expected = (4.0 * difference(5e-4) - difference(1e-3)) / 3.0;
+                let found = exact(&instance, name, &[(input, weight)]);
+                let error = (found - expected).abs();
+                assert!(
+                    error <= 1e-8 * expected.abs() + 1e-11 * size(name),
+                    "{}: d{name}/d{input} = {found:e} instead of {expected:e}",
+                    scene.0
+                );
+                if !output.dependencies.iter().any(|dependency| dependency == input) {
+                    assert_eq!(found, 0.0, "{}: ModelStructure says that {name} does not depend on {input}", scene.0);
+                }
+            }
+        }
+    }
+}
+
+/// Every dependency that ModelStructure declares is one in some regime.
+#[test]
+fn declared_dependencies_are_there() {
+    let instances: Vec<Instance> = SCENES.iter().map(set_up).collect();
+    for output in FMU.description.real_outputs() {
+        for input in &output.dependencies {
+            let some = instances.iter().any(|instance| exact(instance, &output.name, &[(input, 1.0)]) != 0.0);
+            assert!(some, "{} never depends on {input}", output.name);
+        }
+    }
+}
+
+#[test]
+fn directions_add_up() {
+    for scene in &SCENES {
+        let instance = set_up(scene);
+        for output in FMU.description.real_outputs() {
+            let of = |direction: &[(&str, f64)]| exact(&instance, &output.name, direction);
+            let parts = INPUTS.map(|(input, weight)| 0.3 * of(&[(input, weight)]));
+            let together = of(&INPUTS.map(|(input, weight)| (input, 0.3 * weight)));
+            let scale = parts.iter().map(|part| part.abs()).sum::<f64>();
+            assert!((together - parts.iter().sum::<f64>()).abs() <= 1e-13 * scale, "{}: {}", scene.0, output.name);
+            assert_eq!(of(&[]), 0.0, "{}: no direction, no derivative", output.name);
+            assert_eq!(of(&[("a_gx", 1.0), ("a_gx", 1.0)]), of(&[("a_gx", 2.0)]), "a direction named twice adds up");
+        }
+    }
+}
+
+/// Asking for derivatives changes nothing.
+#[test]
+fn asking_leaves_no_trace() {
+    for scene in &SCENES {
+        let (asked, other) = (set_up(scene), set_up(scene));
+        let before = asked.bits();
+        for output in FMU.description.real_outputs() {
+            exact(&asked, &output.name, &INPUTS);
+            rate(&asked, &output.name);
+        }
+        assert_eq!(asked.bits(), before);
+        for instance in [&asked, &other] {
+            instance.step(START, 0.2);
+        }
+        assert_eq!(asked.bits(), other.bits());
+    }
+}
+
+/// The derivative of an output in time.
+fn rate(instance: &Instance, output: &str) -> f64 {
+    let (order, mut result): (c_int, f64) = (1, f64::NAN);
+    let status = call!(instance, get_real_output_derivatives, &reference(output), 1, &order, &mut result);
+    assert_eq!(status, OK, "{output}: {:?}", instance.messages());
+    result
+}
+
+/// Four steps of 1e-4 s and the five-point difference at the middle one: its error is d⁴/30 of the fifth derivative,
+/// (40 rad/s · 1e-4 s)⁴/30 = 1e-11 of the first one in the fastest motion there is here, the vertical one with ω_v = 40
+/// rad/s; rounding is 1e-16/1e-4 = 1e-12 of what the output is a difference of.
+#[test]
+fn output_derivatives_are_those_of_the_outputs_in_time() {
+    const STEP: f64 = 1e-4;
+    let mut wrong = Vec::new();
+    for scene in &SCENES {
+        let instance = set_up(scene);
+        let outputs: Vec<&str> = FMU.description.real_outputs().map(|output| output.name.as_str()).collect();
+        let read = || -> Vec<f64> { outputs.iter().map(|output| instance.get(output)).collect() };
+        let mut samples = vec![read()];
+        let mut rates = Vec::new();
+        let events = instance.get("events.last_time");
+        for i in 0..4 {
+            ramp(&instance);
+            let (here, there) = (START + f64::from(i) * STEP, START + f64::from(i + 1) * STEP);
+            instance.step(here, there - here);
+            samples.push(read());
+            if i == 1 {
+                rates = outputs.iter().map(|output| rate(&instance, output)).collect();
+            }
+        }
+        assert_eq!(instance.get("events.last_time"), events, "{}: no event between", scene.0);
+        for (k, name) in outputs.iter().enumerate() {
+            let y = |i: usize| samples[i][k];
+            let expected = (y(0) - 8.0 * y(1) + 8.0 * y(3) - y(4)) / (12.0 * STEP);
+            let error = (rates[k] - expected).abs();
+            if error > 1e-8 * expected.abs() + 1e-9 * size(name) {
+                wrong.push(format!("{}: rate of {name} is {:e} instead of {expected:e}", scene.0, rates[k]));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

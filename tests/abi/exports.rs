@@ -1,0 +1,30 @@
+//! The names that the binary exports (interface.md: all 44 functions of the standard's headers, and nothing else).
+
+use std::collections::BTreeSet;
+
+use object::{Object, ObjectSymbol};
+
+use crate::functions::NAMES;
+use crate::host::FMU;
+
+#[test]
+fn the_44_functions_of_the_standard_and_nothing_else() {
+    assert_eq!(NAMES.len(), 44);
+    let file = object::File::parse(FMU.binary.as_slice()).unwrap();
+    let exported: BTreeSet<&str> = file
+        .dynamic_symbols()
+        .filter(|symbol| symbol.is_definition() && symbol.is_global())
+        .map(|symbol| symbol.name().unwrap())
+        .collect();
+    assert_eq!(exported, NAMES.iter().copied().collect());
+}
+
+#[test]
+fn types_platform_and_version_are_those_of_the_standard() {
+    // SAFETY: both return texts that end with 0 and are never freed (standard, 2.1.4).
+    let [platform, version] = unsafe {
+        [(FMU.functions.get_types_platform)(), (FMU.functions.get_version)()]
+            .map(|text| std::ffi::CStr::from_ptr(text).to_str().unwrap())
+    };
+    assert_eq!((platform, version), ("default", "2.0"));
+}

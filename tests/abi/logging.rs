@@ -1,0 +1,116 @@
+//! What is logged, and who chooses it (interface.md, *Log categories*).
+
+use std::ffi::CString;
+
+use crate::functions::*;
+use crate::host::{FMU, Instance, Message, call};
+
+/// An event as its line tells it.
+#[derive(Debug, PartialEq)]
+pub struct Told {
+    pub time: f64,
+    pub what: String,
+    pub before: i32,
+    pub after: i32,
+}
+
+impl Told {
+    /// Reads `t = 1.234567890 s: lift-off of L, full contact -> tilting right`.
+    pub fn read(line: &str) -> Told {
+        let read = || {
+            let (time, rest) = line.strip_prefix("t = ")?.split_once(" s: ")?;
+            let (what, regimes) = rest.split_once(", ")?;
+            let (before, after) = regimes.split_once(" -> ")?;
+            let number = |regime: &str| {
+                let names = ["tilting left", "full contact", "tilting right", "separated"];
+                names.iter().position(|name| *name == regime).map(|place| place as i32 - 1)
+            };
+            Some(Told { time: time.parse().ok()?, what: what.into(), before: number(before)?, after: number(after)? })
+        };
+        read().unwrap_or_else(|| panic!("{line:?} tells no event"))
+    }
+}
+
+/// `fmi2SetDebugLogging` with these categories.
+fn choose(instance: &Instance, logging: bool, categories: &[&str]) -> Status {
+    let texts: Vec<CString> = categories.iter().map(|name| CString::new(*name).unwrap()).collect();
+    let pointers: Vec<Text> = texts.iter().map(|text| text.as_ptr()).collect();
+    call!(instance, set_debug_logging, logging.into(), pointers.len(), pointers.as_ptr())
+}
+
+/// Ten seconds of rocking from a tilt in 100 steps, and what was logged of it.
+fn rock(instance: &Instance) -> Vec<Message> {
+    instance.set("initial.theta", 0.1);
+    instance.initialize(None);
+    assert_eq!(instance.messages(), []);
+    instance.go(0.0, 10.0, 0.1);
+    instance.messages()
+}
+
+fn by_category(messages: &[Message], category: &str) -> usize {
+    messages.iter().filter(|message| message.category == category).count()
+}
+
+#[test]
+fn without_logging_a_run_says_nothing() {
+    assert_eq!(rock(&Instance::at("quiet", None, false)), []);
+    let turned_off = Instance::at("quiet", None, true);
+    assert_eq!(choose(&turned_off, false, &[]), OK);
+    assert_eq!(rock(&turned_off), []);
+}
+
+#[test]
+fn events_are_one_line_each_with_time_and_regimes() {
+    let instance = Instance::at("block", None, true);
+    assert_eq!(choose(&instance, true, &["logEvents"]), OK);
+    let messages = rock(&instance);
+    assert!(messages.iter().all(|m| m.status == OK && m.category == "logEvents" && m.format == "%s"));
+    assert!(messages.iter().all(|m| m.instance == "block" && !m.text.contains('\n')));
+    let events: Vec<Told> = messages.iter().map(|message| Told::read(&message.text)).collect();
+    assert!(events.len() > 5);
+    assert!(events.is_sorted_by(|a, b| a.time <= b.time), "{events:?}");
+    assert!(events.windows(2).all(|pair| pair[0].after == pair[1].before), "each goes on from where the last led");
+    assert_eq!(events[0].before, 1, "it starts leaning to the right");
+    let impacts = events.iter().filter(|event| event.what.starts_with("landing")).count();
+    assert_eq!(impacts as f64, instance.get("events.impacts"));
+    let last = events.last().unwrap();
+    assert!((last.time - instance.get("events.last_time")).abs() <= 1e-9, "times are told to 1e-9 s");
+    assert_eq!(f64::from(last.after), instance.get("regime"));
+}
+
+#[test]
+fn categories_are_chosen_by_name() {
+    let count = |logging: bool, categories: &[&str]| {
+        let instance = Instance::at("block", None, true);
+        assert_eq!(choose(&instance, logging, categories), OK);
+        let messages = rock(&instance);
+        assert_eq!(instance.try_step(0.0, 1.0), ERROR);
+        let errors = instance.messages();
+        assert!(errors.iter().all(|message| message.category == "logStatusError"));
+        (by_category(&messages, "logEvents") > 5, by_category(&messages, "logSteps"), errors.len())
+    };
+    assert_eq!(count(true, &["logEvents"]), (true, 0, 0));
+    assert_eq!(count(true, &["logSteps"]), (false, 100, 0));
+    assert_eq!(count(true, &["logStatusError"]), (false, 0, 1));
+    assert_eq!(count(true, &["logStatusError", "logSteps"]), (false, 100, 1));
+    assert_eq!(count(true, &["logEvents", "logSteps"]), (true, 100, 0));
+    assert_eq!(count(true, &[]), (true, 100, 1), "the standard, 2.1.5: no category is all of them");
+    assert_eq!(count(false, &[]), (false, 0, 1), "errors are told without logging, too");
+}
+
+/// The categories of the description are those that exist.
+#[test]
+fn categories_are_those_of_the_description() {
+    let categories = &FMU.description.log_categories;
+    assert_eq!(categories.len(), 5);
+    let instance = Instance::new("block");
+    for category in categories {
+        assert_eq!(choose(&instance, true, &[category]), OK, "{category}");
+    }
+    assert_eq!(choose(&instance, true, &["logStatusError"]), OK);
+    for unknown in ["logAll", "LOGEVENTS", "", "logEvents "] {
+        instance.refuses(choose(&instance, true, &["logSteps", unknown]), &["fmi2SetDebugLogging", "does not exist"]);
+    }
+    // What was refused has chosen nothing.
+    assert_eq!(rock(&instance), []);
+}

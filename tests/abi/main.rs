@@ -1,0 +1,21 @@
+//! The FMU as an importer meets it: the packed library, through its C interface, against the FMI standard 2.0.4.
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code, reason = "the solver's own tests use the rest")]
+mod common;
+
+mod bad_start;
+mod bad_state;
+mod bad_step;
+mod bad_value;
+mod derivatives;
+mod description;
+mod endings;
+mod exports;
+mod functions;
+mod host;
+mod life_cycle;
+mod logging;
+mod reference;
+mod state;
+mod stepping;

@@ -1,0 +1,169 @@
+//! `fmi2DoStep` allocates no memory (interface.md, *Time stepping*): events, the end of a run and log lines included.
+//!
+//! The library inside the FMU has an allocator of its own, which cannot be watched from outside; so the exported functions
+//! are called in the crate, under an allocator that counts.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::ptr::{null, null_mut};
+
+use rocking_block::fmi2::exports::*;
+use rocking_block::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
+use rocking_block::fmi2::variables::{GUID, VARIABLES};
+
+struct Counting;
+
+thread_local! {
+    /// Calls of the allocator by this thread; the test harness has threads of its own.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+    static LINES: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    CALLS.set(CALLS.get() + 1);
+}
+
+// SAFETY: all is handed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's contract.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller's contract.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: the caller's contract.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Takes lines and drops them. Named and variadic arguments are passed alike where this project is built.
+unsafe extern "C" fn logger(
+    _: *mut c_void,
+    _: *const c_char,
+    _: c_int,
+    _: *const c_char,
+    _: *const c_char,
+    _: *const c_char,
+) {
+    LINES.set(LINES.get() + 1);
+}
+
+fn reference(name: &str) -> u32 {
+    VARIABLES.iter().position(|metadata| metadata.name == name).unwrap() as u32
+}
+
+struct Outcome {
+    /// Calls of the allocator in all steps.
+    calls: u64,
+    /// Calls of the allocator while inputs and their derivatives were set.
+    setting: u64,
+    steps: u64,
+    /// Lines logged in these steps.
+    lines: u64,
+    events: i32,
+    last: c_int,
+}
+
+/// Ten seconds in steps of 0.01 s under a pulse, with inputs and their rates set before each step.
+fn run(integers: &[(&str, c_int)], reals: &[(&str, f64)], logging: bool) -> Outcome {
+    let (name, guid) = (c"block", CString::new(GUID).unwrap());
+    // SAFETY: the pointers differ in the variadic argument only; see `logger`.
+    let logger: fmi2CallbackLogger = unsafe { std::mem::transmute(logger as *const ()) };
+    let callbacks = fmi2CallbackFunctions {
+        logger: Some(logger),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        environment: null_mut(),
+    };
+    let a_gx = reference("a_gx");
+    // SAFETY: a live instance used by this thread only, arrays of one element, texts that end with 0.
+    unsafe {
+        let block: fmi2Component =
+            fmi2Instantiate(name.as_ptr(), 1, guid.as_ptr(), null(), &callbacks, 0, logging.into());
+        assert!(!block.is_null());
+        for (name, value) in integers {
+            assert_eq!(fmi2SetInteger(block, &reference(name), 1, value), 0, "{name}");
+        }
+        for (name, value) in reals {
+            assert_eq!(fmi2SetReal(block, &reference(name), 1, value), 0, "{name}");
+        }
+        assert_eq!(fmi2EnterInitializationMode(block), 0);
+        assert_eq!(fmi2ExitInitializationMode(block), 0);
+        let mut outcome = Outcome { calls: 0, setting: 0, steps: 0, lines: 0, events: 0, last: 0 };
+        let lines = LINES.get();
+        while outcome.steps < 1000 && outcome.last == 0 {
+            let time = outcome.steps as f64 * 0.01;
+            let before = CALLS.get();
+            assert_eq!(fmi2SetReal(block, &a_gx, 1, &(0.3 * time.sin())), 0);
+            assert_eq!(fmi2SetRealInputDerivatives(block, &a_gx, 1, &1, &(0.3 * time.cos())), 0);
+            outcome.setting += CALLS.get() - before;
+            let before = CALLS.get();
+            outcome.last = fmi2DoStep(block, time, 0.01, 1);
+            outcome.calls += CALLS.get() - before;
+            outcome.steps += 1;
+        }
+        outcome.lines = LINES.get() - lines;
+        for counter in ["events.impacts", "events.liftoffs"] {
+            let mut count = 0;
+            assert_eq!(fmi2GetInteger(block, &reference(counter), 1, &mut count), 0);
+            outcome.events += count;
+        }
+        fmi2FreeInstance(block);
+        outcome
+    }
+}
+
+const PULSE: [(&str, f64); 2] = [("pulse.amplitude", 6.2622), ("pulse.period", 1.2566370614359172)];
+
+#[test]
+fn the_allocator_is_watched() {
+    let before = CALLS.get();
+    drop(std::hint::black_box(Box::new(1)));
+    assert_eq!(CALLS.get() - before, 2);
+}
+
+#[test]
+fn steps_with_events_allocate_nothing() {
+    for logging in [false, true] {
+        let rocking = run(&[("pulse.shape", 2)], &PULSE, logging);
+        assert_eq!((rocking.calls, rocking.steps, rocking.last), (0, 1000, 0));
+        assert_eq!(rocking.setting, 0, "what a real-time loop does between the steps");
+        assert!(rocking.events >= 5);
+        assert_eq!(rocking.lines > 1005, logging, "{} lines", rocking.lines);
+    }
+}
+
+#[test]
+fn steps_on_the_rigid_base_allocate_nothing() {
+    let rocking = run(&[("pulse.shape", 2), ("foundation", 2)], &PULSE, true);
+    assert_eq!((rocking.calls, rocking.steps), (0, 1000));
+    assert!(rocking.events >= 3);
+}
+
+#[test]
+fn the_step_that_ends_the_run_allocates_nothing() {
+    let reals = [PULSE.as_slice(), &[("epsilon", 0.4), ("dimensionless.eta", 60.0)]].concat();
+    let ended = run(&[("pulse.shape", 2)], &reals, true);
+    assert_eq!((ended.calls, ended.last), (0, 2));
+    let held = run(&[("pulse.shape", 2), ("on_separation", 2)], &reals, true);
+    assert_eq!((held.calls, held.steps, held.last), (0, 1000, 0));
+}
