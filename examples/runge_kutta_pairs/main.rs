@@ -181,7 +181,9 @@ fn weights(block: &Block, regime: Regime, tolerance: f64) -> State {
         _ => (block.p, block.omega_v * (0.5 * (1.0 + turning)).sqrt()),
     };
     let allowed = 1.0 / (tolerance * block.alpha * block.p);
-    State::new(rocking * allowed, allowed, vertical * allowed / block.r0, allowed / block.r0)
+    let most = (block.r0 * block.alpha * block.p).min(10.0 * block.gravity / block.omega_v);
+    let upright = 1.0 / (tolerance * most);
+    State::new(rocking * allowed, allowed, vertical * upright, upright)
 }
 
 #[allow(clippy::too_many_arguments, reason = "a step of a method on a problem, written out")]

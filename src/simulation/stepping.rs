@@ -124,11 +124,13 @@ impl Simulation {
     /// Reciprocals of the errors that a step may make in each component of the state, and the longest step (s).
     ///
     /// An error counts as the velocity it amounts to: a displacement times the circular frequency of its motion, a
-    /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p. A step is at most a third of
-    /// the shortest period, so that it holds at most one extremum.
+    /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
+    /// not more than what changes a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
+    /// is at most a third of the shortest period, so that it holds at most one extremum.
     pub(super) fn error_weights(&self, pulse_frequency: f64) -> (State, f64) {
-        let Block { alpha, p, b, h, i0, r0, omega_v, foundation, .. } = self.block;
+        let Block { alpha, p, b, h, i0, r0, omega_v, gravity, foundation, .. } = self.block;
         const LONGEST: f64 = 2.0;
+        const OF_WEIGHT: f64 = 10.0;
         let turning = b * b / (i0 + h * h);
         let (rocking, vertical) = match (foundation, self.regime) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
@@ -136,7 +138,10 @@ impl Simulation {
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
         };
         let allowed = 1.0 / (self.settings.tolerance * alpha * p);
-        let weights = State::new(rocking * allowed, allowed, vertical * allowed / r0, allowed / r0);
+        // The reaction of one support changes by ω_v ẇ/2 or so, per mass.
+        let most = (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v);
+        let upright = 1.0 / (self.settings.tolerance * most);
+        let weights = State::new(rocking * allowed, allowed, vertical * upright, upright);
         (weights, LONGEST / rocking.max(vertical).max(pulse_frequency))
     }
 
