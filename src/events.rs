@@ -135,7 +135,7 @@ impl Surface {
             Surface::Reaction(corner) => {
                 let i = corner.index();
                 let rate = match block.foundation {
-                    Foundation::Viscoelastic => reaction_rate(block, instant, corner),
+                    Foundation::Viscoelastic => reaction_rate(block, instant.corner_dot[i], instant.corner_ddot[i]),
                     Foundation::Rigid => {
                         let Forcing { x, z, moment } = at.forcing_rate;
                         0.5 * z + corner.sign() * (x * block.h - moment) * (0.5 / block.b)
@@ -149,7 +149,9 @@ impl Surface {
                 Sample { value: instant.corner[i] - top.value, rate: instant.corner_dot[i] - top.rate }
             }
             // The rate is not known; a change of sign between samples is enough where the function is monotone.
-            Surface::Held(corner) => Sample { value: -gap_opening(at, corner), rate: 0.0 },
+            Surface::Held(corner) => {
+                Sample { value: -gap_opening(at, corner, instant.corner_dot[corner.index()]), rate: 0.0 }
+            }
             Surface::QuarterTurn => Sample {
                 value: FRAC_PI_2 - instant.theta.abs(),
                 rate: if instant.theta < 0.0 { instant.theta_dot } else { -instant.theta_dot },
@@ -171,27 +173,26 @@ impl Surface {
 }
 
 /// `Ṅ_I/M = −(K v̇_I + C v̈_I)/M` of a corner on its support (m/s³).
-pub fn reaction_rate(block: &Block, x: &Instant<f64>, corner: Corner) -> f64 {
-    let i = corner.index();
+pub fn reaction_rate(block: &Block, corner_dot: f64, corner_ddot: f64) -> f64 {
     let omega_v = block.omega_v;
-    -0.5 * omega_v * omega_v * x.corner_dot[i] - block.xi_v * omega_v * x.corner_ddot[i]
+    -0.5 * omega_v * omega_v * corner_dot - block.xi_v * omega_v * corner_ddot
 }
 
 /// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one
-/// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
+/// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
 /// the gap opens with the rate v̇_I: infinitely fast by this measure.
 ///
 /// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
 /// corner on one corner), `v̈_I` jumps a little at lift-off. It can happen that full contact has the corner lift and
 /// that the other regime has it pressed on: neither holds, and the true motion slides along the boundary with
 /// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go.
-pub fn gap_opening(at: &Moment, corner: Corner) -> f64 {
+pub fn gap_opening(at: &Moment, corner: Corner, corner_dot: f64) -> f64 {
     let i = corner.index();
     let standing = corner.other();
     let &Moment { block, instant: x, .. } = at;
     let released = [x.theta, x.theta_dot, x.corner[standing.index()], x.corner_dot[standing.index()]];
     let after = instant(block, Regime::on(standing), released, (0.0, 0.0), at.forcing);
     // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
-    let creep = if x.corner_dot[i] == 0.0 { 0.0 } else { block.creep_rate() * x.corner_dot[i] };
+    let creep = if corner_dot == 0.0 { 0.0 } else { block.creep_rate() * corner_dot };
     after.corner_ddot[i] + creep
 }

@@ -29,3 +29,21 @@ pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot:
     let j22 = (i0 + epsilon * big_b + p) / d;
     (j11 * v_dot + s * j12 * theta_dot, s * j21 * v_dot + j22 * theta_dot)
 }
+
+/// v̇ of a corner from v̇ of the centre of mass and θ̇ [m/s]: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
+pub fn corner_rate(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot: f64) -> f64 {
+    let (sin, cos) = libm::sincos(theta);
+    let s = corner.sign();
+    v_dot + s * (block.b * cos + s * block.h * sin) * theta_dot
+}
+
+/// θ̇ after the other corner's lift-off from full contact (rad/s), if the angular momentum about the `pivot` that is
+/// left is kept while v̇ is: the middle of the base moves no more without friction, the pivot does.
+///
+/// `(I0 + M Q²) θ̇_a = (I0 + M Q h cos θ) θ̇_b` with `Q = R0 cos(α + sθ)`.
+pub fn new_pivot(block: &Block, pivot: Corner, theta: f64, theta_dot: f64) -> f64 {
+    let Block { i0, b, h, .. } = *block;
+    let (sin, cos) = libm::sincos(theta);
+    let height = h * cos - pivot.sign() * b * sin;
+    (i0 + height * h * cos) / (i0 + height * height) * theta_dot
+}

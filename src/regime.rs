@@ -87,6 +87,15 @@ impl Regime {
         }
     }
 
+    /// The corner on which the block stands, if it is just one.
+    pub fn pivot(self) -> Option<Corner> {
+        match self {
+            Regime::TiltingLeft => Some(Corner::Left),
+            Regime::TiltingRight => Some(Corner::Right),
+            Regime::FullContact | Regime::Separated => None,
+        }
+    }
+
     /// The number of the paper and of the FMU: −1, 0, 1 or 2.
     pub fn number(self) -> i32 {
         self as i32

@@ -7,7 +7,7 @@ use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::impact;
 use rocking_block::outputs::Observation;
 use rocking_block::regime::{Corner, Regime};
-use rocking_block::simulation::{Ending, Initial, Progress, Settings, Simulation};
+use rocking_block::simulation::{Ending, Initial, LiftOff, Progress, Settings, Simulation};
 
 /// The block of most of the paper's figures.
 fn block(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block {
@@ -364,4 +364,31 @@ fn runs_end_where_they_should() {
     assert!((time - exact).abs() < 1e-12, "{time} and {exact}");
     assert_eq!(separates.regime(), Regime::Separated);
     assert_eq!(seen(&separates).reaction, [0.0; 2]);
+}
+
+/// With the momentum about the new pivot kept, a lift-off makes no energy; with the rates kept, as in the paper, it makes
+/// about `M R0² θ̇² sin α cos α |θ|`.
+#[test]
+fn a_lift_off_makes_no_energy_if_the_momentum_is_kept() {
+    let block = block(0.25, 1.0, 20.0, 0.0, 0.0);
+    let lift = |lift_off| {
+        let settings = Settings { tolerance: 1e-12, lift_off, ..Settings::default() };
+        let initial = Initial { theta_dot: 0.15, ..Initial::default() };
+        let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+        let mut first = None;
+        let mut look = |event: &Event| first = first.or(Some(event.time));
+        simulation.clone().advance(1.0, &Inputs::default(), &mut look).unwrap();
+        let time = first.unwrap();
+        go(&mut simulation, time - 1e-10);
+        let before = (simulation.energies().total, seen(&simulation));
+        go(&mut simulation, time + 1e-10);
+        assert_eq!(simulation.regime(), Regime::TiltingRight);
+        (simulation.energies().total - before.0, before.1)
+    };
+    let (made, at) = lift(LiftOff::KeepRates);
+    let estimate =
+        block.mass * block.r0.powi(2) * at.theta_dot.powi(2) * block.alpha.sin() * block.alpha.cos() * at.theta.abs();
+    assert!((made / estimate - 1.0).abs() < 0.02, "{made} J, estimated {estimate} J");
+    let (lost, _) = lift(LiftOff::KeepMomentum);
+    assert!(lost < 0.0 && lost > -estimate, "{lost} J");
 }

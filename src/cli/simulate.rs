@@ -12,7 +12,7 @@ use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::output::Pending;
 use crate::excitation::{Pulse, PulseShape};
 use crate::records::{self, ReadOptions, Record, Unit};
-use crate::simulation::{Initial, Settings};
+use crate::simulation::{Initial, LiftOff, Settings};
 use crate::study::ground::Ground;
 use crate::study::history::{History, Run};
 use crate::study::picture::PictureFormat;
@@ -33,6 +33,9 @@ pub struct Options {
     /// Relative tolerance of the integration
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", help_heading = "Run")]
     tolerance: f64,
+    /// What stays the same when a corner lifts from full contact
+    #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates, help_heading = "Run")]
+    lift_off: AtLiftOff,
     /// Duration; without it the record's, or five periods of the pulse, with time to come to rest [s]
     #[arg(long, value_name = "S", help_heading = "Run")]
     duration: Option<f64>,
@@ -151,6 +154,14 @@ enum Base {
     Rigid,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum AtLiftOff {
+    /// The rates of rotation and vertical motion, as in the paper
+    KeepRates,
+    /// The angular momentum about the corner that stands
+    KeepMomentum,
+}
+
 #[derive(Args)]
 #[command(next_help_heading = "Beginning")]
 struct Beginning {
@@ -263,7 +274,11 @@ impl Options {
             rows < 1e8,
             "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
         );
-        let settings = Settings { tolerance: self.tolerance, ..Settings::default() };
+        let lift_off = match self.lift_off {
+            AtLiftOff::KeepRates => LiftOff::KeepRates,
+            AtLiftOff::KeepMomentum => LiftOff::KeepMomentum,
+        };
+        let settings = Settings { tolerance: self.tolerance, lift_off, ..Settings::default() };
         let initial = Initial { theta, theta_dot, vertical };
         Ok((Run { block, settings, initial, pulse, ground, duration, output_step }, source))
     }

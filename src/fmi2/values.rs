@@ -5,7 +5,7 @@ use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::fmi2::variables::{Causality, VARIABLES, Variable};
 use crate::outputs::Observation;
 use crate::peaks::{PeakSamples, Peaks};
-use crate::simulation::{AtEnd, Ending, Energies, Initial, Settings, Simulation};
+use crate::simulation::{AtEnd, Ending, Energies, Initial, LiftOff, Settings, Simulation};
 
 /// The inputs, in the order of their ramps.
 pub const INPUTS: [Variable; 5] = [Variable::AGx, Variable::AGz, Variable::FX, Variable::FZ, Variable::MY];
@@ -39,6 +39,7 @@ impl std::ops::IndexMut<Variable> for Values {
 const PHYSICAL_PARAMETERIZATION: f64 = 2.0;
 const RIGID: f64 = Foundation::Rigid as i32 as f64;
 const TERMINATE: f64 = 1.0;
+const KEEP_MOMENTUM: f64 = 2.0;
 
 impl Values {
     /// Whether these are values of this FMU: one a variable, each within its limits.
@@ -133,6 +134,7 @@ impl Values {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
             on_separation: at_end(Variable::OnSeparation),
             on_overturning: at_end(Variable::OnOverturning),
+            lift_off: if self[Variable::LiftOff] == KEEP_MOMENTUM { LiftOff::KeepMomentum } else { LiftOff::KeepRates },
         }
     }
 

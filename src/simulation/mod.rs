@@ -23,6 +23,17 @@ pub enum AtEnd {
     Hold,
 }
 
+/// What stays the same when a corner lifts from full contact, where the horizontal constraint changes from the middle of
+/// the base to the other corner.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LiftOff {
+    /// θ̇ and v̇, as in the paper: the kinetic energy rises a little.
+    #[default]
+    KeepRates,
+    /// v̇ and the angular momentum about the corner that stands: it falls a little. See docs/lift_off.md.
+    KeepMomentum,
+}
+
 /// How to run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -33,6 +44,8 @@ pub struct Settings {
     pub on_separation: AtEnd,
     /// At overturning.
     pub on_overturning: AtEnd,
+    /// When a corner lifts from full contact.
+    pub lift_off: LiftOff,
 }
 
 impl Settings {
@@ -42,7 +55,12 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { tolerance: 1e-8, on_separation: AtEnd::Terminate, on_overturning: AtEnd::Terminate }
+        Settings {
+            tolerance: 1e-8,
+            on_separation: AtEnd::Terminate,
+            on_overturning: AtEnd::Terminate,
+            lift_off: LiftOff::KeepRates,
+        }
     }
 }
 

@@ -1,13 +1,13 @@
 //! An event → what it does, and the regime anew.
 
-use crate::block::{Block, Foundation};
+use crate::block::Foundation;
 use crate::dynamics::{Instant, State, energy};
 use crate::events::{Creep, Event, EventKind, Surface, gap_opening, reaction_rate};
 use crate::excitation::Excitation;
 use crate::impact;
 use crate::regime::{Corner, Regime};
 use crate::simulation::stepping::Point;
-use crate::simulation::{Ending, Simulation, SimulationError};
+use crate::simulation::{Ending, LiftOff, Simulation, SimulationError};
 
 impl Simulation {
     /// What the event does, and the regime anew.
@@ -62,7 +62,10 @@ impl Simulation {
     /// The reaction of `corner` fell through zero.
     pub(super) fn lift(&mut self, corner: Corner, surface: Surface, at: &Point, excitation: &Excitation) {
         let mut touching = Corner::BOTH.map(|c| self.regime.touches(c));
-        let opens = self.regime != Regime::FullContact || gap_opening(&self.moment(at, excitation), corner) >= 0.0;
+        let opens = self.regime != Regime::FullContact || {
+            let rate = at.instant.corner_dot[corner.index()];
+            gap_opening(&self.moment(at, excitation), corner, rate) >= 0.0
+        };
         self.held = (!opens && matches!(surface, Surface::Reaction(_))).then_some(corner);
         if self.held.is_some() {
             return;
@@ -78,19 +81,16 @@ impl Simulation {
 
     /// The gap under `corner` closed while the other corner stands.
     pub(super) fn land(&mut self, corner: Corner, at: &Point, excitation: &Excitation) {
-        let Block { epsilon, b, h, .. } = self.block;
         let i = corner.index();
         let Instant { theta, mut theta_dot, v, mut v_dot, .. } = at.instant;
         let mut corners = corners_of(&at.instant);
         corners[i].0 = self.creep[i].top(&self.block, self.time).value;
         if corners[i].1 < 0.0 {
             (v_dot, theta_dot) = impact::landing(&self.block, corner, theta, v_dot, theta_dot);
-            let (sin, cos) = libm::sincos(theta);
             let standing = corner.other();
-            let s = standing.sign();
-            corners[standing.index()].1 = v_dot + s * (b * cos + s * h * sin) * theta_dot;
+            corners[standing.index()].1 = impact::corner_rate(&self.block, standing, theta, v_dot, theta_dot);
             // Exactly ε times the rate before, which the map gives only to rounding.
-            corners[i].1 *= epsilon;
+            corners[i].1 *= self.block.epsilon;
             self.counts.impacts += 1;
         }
         self.settle([true; 2], corners, theta, theta_dot, v, v_dot, excitation);
@@ -103,9 +103,9 @@ impl Simulation {
     pub(super) fn settle(
         &mut self,
         mut touching: [bool; 2],
-        corners: [(f64, f64); 2],
+        mut corners: [(f64, f64); 2],
         theta: f64,
-        theta_dot: f64,
+        mut theta_dot: f64,
         v: f64,
         v_dot: f64,
         excitation: &Excitation,
@@ -116,7 +116,13 @@ impl Simulation {
         // Two events closer than this cannot be told apart.
         let resolution = 4.0 * f64::EPSILON * self.time.abs().max(1.0 / omega_v);
         loop {
-            self.regime = Regime::of_touching(touching);
+            let before = std::mem::replace(&mut self.regime, Regime::of_touching(touching));
+            if let (LiftOff::KeepMomentum, Regime::FullContact, Some(pivot)) =
+                (self.settings.lift_off, before, self.regime.pivot())
+            {
+                theta_dot = impact::new_pivot(&block, pivot, theta, theta_dot);
+                corners[pivot.index()].1 = impact::corner_rate(&block, pivot, theta, v_dot, theta_dot);
+            }
             let (w, w_dot) = match self.regime {
                 Regime::FullContact => (0.5 * (corners[0].0 + corners[1].0), 0.5 * (corners[0].1 + corners[1].1)),
                 Regime::TiltingLeft => corners[0],
@@ -131,11 +137,11 @@ impl Simulation {
                 .map(|corner| {
                     let (height, rate) = corners[corner.index()];
                     let n = 0.5 * block.gravity - 0.5 * omega_v * omega_v * height - block.xi_v * omega_v * rate;
-                    (corner, n)
+                    (corner, n, rate)
                 })
-                .filter(|&(corner, n)| self.cannot_stay(corner, n, resolution, &point, excitation))
+                .filter(|&(corner, n, rate)| self.cannot_stay(corner, n, rate, resolution, &point, excitation))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((corner, _)) = drop else { break };
+            let Some((corner, ..)) = drop else { break };
             touching[corner.index()] = false;
             self.creep[corner.index()] =
                 Creep { depth: block.static_deflection() - corners[corner.index()].0, since: self.time };
@@ -143,11 +149,13 @@ impl Simulation {
         }
     }
 
-    /// Whether a touching corner with the reaction `n` (per mass) leaves its support now.
+    /// Whether a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its support
+    /// now.
     pub(super) fn cannot_stay(
         &mut self,
         corner: Corner,
         n: f64,
+        corner_dot: f64,
         resolution: f64,
         point: &Point,
         excitation: &Excitation,
@@ -156,12 +164,13 @@ impl Simulation {
             return true;
         }
         let falling = {
-            let rate = reaction_rate(&self.block, &point.instant, corner);
+            let corner_ddot = point.instant.corner_ddot[corner.index()];
+            let rate = reaction_rate(&self.block, corner_dot, corner_ddot);
             // Without damping and after a landing at ε = 0 the rate is zero, and the next derivative decides.
-            let second = -point.instant.corner_ddot[corner.index()];
-            n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && second < 0.0)))
+            n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && corner_ddot > 0.0)))
         };
-        if falling && self.regime == Regime::FullContact && gap_opening(&self.moment(point, excitation), corner) < 0.0 {
+        let opening = || gap_opening(&self.moment(point, excitation), corner, corner_dot);
+        if falling && self.regime == Regime::FullContact && opening() < 0.0 {
             self.held = Some(corner);
             return false;
         }

@@ -1,7 +1,10 @@
 """The FMU as fmpy sees it: checks, simulations, a record, states, derivatives, and what its programs print."""
 
+import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -100,7 +103,8 @@ def test_a_record_is_followed_exactly_at_any_step(fmu, rinaldi, reference):
     expected = trajectory(reference, "rinaldi")["theta"]
     thetas = []
     for parts in (1, 10):
-        _, (theta,) = (t_and_rows := follow(fmu, 0.01, rinaldi, parts, tolerance=1e-10))[0], t_and_rows[1].T
+        _, rows = follow(fmu, 0.01, rinaldi, parts, tolerance=1e-10)
+        theta = rows[:, 0]
         assert np.abs(theta - expected).max() < 1e-7 * 0.25
         thetas.append(theta)
     assert np.abs(thetas[0] - thetas[1]).max() < 1e-7
@@ -140,3 +144,17 @@ def test_directional_and_output_derivatives(fmu):
         assert exact[0] < 0 and exact[1] > 0 and exact[2:] == [0.0, 0.0]
         theta_dot, = slave.getReal([references["theta_dot"]])
         assert slave.getRealOutputDerivatives([references["theta"]], [1]) == [theta_dot]
+
+
+def test_the_example_of_the_readme(fmu, capsys):
+    """Runs the README's Python as it stands, on the FMU under test."""
+    root = Path(__file__).resolve().parents[2]
+    text = (root / "README.md").read_text()
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    code = code.replace("target/release/RockingBlock.fmu", fmu)
+    exec(compile(code, "README.md", "exec"), {})
+    peak = float(re.search(r"peak rotation: ([\d.]+) rad", capsys.readouterr().out)[1])
+    # The reference case sine_eta40.
+    assert abs(peak - 0.14495) < 1e-4
+    for command in re.findall(r"^    (scripts/\S+)$", text, re.MULTILINE):
+        assert os.access(root / command, os.X_OK)
