@@ -39,7 +39,8 @@ impl Simulation {
         let view = View {
             block: &self.block,
             regime: self.regime,
-            time: self.time,
+            // Under a block that is held the supports are, too.
+            time: self.ending.map_or(self.time, |(_, ended)| ended),
             state: &self.state,
             flight: NO_FLIGHT,
             creep: &self.creep,
