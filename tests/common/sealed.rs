@@ -1,0 +1,58 @@
+//! Serialized states with any content: what the format says of itself is right, so that only the content is judged.
+
+use rocking_block::fmi2::types::fmi2Status;
+use rocking_block::fmi2::variables::GUID;
+
+use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference};
+
+const MAGIC: &[u8] = b"rockblk\x1a";
+const VERSION: u64 = 1;
+
+/// The bytes of a state with this content: magic, version, GUID, length and checksum before it, as postcard writes them.
+pub fn seal(content: &[u8]) -> Vec<u8> {
+    let mut bytes = MAGIC.to_vec();
+    number(&mut bytes, VERSION);
+    number(&mut bytes, GUID.len() as u64);
+    bytes.extend_from_slice(GUID.as_bytes());
+    number(&mut bytes, content.len() as u64);
+    number(&mut bytes, crc32fast::hash(content).into());
+    bytes.extend_from_slice(content);
+    bytes
+}
+
+/// Seven bits a byte, the lowest first.
+fn number(bytes: &mut Vec<u8>, mut value: u64) {
+    while value >= 0x80 {
+        bytes.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    bytes.push(value as u8);
+}
+
+/// The content of a state that was serialized.
+#[allow(dead_code, reason = "the fuzz target makes contents of its own")]
+pub fn content(bytes: &[u8]) -> &[u8] {
+    let start = (0..bytes.len()).find(|&start| seal(&bytes[start..]) == bytes);
+    &bytes[start.expect("a serialized state")..]
+}
+
+/// Uses an instance whose state came from somewhere: anything but a panic is right, and nothing may take long.
+pub fn go_on(fmu: &mut Fmu) {
+    let check = |status: fmi2Status| assert!([OK, 1, DISCARD, ERROR].contains(&status), "status {status}");
+    // Initialized or not, the calls that are legal here get on.
+    check(fmu.enter());
+    check(fmu.exit());
+    let mut omega = [0.0];
+    check(fmu.reals(&[reference("derived.omega_v")], &mut omega));
+    let mut time = 0.0;
+    for _ in 0..3 {
+        // SAFETY: the instance lives, and there is a place for the time.
+        check(unsafe { rocking_block::fmi2::exports::fmi2GetRealStatus(fmu.component, 2, &raw mut time) });
+        // Short beside the block's periods, so that no honest motion takes many steps.
+        check(fmu.step(time, 0.5 / omega[0].max(1.0)));
+        check(fmu.set(reference("a_gx"), 3.0));
+        check(fmu.reals(&[reference("theta_ddot"), reference("peak.N")], &mut [0.0; 2]));
+        check(fmu.rates(&[reference("energy.total")], &[1], &mut [0.0]));
+    }
+    check(fmu.reset());
+}

@@ -1,0 +1,107 @@
+//! Many instances in one process, one after the other and at once: same bits, and no memory kept.
+
+#[path = "common/fmu.rs"]
+#[allow(dead_code, reason = "each test uses its part")]
+mod fmu;
+
+use fmu::{Fmu, OK, reference};
+
+/// Communication step (s).
+const STEP: f64 = 0.01;
+
+/// How many instances instead of `usual`: the environment may ask for fewer, for tools under which they are slow.
+fn instances(usual: usize) -> usize {
+    match std::env::var("ROCKING_BLOCK_INSTANCES") {
+        Ok(text) => text.parse::<usize>().expect("ROCKING_BLOCK_INSTANCES is a number").clamp(8, usual),
+        Err(_) => usual,
+    }
+}
+
+/// The default block under a pulse with which it rocks.
+fn rocking() -> Fmu {
+    let mut fmu = Fmu::new();
+    for (name, value) in
+        [("pulse.shape", 2.0), ("pulse.amplitude", 4.0), ("dimensionless.p", 2.0), ("on_separation", 2.0)]
+    {
+        assert_eq!(fmu.set(reference(name), value), OK);
+    }
+    assert_eq!([fmu.setup(None, 0.0, Some(10.0)), fmu.enter(), fmu.exit()], [OK; 3]);
+    fmu
+}
+
+/// One step of the run, with an input that changes.
+fn step(fmu: &mut Fmu, i: usize) -> Vec<u64> {
+    let time = i as f64 * STEP;
+    assert_eq!(fmu.set_reals(&[reference("a_gx"), reference("F_x")], &[(7.0 * time).sin(), 100.0 * time]), OK);
+    assert_eq!(fmu.set_rates(&[reference("a_gx")], &[1], &[7.0 * (7.0 * time).cos()]), OK);
+    assert_eq!(fmu.step(time, (i + 1) as f64 * STEP - time), OK);
+    fmu.bits()
+}
+
+fn run(steps: usize) -> Vec<Vec<u64>> {
+    let mut fmu = rocking();
+    (0..steps).map(|i| step(&mut fmu, i)).collect()
+}
+
+#[test]
+fn a_thousand_instances_in_turn_give_the_bits_of_one() {
+    const STEPS: usize = 200;
+    let alone = run(STEPS);
+    let distinct: std::collections::HashSet<_> = alone.iter().collect();
+    assert_eq!(distinct.len(), STEPS, "the run moves in every step");
+    let mut many: Vec<Fmu> = (0..instances(1000)).map(|_| rocking()).collect();
+    for (i, expected) in alone.iter().enumerate() {
+        for (j, fmu) in many.iter_mut().enumerate() {
+            assert_eq!(&step(fmu, i), expected, "instance {j} in step {i}");
+        }
+    }
+}
+
+#[test]
+fn eight_threads_at_once_give_the_bits_of_one() {
+    const STEPS: usize = 500;
+    let alone = run(STEPS);
+    std::thread::scope(|scope| {
+        for thread in [(); 8].map(|()| scope.spawn(|| run(STEPS))) {
+            assert_eq!(thread.join().unwrap(), alone);
+        }
+    });
+}
+
+/// In a process of its own, since other tests that run at once take memory, too.
+#[cfg(target_os = "linux")]
+#[test]
+fn ten_thousand_instances_one_after_the_other_keep_no_memory() {
+    const CHILD: &str = "ROCKING_BLOCK_RESIDENT";
+    if std::env::var_os(CHILD).is_none() {
+        let name = "ten_thousand_instances_one_after_the_other_keep_no_memory";
+        let program = std::env::current_exe().unwrap();
+        let status = std::process::Command::new(program).args(["--exact", name]).env(CHILD, "1").status().unwrap();
+        assert!(status.success(), "the child process failed: {status}");
+        return;
+    }
+    let life = || {
+        let mut fmu = rocking();
+        step(&mut fmu, 0);
+        assert_eq!(fmu.save(0), OK);
+        let bytes = fmu.serialize(0).unwrap();
+        assert_eq!(fmu.deserialize(&bytes), OK);
+        assert_eq!(fmu.restore(1), OK);
+        assert_ne!(fmu.deserialize(&bytes[1..]), OK);
+    };
+    let lives = instances(10_000);
+    (0..lives / 10).for_each(|_| life());
+    let before = resident();
+    (0..lives).for_each(|_| life());
+    let grown = resident().saturating_sub(before);
+    assert!(grown < 1 << 20, "{lives} instances left {grown} bytes");
+}
+
+/// Memory of this process that is in use (bytes).
+#[cfg(target_os = "linux")]
+fn resident() -> usize {
+    // SAFETY: asks for a number.
+    let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap();
+    text.split_whitespace().nth(1).and_then(|pages| pages.parse::<usize>().ok()).unwrap() * page
+}

@@ -1,0 +1,196 @@
+//! Random sequences of calls through the C interface: legal ones, which must give the same bits however they are told,
+//! and illegal ones in between, which must be refused and leave no trace.
+
+#[path = "common/fmu.rs"]
+#[allow(dead_code, reason = "each test uses its part")]
+mod fmu;
+#[path = "common/misuse.rs"]
+mod misuse;
+#[path = "sequences/run.rs"]
+mod run;
+#[path = "common/sealed.rs"]
+mod sealed;
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use fmu::{DISCARD, ERROR, Fmu, OK};
+use misuse::Phase;
+use run::{Act, Bad, Run, acts, experiments, gentle};
+
+/// The same cases on every run; `PROPTEST_CASES` makes them fewer or more.
+fn cases(usual: u32) -> ProptestConfig {
+    let mut config =
+        ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(1963), ..ProptestConfig::default() };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = usual;
+    }
+    config
+}
+
+fn misuses() -> impl Strategy<Value = Vec<Bad>> {
+    vec((0..misuse::KINDS, any::<u32>()), 1..40)
+}
+
+/// What is done without saved states.
+fn going(acts: &[Act]) -> Vec<Act> {
+    acts.iter().copied().filter(|act| matches!(act, Act::Inputs(_) | Act::Rates(_) | Act::Step(_))).collect()
+}
+
+/// What `fmi2Terminate` answers.
+fn terminated(phase: Phase) -> i32 {
+    if phase == Phase::Error { ERROR } else { OK }
+}
+
+proptest! {
+    #![proptest_config(cases(1000))]
+
+    #[test]
+    fn two_instances_in_turn_give_the_bits_of_each_alone(
+        first in experiments(), second in experiments(), one in acts(), other in acts(),
+    ) {
+        let alone = [Run::start(&first).follow(&one), Run::start(&second).follow(&other)];
+        let (mut a, mut b) = (Run::start(&first), Run::start(&second));
+        let mut seen = [Vec::new(), Vec::new()];
+        for i in 0..one.len().max(other.len()) {
+            seen[0].extend(one.get(i).into_iter().flat_map(|&act| a.act(act)));
+            seen[1].extend(other.get(i).into_iter().flat_map(|&act| b.act(act)));
+        }
+        seen[0].extend(a.follow(&[]));
+        seen[1].extend(b.follow(&[]));
+        prop_assert_eq!(&alone, &seen);
+    }
+
+    #[test]
+    fn two_threads_at_once_give_the_bits_of_one(experiment in experiments(), acts in acts()) {
+        let alone = Run::start(&experiment).follow(&acts);
+        let both = std::thread::scope(|scope| {
+            [(); 2].map(|()| scope.spawn(|| Run::start(&experiment).follow(&acts))).map(|thread| thread.join().unwrap())
+        });
+        prop_assert_eq!(&both[0], &alone);
+        prop_assert_eq!(&both[1], &alone);
+    }
+
+    #[test]
+    fn a_reset_instance_is_a_new_one(
+        past in experiments(), before in acts(), next in experiments(), after in acts(), terminate in any::<bool>(),
+    ) {
+        let mut run = Run::start(&past);
+        run.follow(&before);
+        if terminate {
+            prop_assert_eq!(run.fmu.terminate(), terminated(run.phase));
+        }
+        run.again(&next);
+        // States saved before the reset are still there, so only what is done without them can be the same.
+        prop_assert_eq!(run.follow(&going(&after)), Run::start(&next).follow(&going(&after)));
+    }
+
+    #[test]
+    fn a_restored_state_goes_on_with_the_same_bits(
+        experiment in experiments(), before in acts(), meanwhile in acts(), after in acts(),
+    ) {
+        let going = going(&after);
+        let mut run = Run::start(&experiment);
+        run.follow(&before);
+        const KEPT: usize = 100;
+        let slot = run.fmu.states.len();
+        run.act(Act::Save(KEPT));
+        let bytes = run.fmu.serialize(slot).unwrap();
+        let (time, phase) = (run.time, run.phase);
+        let straight_on = run.follow(&going);
+
+        // Back in the same instance, after other things were done.
+        run.follow(&meanwhile.into_iter().filter(|act| !matches!(act, Act::Save(_) | Act::Free(_))).collect::<Vec<_>>());
+        prop_assert_eq!(run.fmu.restore(slot), OK);
+        (run.time, run.phase) = (time, phase);
+        prop_assert_eq!(run.follow(&going), straight_on.clone());
+
+        // From the bytes in another instance, which never was initialized.
+        let mut other = Run::start(&experiment);
+        other.fmu = Fmu::new();
+        prop_assert_eq!(other.fmu.deserialize(&bytes), OK);
+        prop_assert_eq!(other.fmu.restore(0), OK);
+        prop_assert_eq!(other.fmu.save(0), OK);
+        prop_assert_eq!(other.fmu.serialize(0).unwrap(), bytes);
+        (other.time, other.phase) = (time, phase);
+        prop_assert_eq!(other.follow(&going), straight_on);
+    }
+
+    #[test]
+    fn reading_changes_nothing(experiment in experiments(), acts in acts()) {
+        let mut observed = Run::start_with(&experiment, &mut Run::look);
+        let mut blind = Run::start(&experiment);
+        for &act in &acts {
+            observed.act(act);
+            observed.look();
+            if let Act::Step(size) = act {
+                if blind.phase == Phase::Complete {
+                    let status = blind.fmu.step(blind.time, size);
+                    prop_assert!([OK, DISCARD, ERROR].contains(&status));
+                    (blind.time, blind.phase) = (observed.time, observed.phase);
+                }
+            } else {
+                blind.act(act);
+            }
+        }
+        prop_assert_eq!(observed.follow(&[]), blind.follow(&[]));
+    }
+
+    #[test]
+    fn refused_calls_leave_no_trace(experiment in experiments(), acts in acts(), bad in misuses()) {
+        let mut twin = Run::start(&experiment);
+        let mut next = bad.iter().copied().cycle();
+        let mut run = Run::start_with(&experiment, &mut |run| run.misuse(next.next().unwrap()));
+        for &act in &acts {
+            for bad in next.by_ref().take(3) {
+                run.misuse(bad);
+            }
+            prop_assert_eq!(run.act(act), twin.act(act));
+        }
+        prop_assert_eq!(run.follow(&[]), twin.follow(&[]));
+        for end in [&mut run, &mut twin] {
+            prop_assert_eq!(end.fmu.terminate(), terminated(end.phase));
+            if end.phase != Phase::Error {
+                end.phase = Phase::Terminated;
+            }
+        }
+        for &bad in &bad {
+            run.misuse(bad);
+        }
+        prop_assert_eq!(run.follow(&[]), twin.follow(&[]));
+    }
+
+    #[test]
+    fn damped_supports_never_fail((experiment, acts) in gentle()) {
+        let mut run = Run::start(&experiment);
+        run.follow(&acts);
+        prop_assert_ne!(run.phase, Phase::Error);
+    }
+
+    /// Bytes with the right checksum and length, but a content that no FMU wrote.
+    #[test]
+    fn a_forged_state_is_refused_or_can_be_stepped(
+        experiment in experiments(), acts in acts(), forged in vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+    ) {
+        let mut run = Run::start(&experiment);
+        run.follow(&acts);
+        let slot = run.fmu.states.len();
+        run.act(Act::Save(slot));
+        let bytes = run.fmu.serialize(slot).unwrap();
+        let mut content = sealed::content(&bytes).to_vec();
+        prop_assert_eq!(&sealed::seal(&content), &bytes);
+        for (at, byte) in &forged {
+            let at = at.index(content.len());
+            content[at] = *byte;
+        }
+        let mut other = Fmu::new();
+        match other.deserialize(&sealed::seal(&content)) {
+            OK => {
+                prop_assert_eq!(other.restore(0), OK);
+                sealed::go_on(&mut other);
+            }
+            status => prop_assert_eq!(status, ERROR),
+        }
+    }
+}
