@@ -44,7 +44,7 @@ fn terminated(phase: Phase) -> i32 {
 }
 
 proptest! {
-    #![proptest_config(cases(1000))]
+    #![proptest_config(cases(500))]
 
     #[test]
     fn two_instances_in_turn_give_the_bits_of_each_alone(
