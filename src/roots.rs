@@ -64,8 +64,11 @@ pub fn first_fall(
             let high = duration * f64::from(piece) / f64::from(PIECES);
             (high, function(high))
         };
-        if right.value < if muted { -rounding } else { 0.0 } {
-            return Some(sign_change(low, high, left.value.max(0.0), right.value, |t| function(t).value));
+        if muted && right.value < -rounding {
+            return Some(fall_after_zero(low, high, right.value, |t| function(t).value));
+        }
+        if !muted && right.value < 0.0 {
+            return Some(sign_change(low, high, left.value, right.value, |t| function(t).value));
         }
         if !muted && lower_bound(left, right, high - low) < 0.0 {
             let bottom = sign_change(low, high, -left.rate, -right.rate, |t| -function(t).rate);
@@ -78,6 +81,22 @@ pub fn first_fall(
         (low, left) = (high, right);
     }
     None
+}
+
+/// The time in `[low, high]` at which a function falls through zero that is zero at `low` and negative at `high`: after a
+/// rise, however short beside the interval, or else at once.
+fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
+    const HALVINGS: u32 = 40;
+    let (mut below, mut value_below) = (high, at_high);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + below);
+        let value = function(middle);
+        if value > 0.0 {
+            return sign_change(middle, below, value, value_below, function);
+        }
+        (below, value_below) = (middle, value);
+    }
+    low
 }
 
 /// Whether [`first_fall`] is worth calling: false only if the ends and their rates leave no room for a fall.
@@ -196,6 +215,16 @@ mod tests {
         let opening = |t: f64| Sample { value: t * t * (0.7 - t) - 1e-18, rate: 1.4 * t - 3.0 * t * t };
         let root = first_fall(opening(0.0), opening(1.0), 1e-15, 1.0, opening).unwrap();
         assert!((root - 0.7).abs() < 1e-14, "{root}");
+    }
+
+    /// A hop from zero that is over long before the first sample.
+    #[test]
+    fn sees_the_end_of_a_short_hop() {
+        let hop = |t: f64| Sample { value: t * (1e-5 - t), rate: 1e-5 - 2.0 * t };
+        let root = first_fall(hop(0.0), hop(1.0), 1e-15, 1.0, hop).unwrap();
+        assert!((root - 1e-5).abs() < 1e-18, "{root}");
+        let falling = |t: f64| Sample { value: -t, rate: -1.0 };
+        assert!(first_fall(falling(0.0), falling(1.0), 1e-15, 1.0, falling).unwrap() < 1e-12);
     }
 
     #[test]
