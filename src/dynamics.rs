@@ -8,6 +8,7 @@
 //! `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
 
 use nalgebra::SVector;
+use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
 use crate::excitation::Forcing;
@@ -57,21 +58,63 @@ pub struct Instant<T> {
     pub horizontal: T,
 }
 
-/// Horizontal motion of the centre of mass in flight: `(u, u̇)` in m, m/s. Zero while a corner stands.
-pub type Flight<T> = (T, T);
+/// What holds the block horizontally.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Footing<T> {
+    /// What touches does not slide: the middle of the base in full contact, the corner on one corner.
+    Grips {
+        /// How far the block has moved to the right since the start (m), by flights and slides.
+        offset: T,
+    },
+    /// Nothing: in flight, and where a support bears the block again but does not grip it yet.
+    Free {
+        /// Horizontal place of the centre of mass over where the middle of the base was at the start (m).
+        u: T,
+        /// u̇ relative to the ground (m/s).
+        u_dot: T,
+    },
+}
+
+impl<T> Footing<T> {
+    /// The same with each number changed by `f`.
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Footing<U> {
+        match self {
+            Footing::Grips { offset } => Footing::Grips { offset: f(offset) },
+            Footing::Free { u, u_dot } => Footing::Free { u: f(u), u_dot: f(u_dot) },
+        }
+    }
+
+    /// Whether what touches does not slide.
+    pub fn grips(&self) -> bool {
+        matches!(self, Footing::Grips { .. })
+    }
+}
+
+impl Footing<f64> {
+    /// A block that has not moved from its place.
+    pub const AT_START: Footing<f64> = Footing::Grips { offset: 0.0 };
+
+    /// Both numbers finite.
+    pub fn is_finite(&self) -> bool {
+        match *self {
+            Footing::Grips { offset } => offset.is_finite(),
+            Footing::Free { u, u_dot } => u.is_finite() && u_dot.is_finite(),
+        }
+    }
+}
 
 /// The equations of motion at one instant.
 ///
-/// `flight` is read in flight only. The excitation may be that of any smooth piece; see [`Forcing`] for signs.
+/// The rigid base always grips. The excitation may be that of any smooth piece; see [`Forcing`] for signs.
 #[inline]
 pub fn instant<T: Scalar>(
     block: &Block,
     regime: Regime,
     [theta, theta_dot, w, w_dot]: [T; 4],
-    flight: Flight<T>,
+    footing: Footing<T>,
     forcing: Forcing<T>,
 ) -> Instant<T> {
-    let posture = Posture::new(block, theta, theta_dot, w, w_dot);
+    let posture = Posture::new(block, [theta, theta_dot, w, w_dot], footing);
     match (regime, block.foundation) {
         (Regime::FullContact, Foundation::Viscoelastic) => posture.full_contact(forcing),
         (Regime::FullContact, Foundation::Rigid) => posture.at_rest(forcing),
@@ -79,7 +122,7 @@ pub fn instant<T: Scalar>(
         (Regime::TiltingRight, Foundation::Viscoelastic) => posture.on_support(Corner::Right, forcing),
         (Regime::TiltingLeft, Foundation::Rigid) => posture.on_rigid_base(Corner::Left, forcing),
         (Regime::TiltingRight, Foundation::Rigid) => posture.on_rigid_base(Corner::Right, forcing),
-        (Regime::Separated, _) => posture.in_flight(flight, forcing),
+        (Regime::Separated, _) => posture.in_flight(forcing),
     }
 }
 
@@ -92,13 +135,43 @@ struct Posture<'a, T> {
     w_dot: T,
     sin: T,
     cos: T,
+    footing: Footing<T>,
+}
+
+/// Place, rate and acceleration of the centre of mass, and the reaction per mass.
+struct Horizontal<T> {
+    u: T,
+    u_dot: T,
+    u_ddot: T,
+    reaction: T,
 }
 
 impl<'a, T: Scalar> Posture<'a, T> {
     #[inline]
-    fn new(block: &'a Block, theta: T, theta_dot: T, w: T, w_dot: T) -> Posture<'a, T> {
+    fn new(block: &'a Block, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, T> {
         let (sin, cos) = theta.sin_cos();
-        Posture { block, theta, theta_dot, w, w_dot, sin, cos }
+        Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
+    }
+
+    /// θ̈ from the moments per mass about the centre of mass: of the loads, of the vertical reactions, and of H/M, which
+    /// acts `arm` below. A foot that grips moves the centre of mass by `ü = arm θ̈ − centripetal`.
+    #[inline]
+    fn turning(&self, arm: T, centripetal: T, vertical: T, forcing: Forcing<T>) -> T {
+        match self.footing {
+            Footing::Grips { .. } => {
+                (-(arm * (forcing.x - centripetal)) + vertical + forcing.moment) / (arm * arm + self.block.i0)
+            }
+            Footing::Free { .. } => (vertical + forcing.moment) * T::from(1.0 / self.block.i0),
+        }
+    }
+
+    /// Horizontal motion, given that of a foot that grips at its first place.
+    #[inline]
+    fn horizontal(&self, u: T, u_dot: T, u_ddot: T, forcing: Forcing<T>) -> Horizontal<T> {
+        match self.footing {
+            Footing::Grips { offset } => Horizontal { u: u + offset, u_dot, u_ddot, reaction: u_ddot + forcing.x },
+            Footing::Free { u, u_dot } => Horizontal { u, u_dot, u_ddot: -forcing.x, reaction: T::from(0.0) },
+        }
     }
 
     /// `1 − cos θ` without cancellation.
@@ -114,11 +187,11 @@ impl<'a, T: Scalar> Posture<'a, T> {
         -(height * (0.5 * omega_v * omega_v)) - rate * (xi_v * omega_v) + 0.5 * gravity
     }
 
-    /// Eqs. (7)–(10): both corners touch, the middle of the base moves vertically only; w is its height.
+    /// Eqs. (7)–(10): both corners touch; w is the height of the middle of the base.
     #[inline]
     fn full_contact(&self, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos } = *self;
-        let Block { b, h, i0, gravity, omega_v, xi_v, .. } = *block;
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
+        let Block { b, h, gravity, omega_v, xi_v, .. } = *block;
         let (omega2, damping) = (omega_v * omega_v, 2.0 * xi_v * omega_v);
         let tilt = sin * b;
         let tilt_dot = cos * theta_dot * b;
@@ -128,10 +201,9 @@ impl<'a, T: Scalar> Posture<'a, T> {
         let difference = -(tilt * omega2) - tilt_dot * damping;
         let arm = cos * h;
         let centripetal = sin * theta_dot * theta_dot * h;
-        let theta_ddot = (-(arm * (forcing.x - centripetal)) + cos * difference * b + sin * sum * h + forcing.moment)
-            / (arm * arm + i0);
+        let theta_ddot = self.turning(arm, centripetal, cos * difference * b + sin * sum * h, forcing);
         let v_ddot = rise - forcing.z;
-        let u_ddot = arm * theta_ddot - centripetal;
+        let along = self.horizontal(sin * h, arm * theta_dot, arm * theta_ddot - centripetal, forcing);
         let w_ddot = v_ddot + sin * theta_ddot * h + cos * theta_dot * theta_dot * h;
         let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
         let (corner, corner_dot) = ([w + tilt, w - tilt], [w_dot + tilt_dot, w_dot - tilt_dot]);
@@ -141,9 +213,9 @@ impl<'a, T: Scalar> Posture<'a, T> {
             theta_ddot,
             w_dot,
             w_ddot,
-            u: sin * h,
-            u_dot: arm * theta_dot,
-            u_ddot,
+            u: along.u,
+            u_dot: along.u_dot,
+            u_ddot: along.u_ddot,
             v: w - self.versine() * h,
             v_dot: w_dot - sin * theta_dot * h,
             v_ddot,
@@ -151,19 +223,18 @@ impl<'a, T: Scalar> Posture<'a, T> {
             corner_dot,
             corner_ddot: [w_ddot + tilt_ddot, w_ddot - tilt_ddot],
             reaction: [self.support(corner[0], corner_dot[0]), self.support(corner[1], corner_dot[1])],
-            horizontal: u_ddot + forcing.x,
+            horizontal: along.reaction,
         }
     }
 
-    /// Eqs. (11)–(13): one corner touches and does not move horizontally; w is its height.
+    /// Eqs. (11)–(13): one corner touches; w is its height.
     #[inline]
     fn on_support(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
         let s = corner.sign();
         let (reach, height) = (self.reach(s), self.height(s));
         let n = self.support(self.w, self.w_dot);
         let theta_dot2 = self.theta_dot * self.theta_dot;
-        let theta_ddot = (-(height * (forcing.x - reach * theta_dot2 * s)) + reach * n * s + forcing.moment)
-            / (height * height + self.block.i0);
+        let theta_ddot = self.turning(height, reach * theta_dot2 * s, reach * n * s, forcing);
         let v_ddot = n - self.block.gravity - forcing.z;
         let w_ddot = v_ddot + reach * theta_ddot * s + height * theta_dot2;
         self.about(corner, theta_ddot, w_ddot, v_ddot, n, forcing)
@@ -212,8 +283,8 @@ impl<'a, T: Scalar> Posture<'a, T> {
 
     /// No corner touches; w = v.
     #[inline]
-    fn in_flight(&self, (u, u_dot): Flight<T>, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos } = *self;
+    fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, i0, gravity, .. } = *block;
         let zero = T::from(0.0);
         let theta_ddot = forcing.moment * T::from(1.0 / i0);
@@ -221,6 +292,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
         let (middle, middle_dot) = (w + self.versine() * h, w_dot + sin * theta_dot * h);
         let middle_ddot = v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h;
         let (tilt, tilt_dot) = (sin * b, cos * theta_dot * b);
+        let along = self.horizontal(sin * h, cos * theta_dot * h, -forcing.x, forcing);
         let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
         Instant {
             theta,
@@ -228,9 +300,9 @@ impl<'a, T: Scalar> Posture<'a, T> {
             theta_ddot,
             w_dot,
             w_ddot: v_ddot,
-            u,
-            u_dot,
-            u_ddot: -forcing.x,
+            u: along.u,
+            u_dot: along.u_dot,
+            u_ddot: along.u_ddot,
             v: w,
             v_dot: w_dot,
             v_ddot,
@@ -257,11 +329,16 @@ impl<'a, T: Scalar> Posture<'a, T> {
     /// Kinematics of the block about its one standing corner.
     #[inline]
     fn about(&self, corner: Corner, theta_ddot: T, w_ddot: T, v_ddot: T, n: T, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos } = *self;
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, .. } = *block;
         let s = corner.sign();
         let (reach, height) = (self.reach(s), self.height(s));
-        let u_ddot = height * theta_ddot - reach * theta_dot * theta_dot * s;
+        let along = self.horizontal(
+            sin * h - self.versine() * (s * b),
+            height * theta_dot,
+            height * theta_ddot - reach * theta_dot * theta_dot * s,
+            forcing,
+        );
         let across = 2.0 * s * b;
         let standing = |pair: [T; 2]| match corner {
             Corner::Left => pair,
@@ -273,9 +350,9 @@ impl<'a, T: Scalar> Posture<'a, T> {
             theta_ddot,
             w_dot,
             w_ddot,
-            u: sin * h - self.versine() * (s * b),
-            u_dot: height * theta_dot,
-            u_ddot,
+            u: along.u,
+            u_dot: along.u_dot,
+            u_ddot: along.u_ddot,
             v: w - self.versine() * h - sin * (s * b),
             v_dot: w_dot - reach * theta_dot * s,
             v_ddot,
@@ -283,7 +360,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
             corner_dot: standing([w_dot, w_dot - cos * theta_dot * across]),
             corner_ddot: standing([w_ddot, w_ddot - (cos * theta_ddot - sin * theta_dot * theta_dot) * across]),
             reaction: standing([n, T::from(0.0)]),
-            horizontal: u_ddot + forcing.x,
+            horizontal: along.reaction,
         }
     }
 }

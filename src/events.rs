@@ -5,8 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Instant, State, instant};
+use crate::dynamics::{Footing, Instant, State, instant};
 use crate::excitation::Forcing;
+use crate::impact::{self, Velocities};
 use crate::regime::{Corner, Regime};
 use crate::roots::Sample;
 
@@ -17,6 +18,10 @@ pub enum EventKind {
     LiftOff(Corner),
     /// A corner came down on its support, or on the rigid base.
     Landing(Corner),
+    /// Nothing holds the block horizontally any more, though a support still bears it.
+    Slip,
+    /// What touches is pressed on again and slides no more.
+    Grip,
     /// The block reached a quarter turn: a side lies on the ground.
     Overturning,
 }
@@ -41,6 +46,8 @@ impl std::fmt::Display for Event {
             EventKind::LiftOff(Corner::Right) => "lift-off of R",
             EventKind::Landing(Corner::Left) => "landing on L",
             EventKind::Landing(Corner::Right) => "landing on R",
+            EventKind::Slip => "slip",
+            EventKind::Grip => "grip",
             EventKind::Overturning => "overturning",
         };
         write!(f, "t = {:.9} s: {what}, {} -> {}", self.time, self.before, self.after)
@@ -89,6 +96,8 @@ pub enum Surface {
     Gap(Corner),
     /// How fast a corner that is held down would be pressed on if it were let go (m/s²); see [`gap_opening`].
     Held(Corner),
+    /// How far what slides is from being pressed on if it gripped (m/s²); see [`pressure_if_gripped`].
+    Slide,
     /// What is left of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
 }
@@ -104,6 +113,8 @@ pub struct Moment<'a> {
     pub regime: Regime,
     /// Its state.
     pub state: &'a State,
+    /// What holds it horizontally.
+    pub footing: Footing<f64>,
     /// The equations of motion at it.
     pub instant: &'a Instant<f64>,
     /// What drives the block.
@@ -114,17 +125,19 @@ pub struct Moment<'a> {
     pub creep: &'a [Creep; 2],
 }
 
-/// The surfaces that end this regime; `held` is the corner that is held down, if one is.
+/// The surfaces that end this regime; `held` is the corner that is held down, if one is, and `grips` whether what
+/// touches does not slide.
 ///
 /// On the rigid base the standing corner is not watched: Housner's block keeps it on the ground by assumption.
-pub fn surfaces(block: &Block, regime: Regime, held: Option<Corner>) -> [Option<Surface>; 3] {
+pub fn surfaces(block: &Block, regime: Regime, held: Option<Corner>, grips: bool) -> [Option<Surface>; 4] {
     let of = |corner| match (regime.touches(corner), block.foundation) {
         (true, Foundation::Rigid) if regime != Regime::FullContact => None,
         (true, _) if held == Some(corner) => Some(Surface::Held(corner)),
         (true, _) => Some(Surface::Reaction(corner)),
         (false, _) => Some(Surface::Gap(corner)),
     };
-    [of(Corner::Left), of(Corner::Right), Some(Surface::QuarterTurn)]
+    let slide = (!grips && regime != Regime::Separated).then_some(Surface::Slide);
+    [of(Corner::Left), of(Corner::Right), Some(Surface::QuarterTurn), slide]
 }
 
 impl Surface {
@@ -152,6 +165,7 @@ impl Surface {
             Surface::Held(corner) => {
                 Sample { value: -gap_opening(at, corner, instant.corner_dot[corner.index()]), rate: 0.0 }
             }
+            Surface::Slide => Sample { value: -pressure_if_gripped(block, at.regime, instant), rate: 0.0 },
             Surface::QuarterTurn => Sample {
                 value: FRAC_PI_2 - instant.theta.abs(),
                 rate: if instant.theta < 0.0 { instant.theta_dot } else { -instant.theta_dot },
@@ -165,7 +179,7 @@ impl Surface {
         const ROUNDING: f64 = 1e-13;
         ROUNDING
             * match self {
-                Surface::Reaction(_) | Surface::Held(_) => block.gravity,
+                Surface::Reaction(_) | Surface::Held(_) | Surface::Slide => block.gravity,
                 Surface::Gap(_) => block.static_deflection().max(block.b),
                 Surface::QuarterTurn => FRAC_PI_2,
             }
@@ -179,20 +193,44 @@ pub fn reaction_rate(block: &Block, corner_dot: f64, corner_ddot: f64) -> f64 {
 }
 
 /// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one
-/// standing: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
+/// staying as it is: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
 /// the gap opens with the rate v̇_I: infinitely fast by this measure.
 ///
 /// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
 /// corner on one corner), `v̈_I` jumps a little at lift-off. It can happen that full contact has the corner lift and
 /// that the other regime has it pressed on: neither holds, and the true motion slides along the boundary with
-/// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go.
+/// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go. The last corner that touches
+/// slides in that case, since a support that bears nothing cannot hold it.
 pub fn gap_opening(at: &Moment, corner: Corner, corner_dot: f64) -> f64 {
     let i = corner.index();
-    let standing = corner.other();
     let &Moment { block, instant: x, .. } = at;
-    let released = [x.theta, x.theta_dot, x.corner[standing.index()], x.corner_dot[standing.index()]];
-    let after = instant(block, Regime::on(standing), released, (0.0, 0.0), at.forcing);
+    let other = corner.other();
+    let after = if at.regime.touches(other) {
+        let state = [x.theta, x.theta_dot, x.corner[other.index()], x.corner_dot[other.index()]];
+        instant(block, Regime::on(other), state, at.footing, at.forcing)
+    } else {
+        let flight = Footing::Free { u: x.u, u_dot: x.u_dot };
+        instant(block, Regime::Separated, [x.theta, x.theta_dot, x.v, x.v_dot], flight, at.forcing)
+    };
     // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
     let creep = if corner_dot == 0.0 { 0.0 } else { block.creep_rate() * corner_dot };
     after.corner_ddot[i] + creep
+}
+
+/// What presses the corners that touch on their supports if they grip now, per mass (m/s²), the least of them: the
+/// reaction right after the horizontal impulse, which turns the block, less what would follow if it threw the corner up.
+///
+/// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
+/// corner would leave it again, land, and grip, over and over.
+pub fn pressure_if_gripped(block: &Block, regime: Regime, x: &Instant<f64>) -> f64 {
+    let velocities = Velocities { u_dot: x.u_dot, v_dot: x.v_dot, theta_dot: x.theta_dot };
+    let theta_dot = impact::grip(block, regime, x.theta, velocities).theta_dot;
+    let pressed = |corner: Corner| {
+        let i = corner.index();
+        let change = impact::corner_rate(block, corner, x.theta, 0.0, theta_dot - x.theta_dot);
+        let thrown = (x.corner_dot[i] + change).max(0.0);
+        x.reaction[i] - block.omega_v * (block.xi_v * change + std::f64::consts::FRAC_1_SQRT_2 * thrown)
+    };
+    let touching = Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner));
+    touching.map(pressed).fold(f64::INFINITY, f64::min)
 }

@@ -240,6 +240,23 @@ impl Excitation {
         Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate }
     }
 
+    /// What the forcing adds up to between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
+    pub fn horizontal_drift(&self, from: f64, to: f64) -> (f64, f64) {
+        let duration = to - from;
+        let start = self.x.at(from - self.time);
+        let (mut velocity, mut way) = (
+            duration * (start + 0.5 * self.x.rate * duration),
+            duration * duration * (0.5 * start + self.x.rate * duration / 6.0),
+        );
+        if let Some(Wave { amplitude, omega, phase, start }) = self.wave {
+            let (sin_from, cos_from) = libm::sincos(omega * (from - start) + phase);
+            let (sin_to, cos_to) = libm::sincos(omega * (to - start) + phase);
+            velocity += amplitude / omega * (cos_from - cos_to);
+            way += amplitude / omega * (cos_from * duration - (sin_to - sin_from) / omega);
+        }
+        (velocity, way)
+    }
+
     /// Circular frequency of the pulse that acts (rad/s), zero if none does.
     pub fn frequency(&self) -> f64 {
         self.wave.map_or(0.0, |wave| wave.omega)

@@ -1,7 +1,26 @@
-//! Velocities before a corner lands while the other stands → velocities after.
+//! Velocities before a corner lands, grips or changes the pivot → velocities after.
 
 use crate::block::Block;
-use crate::regime::Corner;
+use crate::regime::{Corner, Regime};
+
+/// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Velocities {
+    /// u̇ (m/s), positive to the right.
+    pub u_dot: f64,
+    /// v̇ (m/s), positive up.
+    pub v_dot: f64,
+    /// θ̇ (rad/s), positive clockwise.
+    pub theta_dot: f64,
+}
+
+impl Velocities {
+    /// Kinetic energy per unit mass (m²/s²).
+    pub fn kinetic(&self, block: &Block) -> f64 {
+        let Velocities { u_dot, v_dot, theta_dot } = self;
+        0.5 * (block.i0 * theta_dot * theta_dot + u_dot * u_dot + v_dot * v_dot)
+    }
+}
 
 /// `(v̇, θ̇)` of the centre of mass and of the rotation right after the landing of `corner` at the rotation `theta`,
 /// from those right before; eqs. (14)–(19) with the sign of J12 corrected, and their mirror image (28).
@@ -32,9 +51,8 @@ pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot:
 
 /// v̇ of a corner from v̇ of the centre of mass and θ̇ [m/s]: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
 pub fn corner_rate(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot: f64) -> f64 {
-    let (sin, cos) = libm::sincos(theta);
-    let s = corner.sign();
-    v_dot + s * (block.b * cos + s * block.h * sin) * theta_dot
+    let (s, reach, _) = lever(block, corner, theta);
+    v_dot + s * reach * theta_dot
 }
 
 /// θ̇ after the other corner's lift-off from full contact (rad/s), if the angular momentum about the `pivot` that is
@@ -42,8 +60,84 @@ pub fn corner_rate(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_
 ///
 /// `(I0 + M Q²) θ̇_a = (I0 + M Q h cos θ) θ̇_b` with `Q = R0 cos(α + sθ)`.
 pub fn new_pivot(block: &Block, pivot: Corner, theta: f64, theta_dot: f64) -> f64 {
+    let height = height_over(block, pivot, theta);
+    (block.i0 + height * block.h * libm::cos(theta)) / (block.i0 + height * height) * theta_dot
+}
+
+/// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
+/// vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept.
+///
+/// If the rate falls to a part of itself in this, no energy is made as long as the support pushes, which is as long as v̇
+/// grows.
+pub fn landing_with_grip(block: &Block, corner: Corner, theta: f64, before: Velocities, rate_after: f64) -> Velocities {
+    let Block { i0, .. } = *block;
+    let (s, reach, height) = lever(block, corner, theta);
+    let Velocities { u_dot, v_dot, theta_dot } = before;
+    let momentum = i0 * theta_dot + height * u_dot - s * reach * v_dot;
+    let theta_dot = (momentum + s * reach * rate_after) / (i0 + height * height + reach * reach);
+    Velocities { u_dot: height * theta_dot, v_dot: rate_after - s * reach * theta_dot, theta_dot }
+}
+
+/// Velocities after the landing of `corner` with a vertical impulse alone, which makes its vertical rate `rate_after`
+/// (m/s).
+pub fn landing_without_grip(
+    block: &Block,
+    corner: Corner,
+    theta: f64,
+    before: Velocities,
+    rate_after: f64,
+) -> Velocities {
+    let (s, reach, _) = lever(block, corner, theta);
+    let Velocities { u_dot, v_dot, theta_dot } = before;
+    let impulse = (rate_after - v_dot - s * reach * theta_dot) / (1.0 + reach * reach / block.i0);
+    Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + s * reach * impulse / block.i0 }
+}
+
+/// Velocities after both corners land at once and grip, so that their vertical rates become `rates_after` (m/s); the
+/// impulses per mass at L and R (m/s) beside them, of which none may be negative.
+pub fn landing_on_both(block: &Block, theta: f64, before: Velocities, rates_after: [f64; 2]) -> ([f64; 2], Velocities) {
     let Block { i0, b, h, .. } = *block;
     let (sin, cos) = libm::sincos(theta);
-    let height = h * cos - pivot.sign() * b * sin;
-    (i0 + height * h * cos) / (i0 + height * height) * theta_dot
+    let theta_dot = 0.5 * (rates_after[0] - rates_after[1]) / (b * cos);
+    let v_dot = 0.5 * (rates_after[0] + rates_after[1]) - h * sin * theta_dot;
+    let u_dot = h * cos * theta_dot;
+    let sum = v_dot - before.v_dot;
+    // I0 Δθ̇ = −h cos θ ∫H + b cos θ (∫N_L − ∫N_R) + h sin θ (∫N_L + ∫N_R)
+    let turn = i0 * (theta_dot - before.theta_dot) + h * cos * (u_dot - before.u_dot) - h * sin * sum;
+    let difference = turn / (b * cos);
+    ([0.5 * (sum + difference), 0.5 * (sum - difference)], Velocities { u_dot, v_dot, theta_dot })
+}
+
+/// Velocities after what touches in `regime` grips: a horizontal impulse alone stops it.
+///
+/// `θ̇_a = (I0 θ̇_b + M k u̇_b)/(I0 + M k²)`, with k the height of the centre of mass over what is held.
+pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Velocities {
+    let height = match regime.pivot() {
+        Some(corner) => height_over(block, corner, theta),
+        None => block.h * libm::cos(theta),
+    };
+    let theta_dot = (block.i0 * before.theta_dot + height * before.u_dot) / (block.i0 + height * height);
+    Velocities { u_dot: height * theta_dot, theta_dot, ..before }
+}
+
+/// Height of the centre of mass over a corner, `R0 cos(α + sθ)` (m).
+pub fn height_over(block: &Block, corner: Corner, theta: f64) -> f64 {
+    lever(block, corner, theta).2
+}
+
+/// Energy per unit mass (m²/s²) that the landing of a corner with the vertical velocity `rate` (m/s) takes, if the corner
+/// does not move horizontally before or after: `½ (1 − ε²) v̇_I² (I0 + M Q²)/(I0 + M R0²)` with `Q = R0 cos(α + sθ)`.
+pub fn landing_loss(block: &Block, corner: Corner, theta: f64, rate: f64) -> f64 {
+    let Block { i0, epsilon, .. } = *block;
+    let (_, reach, height) = lever(block, corner, theta);
+    let share = (i0 + height * height) / (i0 + height * height + reach * reach);
+    0.5 * (1.0 - epsilon * epsilon) * rate * rate * share
+}
+
+/// `s`, and `R0 sin φ`, `R0 cos φ` with `φ = α + sθ` (m): the centre of mass as seen from a corner.
+fn lever(block: &Block, corner: Corner, theta: f64) -> (f64, f64, f64) {
+    let Block { b, h, .. } = *block;
+    let (sin, cos) = libm::sincos(theta);
+    let s = corner.sign();
+    (s, b * cos + s * h * sin, h * cos - s * b * sin)
 }

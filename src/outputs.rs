@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 
 use crate::block::Block;
-use crate::dynamics::{Flight, Instant, State, instant};
+use crate::dynamics::{Footing, Instant, State, instant};
 use crate::events::Creep;
 use crate::excitation::Forcing;
 use crate::regime::{Corner, Regime};
@@ -100,8 +100,8 @@ pub struct View<'a> {
     pub time: f64,
     /// Its state.
     pub state: &'a State,
-    /// `(u, u̇)` in flight.
-    pub flight: Flight<f64>,
+    /// What holds it horizontally.
+    pub footing: Footing<f64>,
     /// The lifted supports.
     pub creep: &'a [Creep; 2],
     /// What drives the block.
@@ -111,7 +111,7 @@ pub struct View<'a> {
 impl View<'_> {
     /// The equations of motion.
     pub fn instant(&self) -> Instant<f64> {
-        instant(self.block, self.regime, (*self.state).into(), self.flight, self.forcing)
+        instant(self.block, self.regime, (*self.state).into(), self.footing, self.forcing)
     }
 
     /// The equations of motion with rates of change along the motion in the dual parts.
@@ -123,8 +123,13 @@ impl View<'_> {
             Dual64::new(self.state[2], x.w_dot),
             Dual64::new(x.w_dot, x.w_ddot),
         ];
-        let flight = (Dual64::new(self.flight.0, self.flight.1), Dual64::new(self.flight.1, x.u_ddot));
-        instant(self.block, self.regime, state, flight, self.forcing.with_derivative(forcing_rate))
+        let footing = match self.footing {
+            Footing::Grips { .. } => self.footing.map(Dual64::from),
+            Footing::Free { u, u_dot } => {
+                Footing::Free { u: Dual64::new(u, u_dot), u_dot: Dual64::new(u_dot, x.u_ddot) }
+            }
+        };
+        instant(self.block, self.regime, state, footing, self.forcing.with_derivative(forcing_rate))
     }
 
     /// The observation.
@@ -142,8 +147,8 @@ impl View<'_> {
     /// The observation and, in the dual parts, its exact derivative with respect to the forcing in a direction.
     pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
-        let flight = (Dual64::from(self.flight.0), Dual64::from(self.flight.1));
-        let x = instant(self.block, self.regime, state, flight, self.forcing.with_derivative(direction));
+        let footing = self.footing.map(Dual64::from);
+        let x = instant(self.block, self.regime, state, footing, self.forcing.with_derivative(direction));
         observe(self.block, self.regime, &x, self.tops().map(|top| Dual64::from(top.value)))
     }
 

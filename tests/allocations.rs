@@ -1,4 +1,4 @@
-//! `fmi2DoStep` allocates no memory (interface.md, *Time stepping*): events, the end of a run and log lines included.
+//! `fmi2DoStep` allocates no memory: events, the end of a run and log lines included.
 //!
 //! The library inside the FMU has an allocator of its own, which cannot be watched from outside; so the exported functions
 //! are called in the crate, under an allocator that counts.
@@ -166,4 +166,7 @@ fn the_step_that_ends_the_run_allocates_nothing() {
     assert_eq!((ended.calls, ended.last), (0, 2));
     let held = run(&[("pulse.shape", 2), ("on_separation", 2)], &reals, true);
     assert_eq!((held.calls, held.steps, held.last), (0, 1000, 0));
+    let flown = run(&[("pulse.shape", 2), ("on_separation", 3)], &reals, true);
+    assert_eq!((flown.calls, flown.steps, flown.last), (0, 1000, 0));
+    assert!(flown.events > held.events + 2);
 }

@@ -1,7 +1,7 @@
 //! Orders of the integrator: fitted from step sizes on a smooth piece, and error over tolerance on whole runs.
 
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::dynamics::{State, instant};
+use rocking_block::dynamics::{Footing, State, instant};
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
 use rocking_block::integrator::{Rate, Step};
 use rocking_block::regime::Regime;
@@ -15,7 +15,7 @@ fn block() -> Block {
 /// The block on its right corner under a horizontal acceleration that is no polynomial.
 fn rate(block: &Block, time: f64, x: &State) -> Rate {
     let forcing = Forcing { x: 2.0 * libm::sin(9.0 * time), z: 0.5 * libm::cos(7.0 * time), moment: 0.0 };
-    let x = instant(block, Regime::TiltingRight, [x[0], x[1], x[2], x[3]], (0.0, 0.0), forcing);
+    let x = instant(block, Regime::TiltingRight, [x[0], x[1], x[2], x[3]], Footing::AT_START, forcing);
     let powers = x.powers(block, Regime::TiltingRight, forcing).into();
     Rate { state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot), powers }
 }

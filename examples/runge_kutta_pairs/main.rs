@@ -9,7 +9,7 @@ mod common;
 mod tableaux;
 
 use rocking_block::block::{Block, Foundation};
-use rocking_block::dynamics::{State, instant};
+use rocking_block::dynamics::{Footing, State, instant};
 use rocking_block::excitation::Excitation;
 use rocking_block::regime::Regime;
 use rocking_block::simulation::Simulation;
@@ -198,7 +198,7 @@ fn step(
     weights: &State,
 ) -> (State, f64) {
     let rate = |time: f64, x: &State| {
-        let x = instant(block, regime, (*x).into(), (0.0, 0.0), excitation.at(time));
+        let x = instant(block, regime, (*x).into(), Footing::AT_START, excitation.at(time));
         State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot)
     };
     let (next, k) = stages(pair, time, x, size, rate);

@@ -5,7 +5,7 @@ use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::fmi2::variables::{Causality, VARIABLES, Variable};
 use crate::outputs::Observation;
 use crate::peaks::{PeakSamples, Peaks};
-use crate::simulation::{AtEnd, Ending, Energies, Initial, LiftOff, Settings, Simulation};
+use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
 
 /// The inputs, in the order of their ramps.
 pub const INPUTS: [Variable; 5] = [Variable::AGx, Variable::AGz, Variable::FX, Variable::FZ, Variable::MY];
@@ -38,7 +38,8 @@ impl std::ops::IndexMut<Variable> for Values {
 
 const PHYSICAL_PARAMETERIZATION: f64 = 2.0;
 const RIGID: f64 = Foundation::Rigid as i32 as f64;
-const TERMINATE: f64 = 1.0;
+const HOLD: f64 = 2.0;
+const FLY: f64 = 3.0;
 const KEEP_MOMENTUM: f64 = 2.0;
 
 impl Values {
@@ -129,11 +130,17 @@ impl Values {
 
     /// How to run, with this tolerance or the default one.
     pub fn settings(&self, tolerance: Option<f64>) -> Settings {
-        let at_end = |variable| if self[variable] == TERMINATE { AtEnd::Terminate } else { AtEnd::Hold };
         Settings {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
-            on_separation: at_end(Variable::OnSeparation),
-            on_overturning: at_end(Variable::OnOverturning),
+            on_separation: match self[Variable::OnSeparation] {
+                HOLD => OnSeparation::Hold,
+                FLY => OnSeparation::Fly,
+                _ => OnSeparation::Terminate,
+            },
+            on_overturning: match self[Variable::OnOverturning] {
+                HOLD => OnOverturning::Hold,
+                _ => OnOverturning::Terminate,
+            },
             lift_off: if self[Variable::LiftOff] == KEEP_MOMENTUM { LiftOff::KeepMomentum } else { LiftOff::KeepRates },
         }
     }
@@ -203,6 +210,7 @@ pub fn real_output(
         Variable::EnergyInput => energies.input,
         Variable::EnergyDashpots => energies.dashpots,
         Variable::EnergyImpacts => energies.impacts,
+        Variable::EnergyConstraint => energies.constraint,
         Variable::EnergyResidual => energies.residual,
         Variable::FrictionDemand => seen.friction_demand,
         other => history(other),

@@ -3,8 +3,10 @@
 use crate::block::Block;
 use crate::dynamics::State;
 use crate::excitation::Excitation;
+use crate::impact::Velocities;
 use crate::regime::Regime;
-use crate::simulation::{Counts, Ending, Initial, Simulation};
+use crate::simulation::placement::Placement;
+use crate::simulation::{Counts, Initial, Simulation};
 
 impl Simulation {
     pub(super) fn place_on_supports(&mut self, initial: &Initial, excitation: &Excitation) {
@@ -25,11 +27,12 @@ impl Simulation {
         let touching = corners.map(|(height, _)| height <= free);
         // The supports of corners in the air are at their free height; a corner that is drawn up faster than its
         // support can follow leaves it at once, which is no lift-off to be counted.
-        self.settle(touching, corners, initial.theta, initial.theta_dot, v, v_dot, excitation);
+        let velocities = Velocities { u_dot: h * cos * initial.theta_dot, v_dot, theta_dot: initial.theta_dot };
+        let now = Placement { touching, corners, theta: initial.theta, u: h * sin, v, velocities };
+        self.regime = now.regime();
+        self.settle(now, excitation);
         self.counts = Counts::default();
-        if self.regime == Regime::Separated {
-            self.end(Ending::Separated);
-        }
+        self.end_if_separated();
     }
 
     pub(super) fn place_on_rigid_base(&mut self, initial: &Initial) {

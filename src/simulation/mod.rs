@@ -1,6 +1,8 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
 mod beginning;
+mod flight;
+mod placement;
 mod report;
 mod stepping;
 mod transitions;
@@ -8,15 +10,26 @@ mod transitions;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{State, energy};
+use crate::dynamics::{Footing, State, energy};
 use crate::events::{Creep, Event};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::peaks::Peaks;
 use crate::regime::{Corner, Regime};
 
-/// What happens at complete separation or overturning.
+/// What happens at complete separation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum AtEnd {
+pub enum OnSeparation {
+    /// The run ends.
+    Terminate,
+    /// Time goes on with the block frozen.
+    Hold,
+    /// The block flies, and lands.
+    Fly,
+}
+
+/// What happens at overturning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum OnOverturning {
     /// The run ends.
     Terminate,
     /// Time goes on with the block frozen.
@@ -41,9 +54,9 @@ pub struct Settings {
     /// the rocking velocity α p.
     pub tolerance: f64,
     /// At complete separation.
-    pub on_separation: AtEnd,
+    pub on_separation: OnSeparation,
     /// At overturning.
-    pub on_overturning: AtEnd,
+    pub on_overturning: OnOverturning,
     /// When a corner lifts from full contact.
     pub lift_off: LiftOff,
 }
@@ -57,8 +70,8 @@ impl Default for Settings {
     fn default() -> Settings {
         Settings {
             tolerance: 1e-8,
-            on_separation: AtEnd::Terminate,
-            on_overturning: AtEnd::Terminate,
+            on_separation: OnSeparation::Terminate,
+            on_overturning: OnOverturning::Terminate,
             lift_off: LiftOff::KeepRates,
         }
     }
@@ -143,6 +156,8 @@ pub struct EnergySums {
     pub dashpots: f64,
     /// Energy that went at changes of regime (negative if some came).
     pub impacts: f64,
+    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
+    pub constraint: f64,
 }
 
 /// Energies at one time (J), and what became of them since the start.
@@ -160,6 +175,8 @@ pub struct Energies {
     pub dashpots: f64,
     /// Energy that went at changes of regime (negative if some came).
     pub impacts: f64,
+    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
+    pub constraint: f64,
     /// What the sum misses: `total − initial − input + dashpots + impacts`, round-off and integration error.
     pub residual: f64,
 }
@@ -188,6 +205,7 @@ pub struct Simulation {
     time: f64,
     regime: Regime,
     state: State,
+    footing: Footing<f64>,
     creep: [Creep; 2],
     held: Option<Corner>,
     step_size: f64,
@@ -219,6 +237,7 @@ impl Simulation {
             time,
             regime: Regime::FullContact,
             state: State::zeros(),
+            footing: Footing::AT_START,
             creep: [Creep { depth: 0.0, since: time }; 2],
             held: None,
             step_size: f64::INFINITY,
@@ -236,7 +255,7 @@ impl Simulation {
         }
         let start = simulation.point(&excitation);
         let (kinetic, potential) = energy(&block, simulation.regime, &start.instant);
-        simulation.sums.initial = kinetic + potential;
+        simulation.sums = EnergySums { initial: kinetic + potential, ..EnergySums::default() };
         simulation.peaks.include(&simulation.peak_samples(&start, &excitation));
         simulation.counts = Counts::default();
         simulation
@@ -259,7 +278,7 @@ impl Simulation {
             self.smooth_piece(stop, &excitation, observer)?;
         }
         match self.ending {
-            Some((ending, time)) if self.at_end(ending) == AtEnd::Terminate => Ok(Progress::Ended(ending, time)),
+            Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
             _ => {
                 self.time = until;
                 Ok(Progress::Reached)
@@ -270,27 +289,21 @@ impl Simulation {
     /// Whether the numbers of a state that came from outside can be gone on from: all finite, and the tolerance one that
     /// is followed. The block is checked by whoever knows what it was made from.
     pub fn is_valid(&self) -> bool {
-        let Simulation { settings, pulse, time, state, creep, step_size, sums, last_event, .. } = self;
+        let Simulation { settings, pulse, time, state, footing, creep, step_size, sums, last_event, .. } = self;
         let creep = creep.iter().flat_map(|creep| [creep.depth, creep.since]);
-        let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts];
+        let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts, sums.constraint];
         let others = [*time, *last_event, pulse.amplitude, pulse.period, pulse.start];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
             && *step_size > 0.0
             && pulse.period > 0.0
+            && footing.is_finite()
             && state.iter().copied().chain(creep).chain(sums).chain(others).all(f64::is_finite)
     }
 
     /// Sets the clock without any motion, to take up the rounding of a master's clock.
     pub fn set_time(&mut self, time: f64) {
         self.time = time;
-    }
-
-    fn at_end(&self, ending: Ending) -> AtEnd {
-        match ending {
-            Ending::Separated => self.settings.on_separation,
-            Ending::Overturned => self.settings.on_overturning,
-        }
     }
 
     /// Present time (s).

@@ -5,13 +5,16 @@ use num_dual::Dual64;
 use crate::dynamics::energy;
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::outputs::{Observation, View};
-use crate::simulation::stepping::NO_FLIGHT;
-use crate::simulation::{AtEnd, Energies, EnergySums, Simulation};
+use crate::simulation::{Ending, Energies, EnergySums, OnOverturning, OnSeparation, Simulation};
 
 impl Simulation {
     /// Whether the run ended and is held there: nothing moves and no support bears any more.
     pub fn is_frozen(&self) -> bool {
-        self.ending.is_some_and(|(ending, _)| self.at_end(ending) == AtEnd::Hold)
+        match self.ending {
+            None => false,
+            Some((Ending::Separated, _)) => self.settings.on_separation == OnSeparation::Hold,
+            Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
+        }
     }
 
     /// What a user sees now, under these inputs.
@@ -42,7 +45,7 @@ impl Simulation {
             // Under a block that is held the supports are, too.
             time: self.ending.map_or(self.time, |(_, ended)| ended),
             state: &self.state,
-            flight: NO_FLIGHT,
+            footing: self.footing,
             creep: &self.creep,
             forcing: excitation.at(self.time),
         };
@@ -53,9 +56,9 @@ impl Simulation {
     pub fn energies(&self) -> Energies {
         let x = self.point_at(self.time, self.state, &Excitation::none()).instant;
         let (kinetic, potential) = energy(&self.block, self.regime, &x);
-        let EnergySums { initial, input, dashpots, impacts } = self.sums;
-        let [kinetic, potential, initial, input, dashpots, impacts] =
-            [kinetic, potential, initial, input, dashpots, impacts].map(|part| part * self.block.mass);
+        let EnergySums { initial, input, dashpots, impacts, constraint } = self.sums;
+        let [kinetic, potential, initial, input, dashpots, impacts, constraint] =
+            [kinetic, potential, initial, input, dashpots, impacts, constraint].map(|part| part * self.block.mass);
         let total = kinetic + potential;
         Energies {
             total,
@@ -64,6 +67,7 @@ impl Simulation {
             input,
             dashpots,
             impacts,
+            constraint,
             residual: total - initial - input + dashpots + impacts,
         }
     }
@@ -82,7 +86,15 @@ impl Simulation {
             let [kinetic, potential, input, dashpots] =
                 [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
             let total = kinetic + potential;
-            Energies { total, kinetic, potential, input, dashpots, impacts: 0.0, residual: total - input + dashpots }
+            Energies {
+                total,
+                kinetic,
+                potential,
+                input,
+                dashpots,
+                residual: total - input + dashpots,
+                ..Energies::default()
+            }
         })
     }
 }

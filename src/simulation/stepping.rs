@@ -1,7 +1,7 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Flight, Instant, State, instant};
+use crate::dynamics::{Footing, Instant, State, instant};
 use crate::events::{Event, Moment, Surface, surfaces};
 use crate::excitation::{Excitation, Forcing};
 use crate::integrator::{DenseOutput, EVALUATIONS_PER_STEP, Rate, Step};
@@ -16,6 +16,7 @@ use crate::simulation::{Simulation, SimulationError};
 pub(super) struct Point {
     pub(super) time: f64,
     pub(super) state: State,
+    pub(super) footing: Footing<f64>,
     pub(super) rate: Rate,
     pub(super) instant: Instant<f64>,
     pub(super) forcing: Forcing<f64>,
@@ -32,8 +33,9 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let mut here = self.point(excitation);
         while self.time < stop && self.ending.is_none() {
-            let (block, regime) = (self.block, self.regime);
-            let rate = |time: f64, state: &State| rate(&block, regime, excitation.at(time), state).0;
+            let block = self.block;
+            let motion = Motion::of(self, &block);
+            let rate = |time: f64, state: &State| motion.rate(time, state, excitation);
             let (step, mut there) = self.accepted_step(stop, &here, excitation)?;
             let mut dense: Option<DenseOutput> = None;
             let mut evaluations = 0;
@@ -61,7 +63,7 @@ impl Simulation {
             if there.time > self.time {
                 self.events_in_this_instant = 0;
             }
-            (self.time, self.state) = (there.time, there.state);
+            (self.time, self.state, self.footing) = (there.time, there.state, there.footing);
             here = match event {
                 Some((_, surface)) => {
                     self.apply(surface, &there, excitation, observer)?;
@@ -84,7 +86,8 @@ impl Simulation {
         here: &Point,
         excitation: &Excitation,
     ) -> Result<(Step, Point), SimulationError> {
-        let (block, regime, time) = (self.block, self.regime, self.time);
+        let (block, time) = (self.block, self.time);
+        let motion = Motion::of(self, &block);
         let (weights, longest) = self.error_weights(excitation.frequency());
         let remaining = stop - time;
         // The rest of the way in equal steps, so that a stop close ahead is not met by a tiny step.
@@ -93,8 +96,7 @@ impl Simulation {
         let mut last = steps == 1.0;
         let mut grow = true;
         loop {
-            let step =
-                Step::attempt(time, size, here.state, here.rate, |t, x| rate(&block, regime, excitation.at(t), x).0);
+            let step = Step::attempt(time, size, here.state, here.rate, |t, x| motion.rate(t, x, excitation));
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(&weights);
             let factor = Step::size_factor(error);
@@ -131,7 +133,8 @@ impl Simulation {
         let Block { alpha, p, b, h, i0, r0, omega_v, gravity, foundation, .. } = self.block;
         const LONGEST: f64 = 2.0;
         const OF_WEIGHT: f64 = 10.0;
-        let turning = b * b / (i0 + h * h);
+        // A foot that slides lets the block turn about its centre of mass.
+        let turning = if self.footing.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
         let (rocking, vertical) = match (foundation, self.regime) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
@@ -155,7 +158,7 @@ impl Simulation {
     ) -> Option<(f64, Surface)> {
         let mut first: Option<(f64, Surface)> = None;
         let duration = there.time - here.time;
-        for surface in surfaces(&self.block, self.regime, self.held).into_iter().flatten() {
+        for surface in surfaces(&self.block, self.regime, self.held, self.footing.grips()).into_iter().flatten() {
             let rounding = surface.rounding(&self.block);
             let start = surface.sample(&self.moment(here, excitation));
             let end = surface.sample(&self.moment(there, excitation));
@@ -222,7 +225,7 @@ impl Simulation {
             regime: self.regime,
             time: point.time,
             state: &point.state,
-            flight: NO_FLIGHT,
+            footing: point.footing,
             creep: &self.creep,
             forcing: point.forcing,
         }
@@ -234,6 +237,7 @@ impl Simulation {
             time: point.time,
             state: &point.state,
             regime: self.regime,
+            footing: point.footing,
             instant: &point.instant,
             forcing: point.forcing,
             forcing_rate: excitation.rate_at(point.time),
@@ -248,19 +252,50 @@ impl Simulation {
 
     #[inline]
     pub(super) fn point_at(&self, time: f64, state: State, excitation: &Excitation) -> Point {
-        let forcing = excitation.at(time);
-        let (rate, instant) = rate(&self.block, self.regime, forcing, &state);
-        Point { time, state, rate, instant, forcing, peaks: None }
+        Motion::of(self, &self.block).point(time, state, excitation)
     }
 }
 
-/// Horizontal motion in flight; zero while the run ends at separation.
-pub(super) const NO_FLIGHT: Flight<f64> = (0.0, 0.0);
+/// A regime from a time on.
+struct Motion<'a> {
+    block: &'a Block,
+    regime: Regime,
+    since: f64,
+    footing: Footing<f64>,
+}
 
-#[inline]
-fn rate(block: &Block, regime: Regime, forcing: Forcing<f64>, state: &State) -> (Rate, Instant<f64>) {
-    let x = instant(block, regime, [state[0], state[1], state[2], state[3]], NO_FLIGHT, forcing);
-    let powers = x.powers(block, regime, forcing);
-    let state = State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot);
-    (Rate { state, powers: powers.into() }, x)
+impl Motion<'_> {
+    /// The motion of a simulation from its present time on, while the regime lasts.
+    #[inline]
+    fn of<'a>(simulation: &Simulation, block: &'a Block) -> Motion<'a> {
+        Motion { block, regime: simulation.regime, since: simulation.time, footing: simulation.footing }
+    }
+
+    #[inline]
+    fn point(&self, time: f64, state: State, excitation: &Excitation) -> Point {
+        let forcing = excitation.at(time);
+        let footing = self.footing_at(time, excitation);
+        let instant = instant(self.block, self.regime, state.into(), footing, forcing);
+        let powers = instant.powers(self.block, self.regime, forcing).into();
+        let rate =
+            Rate { state: State::new(instant.theta_dot, instant.theta_ddot, instant.w_dot, instant.w_ddot), powers };
+        Point { time, state, footing, rate, instant, forcing, peaks: None }
+    }
+
+    #[inline]
+    fn rate(&self, time: f64, state: &State, excitation: &Excitation) -> Rate {
+        self.point(time, *state, excitation).rate
+    }
+
+    /// What holds the block at `time`. Where nothing does, `ü = −a_gx` is integrated in closed form.
+    #[inline]
+    fn footing_at(&self, time: f64, excitation: &Excitation) -> Footing<f64> {
+        match self.footing {
+            grips @ Footing::Grips { .. } => grips,
+            Footing::Free { u, u_dot } => {
+                let (velocity, way) = excitation.horizontal_drift(self.since, time);
+                Footing::Free { u: u + u_dot * (time - self.since) - way, u_dot: u_dot - velocity }
+            }
+        }
+    }
 }

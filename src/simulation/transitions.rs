@@ -1,11 +1,12 @@
 //! An event → what it does, and the regime anew.
 
 use crate::block::Foundation;
-use crate::dynamics::{Instant, State, energy};
-use crate::events::{Creep, Event, EventKind, Surface, gap_opening, reaction_rate};
+use crate::dynamics::{Footing, Instant, State, energy};
+use crate::events::{Creep, Event, EventKind, Surface, gap_opening, pressure_if_gripped, reaction_rate};
 use crate::excitation::Excitation;
-use crate::impact;
+use crate::impact::{self, Velocities};
 use crate::regime::{Corner, Regime};
+use crate::simulation::placement::Placement;
 use crate::simulation::stepping::Point;
 use crate::simulation::{Ending, LiftOff, Simulation, SimulationError};
 
@@ -32,14 +33,25 @@ impl Simulation {
                     Foundation::Viscoelastic => self.lift(corner, surface, at, excitation),
                     Foundation::Rigid => self.start_to_rock(corner),
                 }
-                EventKind::LiftOff(corner)
+                if self.regime == before && !self.footing.grips() {
+                    EventKind::Slip
+                } else {
+                    EventKind::LiftOff(corner)
+                }
             }
             Surface::Gap(corner) => {
                 match self.block.foundation {
-                    Foundation::Viscoelastic => self.land(corner, at, excitation),
+                    Foundation::Viscoelastic if self.footing.grips() => self.land(corner, at, excitation),
+                    Foundation::Viscoelastic => self.land_freely(corner, at, excitation),
                     Foundation::Rigid => self.change_pivot(corner, at),
                 }
                 EventKind::Landing(corner)
+            }
+            Surface::Slide => {
+                let mut now = Placement::of(&at.instant, before);
+                self.grip(&mut now, excitation);
+                self.settle(now, excitation);
+                EventKind::Grip
             }
             Surface::QuarterTurn => {
                 self.end(Ending::Overturned);
@@ -52,101 +64,123 @@ impl Simulation {
             // Nothing happened that a user would see: the corner is held from here on.
             return Ok(());
         }
-        if self.regime == Regime::Separated {
-            self.end(Ending::Separated);
-        }
+        self.end_if_separated();
         observer(&Event { time: self.time, kind, before, after: self.regime });
         Ok(())
     }
 
     /// The reaction of `corner` fell through zero.
-    pub(super) fn lift(&mut self, corner: Corner, surface: Surface, at: &Point, excitation: &Excitation) {
-        let mut touching = Corner::BOTH.map(|c| self.regime.touches(c));
-        let opens = self.regime != Regime::FullContact || {
-            let rate = at.instant.corner_dot[corner.index()];
-            gap_opening(&self.moment(at, excitation), corner, rate) >= 0.0
-        };
-        self.held = (!opens && matches!(surface, Surface::Reaction(_))).then_some(corner);
-        if self.held.is_some() {
-            return;
+    fn lift(&mut self, corner: Corner, surface: Surface, at: &Point, excitation: &Excitation) {
+        let x = &at.instant;
+        // A foot that slides lifts just when its gap opens; and the paper's analysis ends where the last reaction falls.
+        let opens = !self.footing.grips() || self.lets_go(corner, x.corner_dot[corner.index()], at, excitation);
+        match self.regime {
+            Regime::FullContact => {
+                self.held = (!opens && matches!(surface, Surface::Reaction(_))).then_some(corner);
+                if self.held.is_some() {
+                    return;
+                }
+            }
+            _ if !opens => return self.release(x),
+            _ => {}
         }
-        let corners = corners_of(&at.instant);
-        touching[corner.index()] = false;
-        self.creep[corner.index()] =
-            Creep { depth: self.block.static_deflection() - corners[corner.index()].0, since: self.time };
-        self.counts.liftoffs += 1;
-        let Instant { theta, theta_dot, v, v_dot, .. } = at.instant;
-        self.settle(touching, corners, theta, theta_dot, v, v_dot, excitation);
+        let mut now = Placement::of(x, self.regime);
+        self.take_off(corner, &mut now);
+        self.settle(now, excitation);
     }
 
-    /// The gap under `corner` closed while the other corner stands.
-    pub(super) fn land(&mut self, corner: Corner, at: &Point, excitation: &Excitation) {
-        let i = corner.index();
-        let Instant { theta, mut theta_dot, v, mut v_dot, .. } = at.instant;
-        let mut corners = corners_of(&at.instant);
-        corners[i].0 = self.creep[i].top(&self.block, self.time).value;
-        if corners[i].1 < 0.0 {
-            (v_dot, theta_dot) = impact::landing(&self.block, corner, theta, v_dot, theta_dot);
-            let standing = corner.other();
-            corners[standing.index()].1 = impact::corner_rate(&self.block, standing, theta, v_dot, theta_dot);
+    /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. The paper's analysis ends
+    /// when the last corner bears nothing.
+    fn lets_go(&self, corner: Corner, corner_dot: f64, at: &Point, excitation: &Excitation) -> bool {
+        let last = !self.regime.touches(corner.other());
+        (last && !self.flies()) || gap_opening(&self.moment(at, excitation), corner, corner_dot) >= 0.0
+    }
+
+    /// The gap under `corner` closed while the other corner stands and grips.
+    fn land(&mut self, corner: Corner, at: &Point, excitation: &Excitation) {
+        let mut now = Placement::of(&at.instant, self.regime);
+        let block = &self.block;
+        let before = now.velocities;
+        self.put_down(corner, &mut now);
+        let rate = now.corners[corner.index()].1;
+        if rate < 0.0 {
+            let (v_dot, theta_dot) = impact::landing(block, corner, now.theta, before.v_dot, before.theta_dot);
+            now.strike(block, Velocities { v_dot, theta_dot, ..before });
             // Exactly ε times the rate before, which the map gives only to rounding.
-            corners[i].1 *= self.block.epsilon;
+            now.corners[corner.index()].1 = block.epsilon * rate;
             self.counts.impacts += 1;
+            self.sums.constraint += impact::landing_loss(block, corner, now.theta, rate);
         }
-        self.settle([true; 2], corners, theta, theta_dot, v, v_dot, excitation);
+        now.velocities.u_dot = block.h * libm::cos(now.theta) * now.velocities.theta_dot;
+        self.sums.constraint += now.velocities.kinetic(block) - before.kinetic(block);
+        self.settle(now, excitation);
+    }
+
+    /// `corner` touches from now on, at the height of its support.
+    pub(super) fn put_down(&self, corner: Corner, now: &mut Placement) {
+        now.touching[corner.index()] = true;
+        now.corners[corner.index()].0 = self.creep[corner.index()].top(&self.block, self.time).value;
+    }
+
+    /// `corner` has left its support, which creeps back from here on.
+    fn take_off(&mut self, corner: Corner, now: &mut Placement) {
+        let i = corner.index();
+        now.touching[i] = false;
+        self.creep[i] = Creep { depth: self.block.static_deflection() - now.corners[i].0, since: self.time };
+        self.counts.liftoffs += 1;
     }
 
     /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
-    /// within the resolution of time, and repeats. Heights and rates of the corners are given beside `v`, `v̇`, since
-    /// their exact values (a rate of zero, say) decide.
-    #[expect(clippy::too_many_arguments, reason = "the state before it is known which coordinates describe it")]
-    pub(super) fn settle(
-        &mut self,
-        mut touching: [bool; 2],
-        mut corners: [(f64, f64); 2],
-        theta: f64,
-        mut theta_dot: f64,
-        v: f64,
-        v_dot: f64,
-        excitation: &Excitation,
-    ) {
+    /// within the resolution of time, and repeats.
+    pub(super) fn settle(&mut self, mut now: Placement, excitation: &Excitation) {
         let block = self.block;
         let omega_v = block.omega_v;
         self.held = None;
         // Two events closer than this cannot be told apart.
         let resolution = 4.0 * f64::EPSILON * self.time.abs().max(1.0 / omega_v);
         loop {
-            let before = std::mem::replace(&mut self.regime, Regime::of_touching(touching));
-            if let (LiftOff::KeepMomentum, Regime::FullContact, Some(pivot)) =
-                (self.settings.lift_off, before, self.regime.pivot())
-            {
-                theta_dot = impact::new_pivot(&block, pivot, theta, theta_dot);
-                corners[pivot.index()].1 = impact::corner_rate(&block, pivot, theta, v_dot, theta_dot);
+            let before = std::mem::replace(&mut self.regime, now.regime());
+            if let (Regime::FullContact, Some(pivot), true) = (before, self.regime.pivot(), self.footing.grips()) {
+                self.hold_pivot(pivot, &mut now);
             }
-            let (w, w_dot) = match self.regime {
-                Regime::FullContact => (0.5 * (corners[0].0 + corners[1].0), 0.5 * (corners[0].1 + corners[1].1)),
-                Regime::TiltingLeft => corners[0],
-                Regime::TiltingRight => corners[1],
-                Regime::Separated => (v, v_dot),
-            };
-            self.state = State::new(theta, theta_dot, w, w_dot);
-            let point = self.point(excitation);
+            if self.regime == Regime::Separated && self.footing.grips() {
+                self.footing = Footing::Free { u: now.u, u_dot: now.velocities.u_dot };
+            }
+            self.state = now.state();
+            let mut point = self.point(excitation);
+            let slides = !self.footing.grips() && self.regime != Regime::Separated;
+            if slides && pressure_if_gripped(&block, self.regime, &point.instant) > Surface::Slide.rounding(&block) {
+                self.grip(&mut now, excitation);
+                point = self.point(excitation);
+            }
+            (now.u, now.velocities.u_dot) = (point.instant.u, point.instant.u_dot);
             let drop = Corner::BOTH
                 .into_iter()
-                .filter(|corner| touching[corner.index()])
+                .filter(|corner| now.touching[corner.index()])
                 .map(|corner| {
-                    let (height, rate) = corners[corner.index()];
+                    let (height, rate) = now.corners[corner.index()];
                     let n = 0.5 * block.gravity - 0.5 * omega_v * omega_v * height - block.xi_v * omega_v * rate;
+                    // What rounding left of a zero, and then the rate decides.
+                    let n = if n.abs() <= Surface::Reaction(corner).rounding(&block) { 0.0 } else { n };
                     (corner, n, rate)
                 })
                 .filter(|&(corner, n, rate)| self.cannot_stay(corner, n, rate, resolution, &point, excitation))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             let Some((corner, ..)) = drop else { break };
-            touching[corner.index()] = false;
-            self.creep[corner.index()] =
-                Creep { depth: block.static_deflection() - corners[corner.index()].0, since: self.time };
-            self.counts.liftoffs += 1;
+            self.take_off(corner, &mut now);
         }
+    }
+
+    /// The other corner has left full contact: from here on the `pivot` is held, no more the middle of the base.
+    fn hold_pivot(&mut self, pivot: Corner, now: &mut Placement) {
+        let block = &self.block;
+        let before = now.velocities;
+        if self.settings.lift_off == LiftOff::KeepMomentum {
+            let theta_dot = impact::new_pivot(block, pivot, now.theta, before.theta_dot);
+            now.strike(block, Velocities { theta_dot, ..before });
+        }
+        now.velocities.u_dot = impact::height_over(block, pivot, now.theta) * now.velocities.theta_dot;
+        self.sums.constraint += now.velocities.kinetic(block) - before.kinetic(block);
     }
 
     /// Whether a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its support
@@ -169,12 +203,14 @@ impl Simulation {
             // Without damping and after a landing at ε = 0 the rate is zero, and the next derivative decides.
             n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && corner_ddot > 0.0)))
         };
-        let opening = || gap_opening(&self.moment(point, excitation), corner, corner_dot);
-        if falling && self.regime == Regime::FullContact && opening() < 0.0 {
-            self.held = Some(corner);
-            return false;
+        if !falling || !self.footing.grips() || self.lets_go(corner, corner_dot, point, excitation) {
+            return falling;
         }
-        falling
+        match self.regime {
+            Regime::FullContact => self.held = Some(corner),
+            _ => self.release(&point.instant),
+        }
+        false
     }
 
     /// On the rigid base, `corner` lifts from rest.
@@ -201,7 +237,13 @@ impl Simulation {
         }
     }
 
-    pub(super) fn end(&mut self, ending: Ending) {
+    pub(super) fn end_if_separated(&mut self) {
+        if self.regime == Regime::Separated && !self.flies() {
+            self.end(Ending::Separated);
+        }
+    }
+
+    fn end(&mut self, ending: Ending) {
         self.ending = Some((ending, self.time));
     }
 
@@ -214,8 +256,4 @@ impl Simulation {
         let (kinetic, potential) = energy(&self.block, self.regime, instant);
         kinetic + potential
     }
-}
-
-fn corners_of(x: &Instant<f64>) -> [(f64, f64); 2] {
-    [(x.corner[0], x.corner_dot[0]), (x.corner[1], x.corner_dot[1])]
 }

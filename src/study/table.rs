@@ -8,7 +8,7 @@ use crate::study::history::{History, Row};
 type Column = (&'static str, fn(&Row) -> f64);
 
 /// The columns, with the names of the FMU's variables; SI units, angles in radians.
-pub const COLUMNS: [Column; 26] = [
+pub const COLUMNS: [Column; 27] = [
     ("t", |row| row.time),
     ("theta", |row| row.seen.theta),
     ("theta_dot", |row| row.seen.theta_dot),
@@ -32,6 +32,7 @@ pub const COLUMNS: [Column; 26] = [
     ("energy.input", |row| row.energies.input),
     ("energy.dashpots", |row| row.energies.dashpots),
     ("energy.impacts", |row| row.energies.impacts),
+    ("energy.constraint", |row| row.energies.constraint),
     ("energy.residual", |row| row.energies.residual),
     ("a_gx", |row| row.ground[0]),
     ("a_gz", |row| row.ground[1]),

@@ -1,4 +1,4 @@
-//! Instances that are not to be had, and initializations that are refused (interface.md, *What bad use gets*).
+//! Instances that are not to be had, and initializations that are refused.
 
 use std::ffi::{CString, c_int};
 use std::ptr::null;
@@ -70,7 +70,7 @@ fn without_callbacks_there_is_no_instance_and_without_a_logger_no_message() {
     }
 }
 
-/// interface.md, *Time stepping*: the resource location is not needed and not judged.
+/// The resource location is not needed and not judged.
 #[test]
 fn any_resource_location_does() {
     let odd = ["", "file:/", "file:///", "file:///a b/%20%s%n", "no such place", "http://localhost/x"];
@@ -111,7 +111,7 @@ fn parameters_whose_product_overflows_are_refused() {
     instance.refuses(call!(instance, exit_initialization_mode), &["fmi2ExitInitializationMode"]);
 }
 
-/// interface.md, *Variables*: a parameter of the group that is not selected is reported, never silently ignored.
+/// A parameter of the group that is not selected is reported, never silently ignored.
 #[test]
 fn parameters_that_are_not_read_are_warned_of() {
     for (selected, name) in [(1.0, "physical.width"), (2.0, "dimensionless.alpha")] {

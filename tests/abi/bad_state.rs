@@ -1,4 +1,4 @@
-//! Serialized states that are refused (interface.md, *What bad use gets*): an error, and the instance as it was.
+//! Serialized states that are refused: an error, and the instance as it was.
 
 use std::ffi::c_char;
 use std::ptr::null_mut;

@@ -1,4 +1,4 @@
-//! Steps that are refused, and how much rounding of a master is forgiven (interface.md, *Time stepping*).
+//! Steps that are refused, and how much rounding of a master is forgiven.
 
 use crate::functions::*;
 use crate::host::{Instance, call};

@@ -1,4 +1,4 @@
-//! Values that are refused (interface.md, *What bad use gets*): a message names what was wrong, and nothing has changed.
+//! Values that are refused: a message names what was wrong, and nothing has changed.
 
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};

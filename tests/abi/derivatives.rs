@@ -17,10 +17,11 @@ const INPUTS: [(&str, f64); 5] =
 /// Parameters that lead to a regime, and the regime.
 type Scene = (&'static str, &'static [(&'static str, f64)], f64);
 
-const SCENES: [Scene; 6] = [
+const SCENES: [Scene; 7] = [
     ("full contact", &[("initial.theta", 0.001)], 0.0),
     ("tilting left", &[("initial.theta", -0.1)], -1.0),
     ("tilting right", &[("initial.theta", 0.1)], 1.0),
+    ("in flight", &[("on_separation", 3.0), ("initial.settled", 0.0), ("initial.theta", 0.1), ("initial.v", 2.0)], 2.0),
     ("rocking to the left on the rigid base", &[("foundation", 2.0), ("initial.theta", -0.1)], -1.0),
     ("rocking to the right on the rigid base", &[("foundation", 2.0), ("initial.theta", 0.1)], 1.0),
     ("at rest on the rigid base", &[("foundation", 2.0)], 0.0),

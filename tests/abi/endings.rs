@@ -1,4 +1,4 @@
-//! Complete separation and overturning, ended or held (interface.md, *Time stepping*).
+//! Complete separation and overturning, ended or held.
 
 use crate::common::{Case, cases};
 use crate::functions::*;
@@ -161,6 +161,31 @@ fn a_start_in_the_air() {
             assert_eq!(instance.boolean_status(TERMINATED), Ok(true));
         }
     }
+}
+
+/// A block that may fly does, and the run goes on.
+#[test]
+fn a_separation_that_ends_in_a_landing() {
+    let case = case("sine_separates");
+    let instance = Instance::new("block");
+    prepare(&instance, &case);
+    instance.set("on_separation", 3.0);
+    instance.initialize(Some(1e-10));
+    let (mut regimes, mut time) = (Vec::new(), 0.0);
+    while time < case.t_final + 0.5 {
+        instance.step(time, 0.001);
+        time += 0.001;
+        let regime = instance.get("regime");
+        if regimes.last() != Some(&regime) {
+            regimes.push(regime);
+        }
+        if regime == 2.0 {
+            assert_eq!([instance.get("N_L"), instance.get("N_R"), instance.get("H")], [0.0; 3]);
+        }
+    }
+    let flight = regimes.iter().position(|&regime| regime == 2.0).expect("a flight");
+    assert!(regimes.len() >= flight + 2, "{regimes:?}");
+    assert_eq!([instance.get("separated"), instance.get("overturned")], [0.0; 2]);
 }
 
 /// A master that can go back does, and takes a step that ends before the end.

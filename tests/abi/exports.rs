@@ -1,4 +1,4 @@
-//! The names that the binary exports (interface.md: all 44 functions of the standard's headers, and nothing else).
+//! The names that the binary exports (all 44 functions of the standard's headers, and nothing else).
 
 use std::collections::BTreeSet;
 

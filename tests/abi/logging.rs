@@ -1,4 +1,4 @@
-//! What is logged, and who chooses it (interface.md, *Log categories*).
+//! What is logged, and who chooses it.
 
 use std::ffi::CString;
 

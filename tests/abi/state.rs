@@ -1,4 +1,4 @@
-//! Saved states: back and on again gives the same bits (interface.md, *Time stepping*; the standard, 2.1.8).
+//! Saved states: back and on again gives the same bits (the standard, 2.1.8).
 
 use std::ptr::null_mut;
 

@@ -1,4 +1,4 @@
-//! Communication steps, inputs between them, and the same bits every time (interface.md, *Time stepping*).
+//! Communication steps, inputs between them, and the same bits every time.
 
 use crate::functions::*;
 use crate::host::{Instance, call, reference};

@@ -65,7 +65,7 @@ prop_compose! {
     pub fn experiments()(
         group in group(),
         common in (prop_oneof![Just(0.0), Just(1.0), 0.0..1.0], 0.3..5.0, prop_oneof![Just(9.81), Just(1.62)]),
-        ways in (prop_oneof![3 => Just(1), 1 => Just(2)], 1..=2, 1..=2),
+        ways in (prop_oneof![3 => Just(1), 1 => Just(2)], 1..=3, 1..=2),
         start in (-0.3..0.3, -1.0..1.0, any::<bool>(), -0.05..0.05, -0.3..0.3),
         pulse in (1..=5, -15.0..15.0, log_uniform(0.05, 3.0), -1.0..2.0),
         still in any::<bool>(),
