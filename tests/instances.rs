@@ -99,7 +99,8 @@ fn ten_thousand_instances_one_after_the_other_keep_no_memory() {
     let before = resident();
     (0..lives).for_each(|_| life());
     let grown = resident().saturating_sub(before);
-    assert!(grown < 1 << 20, "{lives} instances left {grown} bytes");
+    // With fewer lives a tool watches, which takes memory of its own and looks for leaks itself.
+    assert!(lives < 10_000 || grown < 1 << 20, "{lives} instances left {grown} bytes");
 }
 
 /// Memory of this process that is in use (bytes).
