@@ -50,7 +50,7 @@ pub mod simulation;
 
 pub mod fmi2;
 
-#[cfg(feature = "program")]
+#[cfg(feature = "records")]
 pub mod records;
 
 #[cfg(feature = "program")]

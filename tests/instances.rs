@@ -5,6 +5,7 @@
 mod fmu;
 
 use fmu::{Fmu, OK, reference};
+use rocking_block::fmi2::exports::fmi2DeSerializeFMUstate;
 
 /// Communication step (s).
 const STEP: f64 = 0.01;
@@ -88,13 +89,18 @@ fn ten_thousand_instances_one_after_the_other_keep_no_memory() {
         assert_eq!(fmu.deserialize(&bytes), OK);
         assert_eq!(fmu.restore(1), OK);
         assert_ne!(fmu.deserialize(&bytes[1..]), OK);
+        // SAFETY: the instance lives, and no place for the state is given; found by valgrind to leak the state.
+        let status =
+            unsafe { fmi2DeSerializeFMUstate(fmu.component, bytes.as_ptr().cast(), bytes.len(), std::ptr::null_mut()) };
+        assert_ne!(status, OK);
     };
     let lives = instances(10_000);
     (0..lives / 10).for_each(|_| life());
     let before = resident();
     (0..lives).for_each(|_| life());
     let grown = resident().saturating_sub(before);
-    assert!(grown < 1 << 20, "{lives} instances left {grown} bytes");
+    // With fewer lives a tool watches, which takes memory of its own and looks for leaks itself.
+    assert!(lives < 10_000 || grown < 1 << 20, "{lives} instances left {grown} bytes");
 }
 
 /// Memory of this process that is in use (bytes).

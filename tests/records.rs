@@ -1,6 +1,6 @@
 //! Accelerogram files: real ones of every format, made-up ones that must be refused, and random ones.
 
-#![cfg(feature = "program")]
+#![cfg(feature = "records")]
 
 #[path = "records/columns.rs"]
 mod columns;

@@ -255,7 +255,8 @@ pub unsafe fn free_state(state: *mut fmi2FMUstate) -> Answer {
 /// As for [`place`].
 pub unsafe fn give_state(state: *mut fmi2FMUstate, core: Core) -> Answer {
     // SAFETY: by contract.
-    *unsafe { place("FMUstate", state) }? = Box::into_raw(Box::new(core)).cast();
+    let place = unsafe { place("FMUstate", state) }?;
+    *place = Box::into_raw(Box::new(core)).cast();
     Ok(Status::Ok)
 }
 

@@ -90,8 +90,10 @@ impl Simulation {
         let motion = Motion::of(self, &block);
         let (weights, longest) = self.error_weights(excitation.frequency());
         let remaining = stop - time;
+        // What the clock can resolve on the way. Near time zero it resolves far less, but such steps lead nowhere.
+        let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
         // The rest of the way in equal steps, so that a stop close ahead is not met by a tiny step.
-        let steps = (remaining / self.step_size.min(longest)).ceil().max(1.0);
+        let steps = (remaining / self.step_size.min(longest).max(shortest)).ceil().max(1.0);
         let mut size = remaining / steps;
         let mut last = steps == 1.0;
         let mut grow = true;
@@ -113,7 +115,7 @@ impl Simulation {
             self.counts.rejected += 1;
             (last, grow) = (false, false);
             size *= factor;
-            if time + size == time {
+            if size < shortest {
                 return Err(if here.rate.state.iter().all(|x| x.is_finite()) && error.is_finite() {
                     SimulationError::StepTooSmall { time, size, tolerance: self.settings.tolerance }
                 } else {

@@ -95,3 +95,19 @@ fn an_overflow_is_an_error_with_the_time_of_the_last_good_state() {
     instance.initialize(None);
     instance.step(0.0, 0.5);
 }
+
+/// Found by fuzzing: at time zero the clock resolves steps of any size, and there were 10¹⁶ to take.
+#[test]
+fn an_input_that_no_step_can_follow_is_an_error_at_time_zero_too() {
+    // A pulse that begins so soon that the resolution of its time is no number.
+    for (start, pulse) in [(2.0, 0.0), (0.0, 0.0), (0.0, 1.2e-309)] {
+        let instance = Instance::new("block");
+        instance.set("pulse.shape", 2.0);
+        instance.set("pulse.start", pulse);
+        assert_eq!(instance.setup(None, start, None), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        assert_eq!(call!(instance, exit_initialization_mode), OK);
+        instance.set("a_gz", 2e141);
+        instance.refuses(instance.try_step(start, 0.5), &["step size fell to", "cannot be met"]);
+    }
+}

@@ -225,6 +225,15 @@ impl Fmu {
         status
     }
 
+    /// Whether the block moves as blocks do, or so wildly that no step can follow. In between the clock and the tolerance
+    /// leave room for 10¹⁵ honest steps.
+    pub fn is_quick(&mut self) -> bool {
+        let mut motion = [0.0; 5];
+        let names = ["theta_dot", "v_dot", "theta_ddot", "v_ddot", "u_ddot"];
+        let known = self.reals(&names.map(reference), &mut motion) == OK;
+        !known || !motion.iter().any(|rate| (1e7..1e30).contains(&rate.abs()))
+    }
+
     /// Every output and calculated parameter as bits; all Reals must be finite.
     pub fn bits(&mut self) -> Vec<u64> {
         let real = readable(Kind::Real);

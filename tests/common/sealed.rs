@@ -30,7 +30,6 @@ fn number(bytes: &mut Vec<u8>, mut value: u64) {
 }
 
 /// The content of a state that was serialized.
-#[allow(dead_code, reason = "the fuzz target makes contents of its own")]
 pub fn content(bytes: &[u8]) -> &[u8] {
     let start = (0..bytes.len()).find(|&start| seal(&bytes[start..]) == bytes);
     &bytes[start.expect("a serialized state")..]
@@ -49,7 +48,9 @@ pub fn go_on(fmu: &mut Fmu) {
         // SAFETY: the instance lives, and there is a place for the time.
         check(unsafe { rocking_block::fmi2::exports::fmi2GetRealStatus(fmu.component, 2, &raw mut time) });
         // Short beside the block's periods, so that no honest motion takes many steps.
-        check(fmu.step(time, 0.5 / omega[0].max(1.0)));
+        if fmu.is_quick() {
+            check(fmu.step(time, 0.5 / omega[0].max(1.0)));
+        }
         check(fmu.set(reference("a_gx"), 3.0));
         check(fmu.reals(&[reference("theta_ddot"), reference("peak.N")], &mut [0.0; 2]));
         check(fmu.rates(&[reference("energy.total")], &[1], &mut [0.0]));

@@ -248,3 +248,24 @@ fn every_file_is_read_or_refused_in_one_line() {
         }
     }
 }
+
+/// What the fuzz target begins with: a file of every format, and each is read, so that it gets past the headers.
+#[test]
+fn the_seeds_of_the_fuzz_target_are_records() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/seeds"));
+    let expected = [
+        ("block.txt", Format::Peer),
+        ("columns.csv", Format::Columns),
+        ("cosmos.v2", Format::Cosmos),
+        ("csmip.v2", Format::Csmip),
+        ("esm.asc", Format::Esm),
+        ("peer.at2", Format::Peer),
+        ("smc.smc", Format::Smc),
+        ("time.txt", Format::Columns),
+    ];
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), expected.len());
+    for (name, format) in expected {
+        let options = if name.ends_with(".txt") { said(Unit::G, 0.01) } else { ReadOptions::default() };
+        assert_eq!(read(&folder.join(name), &options).unwrap().format, format, "{name}");
+    }
+}
