@@ -110,19 +110,32 @@ impl Footing<f64> {
 pub fn instant<T: Scalar>(
     block: &Block,
     regime: Regime,
-    [theta, theta_dot, w, w_dot]: [T; 4],
+    state: [T; 4],
     footing: Footing<T>,
     forcing: Forcing<T>,
 ) -> Instant<T> {
-    let posture = Posture::new(block, [theta, theta_dot, w, w_dot], footing);
+    instant_of(block, regime, state, footing, forcing, |x| x)
+}
+
+/// What `pick` takes of [`instant`]: only that is computed, since it is inlined into the equations of each regime.
+#[inline(always)]
+pub fn instant_of<T: Scalar, R>(
+    block: &Block,
+    regime: Regime,
+    state: [T; 4],
+    footing: Footing<T>,
+    forcing: Forcing<T>,
+    pick: impl Fn(Instant<T>) -> R,
+) -> R {
+    let posture = Posture::new(block, state, footing);
     match (regime, block.foundation) {
-        (Regime::FullContact, Foundation::Viscoelastic) => posture.full_contact(forcing),
-        (Regime::FullContact, Foundation::Rigid) => posture.at_rest(forcing),
-        (Regime::TiltingLeft, Foundation::Viscoelastic) => posture.on_support(Corner::Left, forcing),
-        (Regime::TiltingRight, Foundation::Viscoelastic) => posture.on_support(Corner::Right, forcing),
-        (Regime::TiltingLeft, Foundation::Rigid) => posture.on_rigid_base(Corner::Left, forcing),
-        (Regime::TiltingRight, Foundation::Rigid) => posture.on_rigid_base(Corner::Right, forcing),
-        (Regime::Separated, _) => posture.in_flight(forcing),
+        (Regime::FullContact, Foundation::Viscoelastic) => pick(posture.full_contact(forcing)),
+        (Regime::FullContact, Foundation::Rigid) => pick(posture.at_rest(forcing)),
+        (Regime::TiltingLeft, Foundation::Viscoelastic) => pick(posture.on_support(Corner::Left, forcing)),
+        (Regime::TiltingRight, Foundation::Viscoelastic) => pick(posture.on_support(Corner::Right, forcing)),
+        (Regime::TiltingLeft, Foundation::Rigid) => pick(posture.on_rigid_base(Corner::Left, forcing)),
+        (Regime::TiltingRight, Foundation::Rigid) => pick(posture.on_rigid_base(Corner::Right, forcing)),
+        (Regime::Separated, _) => pick(posture.in_flight(forcing)),
     }
 }
 
@@ -147,7 +160,7 @@ struct Horizontal<T> {
 }
 
 impl<'a, T: Scalar> Posture<'a, T> {
-    #[inline]
+    #[inline(always)]
     fn new(block: &'a Block, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, T> {
         let (sin, cos) = theta.sin_cos();
         Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
@@ -155,7 +168,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
 
     /// θ̈ from the moments per mass about the centre of mass: of the loads, of the vertical reactions, and of H/M, which
     /// acts `arm` below. A foot that grips moves the centre of mass by `ü = arm θ̈ − centripetal`.
-    #[inline]
+    #[inline(always)]
     fn turning(&self, arm: T, centripetal: T, vertical: T, forcing: Forcing<T>) -> T {
         match self.footing {
             Footing::Grips { .. } => {
@@ -166,7 +179,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
     }
 
     /// Horizontal motion, given that of a foot that grips at its first place.
-    #[inline]
+    #[inline(always)]
     fn horizontal(&self, u: T, u_dot: T, u_ddot: T, forcing: Forcing<T>) -> Horizontal<T> {
         match self.footing {
             Footing::Grips { offset } => Horizontal { u: u + offset, u_dot, u_ddot, reaction: u_ddot + forcing.x },
@@ -175,20 +188,20 @@ impl<'a, T: Scalar> Posture<'a, T> {
     }
 
     /// `1 − cos θ` without cancellation.
-    #[inline]
+    #[inline(always)]
     fn versine(&self) -> T {
         self.sin * self.sin / (self.cos + 1.0)
     }
 
     /// Reaction of one support per mass, from its corner's height and rate; eq. (8).
-    #[inline]
+    #[inline(always)]
     fn support(&self, height: T, rate: T) -> T {
         let Block { gravity, omega_v, xi_v, .. } = *self.block;
         -(height * (0.5 * omega_v * omega_v)) - rate * (xi_v * omega_v) + 0.5 * gravity
     }
 
     /// Eqs. (7)–(10): both corners touch; w is the height of the middle of the base.
-    #[inline]
+    #[inline(always)]
     fn full_contact(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, gravity, omega_v, xi_v, .. } = *block;
@@ -228,7 +241,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
     }
 
     /// Eqs. (11)–(13): one corner touches; w is its height.
-    #[inline]
+    #[inline(always)]
     fn on_support(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
         let s = corner.sign();
         let (reach, height) = (self.reach(s), self.height(s));
@@ -241,7 +254,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
     }
 
     /// Housner's block about the corner on which it stands; w = 0.
-    #[inline]
+    #[inline(always)]
     fn on_rigid_base(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
         let s = corner.sign();
         let (reach, height) = (self.reach(s), self.height(s));
@@ -255,7 +268,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
 
     /// On the rigid base without motion: the reactions that keep the block at rest. The corner whose reaction would
     /// have to pull lifts, which is `|a_gx| > (g + a_gz) tan α`.
-    #[inline]
+    #[inline(always)]
     fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
         let Block { b, h, gravity, .. } = *self.block;
         let zero = T::from(0.0);
@@ -282,7 +295,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
     }
 
     /// No corner touches; w = v.
-    #[inline]
+    #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, i0, gravity, .. } = *block;
@@ -315,19 +328,19 @@ impl<'a, T: Scalar> Posture<'a, T> {
     }
 
     /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass (m).
-    #[inline]
+    #[inline(always)]
     fn reach(&self, s: f64) -> T {
         self.cos * self.block.b + self.sin * (s * self.block.h)
     }
 
     /// `R0 cos φ`: height of the centre of mass over the corner (m).
-    #[inline]
+    #[inline(always)]
     fn height(&self, s: f64) -> T {
         self.cos * self.block.h - self.sin * (s * self.block.b)
     }
 
     /// Kinematics of the block about its one standing corner.
-    #[inline]
+    #[inline(always)]
     fn about(&self, corner: Corner, theta_ddot: T, w_ddot: T, v_ddot: T, n: T, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, .. } = *block;
@@ -368,7 +381,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
 impl<T: Scalar> Instant<T> {
     /// Powers of the excitation and of the dashpots per unit mass (m²/s³); the first is `−a_gx u̇ − a_gz v̇` with the
     /// loads' work in it.
-    #[inline]
+    #[inline(always)]
     pub fn powers(&self, block: &Block, regime: Regime, forcing: Forcing<T>) -> [T; 2] {
         let input = forcing.moment * self.theta_dot - forcing.x * self.u_dot - forcing.z * self.v_dot;
         let [left, right] = self.corner_dot;

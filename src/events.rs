@@ -121,8 +121,8 @@ pub struct Moment<'a> {
     pub forcing: Forcing<f64>,
     /// The rate of that, per second.
     pub forcing_rate: Forcing<f64>,
-    /// The supports' tops.
-    pub creep: &'a [Creep; 2],
+    /// Heights of the supports that nothing touches.
+    pub tops: [Sample; 2],
 }
 
 /// The surfaces that end this regime; `held` is the corner that is held down, if one is, and `grips` whether what
@@ -158,7 +158,7 @@ impl Surface {
             }
             Surface::Gap(corner) => {
                 let i = corner.index();
-                let top = at.creep[i].top(block, at.time);
+                let top = at.tops[i];
                 Sample { value: instant.corner[i] - top.value, rate: instant.corner_dot[i] - top.rate }
             }
             // The rate is not known; a change of sign between samples is enough where the function is monotone.

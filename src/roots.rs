@@ -16,7 +16,7 @@ impl Sample {
     }
 }
 
-/// Pieces into which a step is cut where a root or an extremum may hide. The step control keeps a step below a third of
+/// Pieces into which a step is cut where a root may hide. The step control keeps a step below a third of
 /// the shortest period of the motion, so that a piece is below 1/24 of it and a cubic follows it closely.
 const PIECES: u32 = 8;
 
@@ -110,25 +110,17 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// The greatest value of `function` in `[0, duration]`, given its samples at both ends.
+/// The greatest value of `function` in `[0, duration]`, given its samples at both ends: at one of them, or at the
+/// maximum inside if it rises at the beginning and falls at the end.
 pub fn greatest(start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
-    let (mut low, mut left) = (0.0, start);
-    let mut greatest = start.value.max(end.value);
-    for piece in 1..=PIECES {
-        let (high, right) = if piece == PIECES {
-            (duration, end)
-        } else {
-            let high = duration * f64::from(piece) / f64::from(PIECES);
-            (high, function(high))
-        };
-        greatest = greatest.max(right.value);
-        if upper_bound(left, right, high - low) > greatest {
-            let top = sign_change(low, high, left.rate, right.rate, |t| function(t).rate);
-            greatest = greatest.max(function(top).value);
-        }
-        (low, left) = (high, right);
+    let ends = start.value.max(end.value);
+    if start.rate > 0.0 && end.rate < 0.0 {
+        // The value at a maximum is as exact as the square of its place.
+        let top = sign_change_within(1e-8 * duration, 0.0, duration, start.rate, end.rate, |t| function(t).rate);
+        ends.max(function(top).value)
+    } else {
+        ends
     }
-    greatest
 }
 
 /// A point within rounding (4 ulp of `high`) of a sign change of a continuous function with `f(low) ≥ 0 > f(high)`;
@@ -137,9 +129,21 @@ pub fn greatest(start: Sample, end: Sample, duration: f64, mut function: impl Fn
 /// The ITP method of I. F. D. Oliveira and R. H. C. Takahashi, "An enhancement of the bisection method average
 /// performance preserving minmax optimality", ACM TOMS 47 (2020), doi:10.1145/3423597: at most one evaluation more than
 /// bisection, and superlinear for smooth functions.
-pub fn sign_change(low: f64, high: f64, at_low: f64, at_high: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+pub fn sign_change(low: f64, high: f64, at_low: f64, at_high: f64, f: impl FnMut(f64) -> f64) -> f64 {
+    sign_change_within(4.0 * f64::EPSILON * high.abs().max(low.abs()), low, high, at_low, at_high, f)
+}
+
+/// The same within `width`.
+fn sign_change_within(
+    width: f64,
+    low: f64,
+    high: f64,
+    at_low: f64,
+    at_high: f64,
+    mut f: impl FnMut(f64) -> f64,
+) -> f64 {
     let (mut a, mut b, mut fa, mut fb) = (low, high, at_low, at_high);
-    let half_width = 2.0 * f64::EPSILON * high.abs().max(low.abs());
+    let half_width = 0.5 * width;
     let truncation = 0.2 / (high - low);
     let mut slack = 2.0 * half_width;
     // Bisections until the bracket has the final width, and one to spare.

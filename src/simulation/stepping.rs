@@ -1,14 +1,14 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Footing, Instant, State, instant};
-use crate::events::{Event, Moment, Surface, surfaces};
+use crate::dynamics::{Footing, Instant, State, instant, instant_of};
+use crate::events::{Creep, Event, Moment, Surface, reaction_rate, surfaces};
 use crate::excitation::{Excitation, Forcing};
 use crate::integrator::{DenseOutput, EVALUATIONS_PER_STEP, Rate, Step};
-use crate::outputs::{View, observe};
+use crate::outputs::View;
 use crate::peaks::{self, PeakSamples, Peaks};
-use crate::regime::Regime;
-use crate::roots;
+use crate::regime::{Corner, Regime};
+use crate::roots::{self, Sample};
 use crate::simulation::{Simulation, SimulationError};
 
 /// State and all that follows from it at one time.
@@ -20,7 +20,32 @@ pub(super) struct Point {
     pub(super) rate: Rate,
     pub(super) instant: Instant<f64>,
     pub(super) forcing: Forcing<f64>,
+    /// Heights of the supports that nothing touches.
+    pub(super) tops: [Sample; 2],
     pub(super) peaks: Option<PeakSamples>,
+}
+
+/// What a step may be.
+struct Limits {
+    /// Reciprocals of the errors that a step may make in each component of the state.
+    weights: State,
+    /// The longest step (s).
+    longest: f64,
+}
+
+/// The longest step over the reciprocal of the fastest circular frequency.
+const LONGEST: f64 = 2.0;
+
+impl Limits {
+    /// The part of a peak that a value at one end of a step reaches if it may grow above the peak inside.
+    ///
+    /// In a step of h at a circular frequency ω an oscillation of amplitude A rises by at most A (ωh)²/8 above its ends; this
+    /// is eight times as much, since the value may be a sum of larger ones, and at least half, since that is all
+    /// that a sinusoid rises in the longest step.
+    fn near_a_peak(&self, elapsed: f64) -> f64 {
+        let phase = LONGEST * elapsed / self.longest;
+        (1.0 - phase * phase).max(0.5)
+    }
 }
 
 impl Simulation {
@@ -36,7 +61,8 @@ impl Simulation {
             let block = self.block;
             let motion = Motion::of(self, &block);
             let rate = |time: f64, state: &State| motion.rate(time, state, excitation);
-            let (step, mut there) = self.accepted_step(stop, &here, excitation)?;
+            let limits = self.limits(excitation.frequency());
+            let (step, mut there) = self.accepted_step(stop, &here, excitation, &limits)?;
             let mut dense: Option<DenseOutput> = None;
             let mut evaluations = 0;
             let end = there.rate;
@@ -56,7 +82,8 @@ impl Simulation {
                 }
                 None => (there.time - here.time, step.work),
             };
-            self.update_peaks(&mut here, &mut there, elapsed, excitation, &mut inside);
+            let near = limits.near_a_peak(elapsed);
+            self.update_peaks(&mut here, &mut there, near, excitation, &mut inside);
             self.counts.evaluations += evaluations;
             self.sums.input += work[0];
             self.sums.dashpots += work[1];
@@ -80,15 +107,15 @@ impl Simulation {
 
     /// A step within the tolerance, from `here` towards `stop`, and the point it leads to.
     #[inline]
-    pub(super) fn accepted_step(
+    fn accepted_step(
         &mut self,
         stop: f64,
         here: &Point,
         excitation: &Excitation,
+        &Limits { weights, longest }: &Limits,
     ) -> Result<(Step, Point), SimulationError> {
         let (block, time) = (self.block, self.time);
         let motion = Motion::of(self, &block);
-        let (weights, longest) = self.error_weights(excitation.frequency());
         let remaining = stop - time;
         // What the clock can resolve on the way. Near time zero it resolves far less, but such steps lead nowhere.
         let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
@@ -115,6 +142,7 @@ impl Simulation {
             self.counts.rejected += 1;
             (last, grow) = (false, false);
             size *= factor;
+            self.step_size = size;
             if size < shortest {
                 return Err(if here.rate.state.iter().all(|x| x.is_finite()) && error.is_finite() {
                     SimulationError::StepTooSmall { time, size, tolerance: self.settings.tolerance }
@@ -125,15 +153,14 @@ impl Simulation {
         }
     }
 
-    /// Reciprocals of the errors that a step may make in each component of the state, and the longest step (s).
+    /// What a step may be.
     ///
     /// An error counts as the velocity it amounts to: a displacement times the circular frequency of its motion, a
     /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
     /// not more than what changes a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
-    pub(super) fn error_weights(&self, pulse_frequency: f64) -> (State, f64) {
+    fn limits(&self, pulse_frequency: f64) -> Limits {
         let Block { alpha, p, b, h, i0, r0, omega_v, gravity, foundation, .. } = self.block;
-        const LONGEST: f64 = 2.0;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.
         let turning = if self.footing.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
@@ -147,7 +174,7 @@ impl Simulation {
         let most = (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v);
         let upright = 1.0 / (self.settings.tolerance * most);
         let weights = State::new(rocking * allowed, allowed, vertical * upright, upright);
-        (weights, LONGEST / rocking.max(vertical).max(pulse_frequency))
+        Limits { weights, longest: LONGEST / rocking.max(vertical).max(pulse_frequency) }
     }
 
     /// The first surface through which the motion falls between two points, and when, in seconds after the first.
@@ -181,17 +208,18 @@ impl Simulation {
         first
     }
 
-    /// Takes the step's peaks in. Their rates take dual numbers, so they are formed only where a peak is near: a step is
-    /// at most a third of a period long, in which a sinusoid does not grow above twice the greater of its ends.
-    pub(super) fn update_peaks(
+    /// Takes the step's peaks in. Their rates take dual numbers, so they are formed only where a peak is `near`, as a part
+    /// of that before.
+    fn update_peaks(
         &mut self,
         here: &mut Point,
         there: &mut Point,
-        elapsed: f64,
+        near: f64,
         excitation: &Excitation,
         inside: &mut impl FnMut() -> DenseOutput,
     ) {
-        if elapsed <= 0.0 || !(self.near_a_peak(here) || self.near_a_peak(there)) {
+        let elapsed = there.time - here.time;
+        if elapsed <= 0.0 || !self.may_peak(here, there, near) {
             return;
         }
         let start = here.peaks.unwrap_or_else(|| self.peak_samples(here, excitation));
@@ -205,16 +233,47 @@ impl Simulation {
         self.peaks = peaks;
     }
 
-    pub(super) fn near_a_peak(&self, point: &Point) -> bool {
-        const NEAR: f64 = 0.5;
-        let tops = self.creep.map(|creep| creep.top(&self.block, point.time).value);
-        let seen = observe(&self.block, self.regime, &point.instant, tops);
+    /// Whether a step may hold a new peak: by the tangents where the rates are at hand, and by how near the ends are to
+    /// a peak where they are not (H and the friction demand).
+    fn may_peak(&self, here: &Point, there: &Point, near: f64) -> bool {
         let Peaks { theta, reaction, horizontal, uplift, friction_demand } = self.peaks;
-        seen.theta.abs() >= NEAR * theta
-            || seen.reaction[0].max(seen.reaction[1]) >= NEAR * reaction
-            || seen.horizontal.abs() >= NEAR * horizontal
-            || seen.uplift[0].max(seen.uplift[1]) >= NEAR * uplift
-            || seen.friction_demand >= NEAR * friction_demand
+        let block = &self.block;
+        let duration = there.time - here.time;
+        let rises = |of: &dyn Fn(&Point) -> Sample, peak: f64| roots::upper_bound(of(here), of(there), duration) > peak;
+        let close = |point: &Point| {
+            let [left, right] = point.instant.reaction;
+            let shear = block.mass * point.instant.horizontal.abs();
+            shear > near * horizontal || shear > near * friction_demand * block.mass * (left + right)
+        };
+        let corner_rises = |corner: Corner| {
+            let i = corner.index();
+            if self.regime.touches(corner) {
+                let force = |point: &Point| {
+                    let x = &point.instant;
+                    let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
+                    Sample { value: block.mass * x.reaction[i], rate: block.mass * rate }
+                };
+                rises(&force, reaction)
+            } else {
+                let gap = |point: &Point| {
+                    let (x, top) = (&point.instant, point.tops[i]);
+                    Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate }
+                };
+                rises(&gap, uplift)
+            }
+        };
+        let rotation = |sign: f64| {
+            move |point: &Point| {
+                let x = &point.instant;
+                Sample { value: sign * x.theta, rate: sign * x.theta_dot }
+            }
+        };
+        close(here)
+            || close(there)
+            || corner_rises(Corner::Left)
+            || corner_rises(Corner::Right)
+            || rises(&rotation(1.0), theta)
+            || rises(&rotation(-1.0), theta)
     }
 
     pub(super) fn peak_samples(&self, point: &Point, excitation: &Excitation) -> PeakSamples {
@@ -243,7 +302,7 @@ impl Simulation {
             instant: &point.instant,
             forcing: point.forcing,
             forcing_rate: excitation.rate_at(point.time),
-            creep: &self.creep,
+            tops: point.tops,
         }
     }
 
@@ -264,13 +323,15 @@ struct Motion<'a> {
     regime: Regime,
     since: f64,
     footing: Footing<f64>,
+    creep: [Creep; 2],
 }
 
 impl Motion<'_> {
     /// The motion of a simulation from its present time on, while the regime lasts.
     #[inline]
     fn of<'a>(simulation: &Simulation, block: &'a Block) -> Motion<'a> {
-        Motion { block, regime: simulation.regime, since: simulation.time, footing: simulation.footing }
+        let Simulation { regime, time, footing, creep, .. } = *simulation;
+        Motion { block, regime, since: time, footing, creep }
     }
 
     #[inline]
@@ -278,15 +339,26 @@ impl Motion<'_> {
         let forcing = excitation.at(time);
         let footing = self.footing_at(time, excitation);
         let instant = instant(self.block, self.regime, state.into(), footing, forcing);
-        let powers = instant.powers(self.block, self.regime, forcing).into();
-        let rate =
-            Rate { state: State::new(instant.theta_dot, instant.theta_ddot, instant.w_dot, instant.w_ddot), powers };
-        Point { time, state, footing, rate, instant, forcing, peaks: None }
+        let rate = self.rate_of(&instant, forcing);
+        let tops = Corner::BOTH.map(|corner| match self.regime.touches(corner) {
+            true => Sample::default(),
+            false => self.creep[corner.index()].top(self.block, time),
+        });
+        Point { time, state, footing, rate, instant, forcing, tops, peaks: None }
     }
 
-    #[inline]
     fn rate(&self, time: f64, state: &State, excitation: &Excitation) -> Rate {
-        self.point(time, *state, excitation).rate
+        let forcing = excitation.at(time);
+        let footing = self.footing_at(time, excitation);
+        instant_of(self.block, self.regime, (*state).into(), footing, forcing, |x| self.rate_of(&x, forcing))
+    }
+
+    #[inline(always)]
+    fn rate_of(&self, x: &Instant<f64>, forcing: Forcing<f64>) -> Rate {
+        Rate {
+            state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
+            powers: x.powers(self.block, self.regime, forcing).into(),
+        }
     }
 
     /// What holds the block at `time`. Where nothing does, `ü = −a_gx` is integrated in closed form.
