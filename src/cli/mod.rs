@@ -1,7 +1,11 @@
 //! The command line of the `rocking` program.
 
+mod excitation;
 mod output;
+mod progress;
+mod run_options;
 mod simulate;
+mod spectrum;
 
 use clap::{Parser, Subcommand};
 
@@ -19,12 +23,15 @@ struct Arguments {
 enum Command {
     /// Runs one block under a pulse or an accelerogram; writes a table and a picture
     Simulate(Box<simulate::Options>),
+    /// Peak rotations of blocks of all sizes on several foundations; writes a table and a picture
+    Spectrum(Box<spectrum::Options>),
 }
 
 /// Reads the command line and does what it says. The error is to be told on one line.
 pub fn run() -> anyhow::Result<()> {
     match Arguments::parse().command {
         Some(Command::Simulate(options)) => simulate::run(&options),
+        Some(Command::Spectrum(options)) => spectrum::run(&options),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
 }
