@@ -10,7 +10,6 @@ use crate::study::ground::Ground;
 
 /// Options that say what moves the ground.
 #[derive(Args)]
-#[command(next_help_heading = "Excitation")]
 pub struct Excitation {
     /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM
     #[arg(long, value_name = "FILE")]
@@ -70,6 +69,11 @@ impl Excitation {
     /// Whether nothing is asked for.
     pub fn is_empty(&self) -> bool {
         self.record.is_none() && self.vertical.is_none() && self.pulse == Shape::None
+    }
+
+    /// Whether there is a pulse and no record.
+    pub fn is_pulse_alone(&self) -> bool {
+        self.record.is_none() && self.vertical.is_none() && self.pulse != Shape::None
     }
 
     /// Reads the records, with this gravity for those in g (m/s²); `instead` stands for a horizontal one that is not

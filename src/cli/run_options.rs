@@ -1,13 +1,13 @@
 //! Options that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use crate::cli::excitation::finite;
 use crate::cli::progress::Progress;
 use crate::simulation::{LiftOff, Settings};
-use crate::study::runner::{self, Study};
+use crate::study::runner::{self, Made, Study};
 
 /// What stays the same when a corner lifts from full contact.
 #[derive(Clone, Copy, ValueEnum)]
@@ -81,8 +81,8 @@ pub struct StudyOptions {
 }
 
 impl StudyOptions {
-    /// Makes the rows of a study that are not there yet, and says how many runs failed.
-    pub fn run(&self, study: &impl Study) -> anyhow::Result<()> {
+    /// Makes the rows of a study that are not there yet.
+    pub fn run(&self, study: &impl Study) -> anyhow::Result<Made> {
         let pool = runner::pool(self.threads.map(usize::from))?;
         let mut bar = None;
         let made = runner::run(study, &pool, &self.csv, self.resume, |before, done| {
@@ -91,11 +91,19 @@ impl StudyOptions {
         if let Some(bar) = bar {
             bar.clear();
         }
-        let made = made?;
-        println!("rows          {}, of which {} were there", study.rows(), made.before);
-        println!("written       {}", self.csv.display());
-        if let Some((row, error)) = made.first_failure {
-            anyhow::bail!("{} runs failed, the first in row {row}: {error}; their rows say so", made.failures);
+        Ok(made?)
+    }
+}
+
+impl Made {
+    /// Says what was made; runs that failed make an error.
+    pub fn tell(&self, csv: &Path, plot: Option<&Path>) -> anyhow::Result<()> {
+        println!("rows          {}, of which {} were there", self.rows, self.before);
+        for path in std::iter::once(csv).chain(plot) {
+            println!("written       {}", path.display());
+        }
+        if let Some((row, error)) = &self.first_failure {
+            anyhow::bail!("{} runs failed, the first in row {row}: {error}; their rows say so", self.failures);
         }
         Ok(())
     }

@@ -1,22 +1,25 @@
 //! `rocking spectrum`: options → peak rotations of blocks of all sizes → a table and a picture.
 
+use std::fs::File;
 use std::path::PathBuf;
-use std::str::FromStr;
 
-use clap::{Args, Parser};
+use anyhow::Context;
+use clap::{Args, Parser, ValueEnum};
 
 use crate::block::Common;
 use crate::cli::excitation::{Excitation, Motion, finite};
+use crate::cli::output::Pending;
 use crate::cli::run_options::{RunOptions, StudyOptions};
 use crate::excitation::PulseShape;
 use crate::study::ground::Ground;
-use crate::study::runner::Study;
+use crate::study::picture::PictureFormat;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
+use crate::study::spectrum_plot::{self, Abscissa};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
 pub struct Options {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Excitation")]
     excitation: Excitation,
     /// With --vertical: the horizontal motion alone as well, in curves of its own
     #[arg(long, requires = "vertical", help_heading = "Excitation")]
@@ -27,6 +30,22 @@ pub struct Options {
     run: RunOptions,
     #[command(flatten)]
     study: StudyOptions,
+    /// Picture of the spectrum, SVG or PNG by its ending
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    plot: Option<PathBuf>,
+    /// What the sizes are drawn over; without it omega_p/p for a pulse, 2/p for a record
+    #[arg(long, value_enum, requires = "plot", help_heading = "Results")]
+    over: Option<Over>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Over {
+    /// 2/p in seconds
+    #[value(name = "2/p")]
+    TwoOverP,
+    /// Frequency ratio of pulse and block
+    #[value(name = "omega_p/p")]
+    PulseRatio,
 }
 
 #[derive(Args)]
@@ -37,7 +56,7 @@ struct Blocks {
     alpha: f64,
     /// Foundation as ETA,XI_V,EPSILON, or `rigid` (`rigid,EPSILON` for e of another epsilon than 0); once for each curve
     #[arg(long, value_name = "BASE", default_values = ["40,0.1,0", "rigid"])]
-    foundation: Vec<Base>,
+    foundation: Vec<String>,
     /// Least frequency parameter p, of the largest block [rad/s]
     #[arg(long, value_name = "RAD/S", default_value_t = 0.5)]
     p_min: f64,
@@ -58,30 +77,43 @@ struct Blocks {
     g: f64,
 }
 
-impl FromStr for Base {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Base, String> {
-        let wrong = || format!("expected ETA,XI_V,EPSILON or rigid, as in 40,0.1,0; found `{text}`");
-        let (rigid, numbers) = match text.strip_prefix("rigid") {
-            Some("") => return Ok(Base::Rigid { epsilon: 0.0 }),
-            Some(rest) => (true, rest.strip_prefix(',').ok_or_else(wrong)?),
-            None => (false, text),
-        };
-        let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
-        match (rigid, numbers.map_err(|_| wrong())?.as_slice()) {
-            (true, &[epsilon]) => Ok(Base::Rigid { epsilon }),
-            (false, &[eta, xi_v, epsilon]) => Ok(Base::Viscoelastic { eta, xi_v, epsilon }),
-            _ => Err(wrong()),
-        }
+/// A foundation from its option.
+fn base(text: &str) -> anyhow::Result<Base> {
+    let (rigid, numbers) = match text.strip_prefix("rigid") {
+        Some("") => return Ok(Base::Rigid { epsilon: 0.0 }),
+        Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
+        None => (false, text),
+    };
+    let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    match (rigid, numbers.unwrap_or_default().as_slice()) {
+        (true, &[epsilon]) => Ok(Base::Rigid { epsilon }),
+        (false, &[eta, xi_v, epsilon]) => Ok(Base::Viscoelastic { eta, xi_v, epsilon }),
+        _ => anyhow::bail!("--foundation {text}; expected ETA,XI_V,EPSILON or rigid, as in 40,0.1,0"),
     }
 }
 
 /// Does what the options say.
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let (spectrum, source) = options.spectrum()?;
+    let over = match options.over {
+        Some(Over::TwoOverP) => Abscissa::TwoOverP,
+        Some(Over::PulseRatio) => Abscissa::PulseRatio,
+        None if spectrum.pulse.shape != PulseShape::None && options.excitation.is_pulse_alone() => Abscissa::PulseRatio,
+        None => Abscissa::TwoOverP,
+    };
+    let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
+    anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2/p");
+    let format = options.plot.as_deref().map(PictureFormat::of).transpose()?;
+    let mut picture = options.plot.as_deref().map(Pending::new).transpose()?;
+    let made = options.study.run(&spectrum)?;
+    if let (Some(file), Some(format)) = (&mut picture, format) {
+        let csv = &options.study.csv;
+        let table = File::open(csv).with_context(|| format!("{}: cannot be read", csv.display()))?;
+        file.write(&format.encode(&spectrum_plot::spectrum(&spectrum, table, over, &source)?)?)?;
+    }
+    Pending::place(picture.into_iter().collect())?;
     println!("excitation    {source}");
-    options.study.run(&spectrum)
+    made.tell(&options.study.csv, options.plot.as_deref())
 }
 
 impl Options {
@@ -102,7 +134,7 @@ impl Options {
         let spectrum = Spectrum {
             alpha,
             common: Common { mass, gamma, gravity: g, ..Common::default() },
-            bases: foundation.clone(),
+            bases: foundation.iter().map(|text| base(text)).collect::<anyhow::Result<_>>()?,
             sizes: Sizes { least: p_min, greatest: p_max, count: points },
             motions,
             pulse,

@@ -8,4 +8,5 @@ pub mod plot;
 pub mod resumable;
 pub mod runner;
 pub mod spectrum;
+pub mod spectrum_plot;
 pub mod table;

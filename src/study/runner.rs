@@ -34,6 +34,8 @@ pub struct StudyRow {
 /// What became of a study.
 #[derive(Debug)]
 pub struct Made {
+    /// Rows of the whole table.
+    pub rows: u64,
     /// Rows that were there before.
     pub before: u64,
     /// Runs that failed, of those that were made.
@@ -52,7 +54,7 @@ pub fn run(
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Made, TableError> {
     let mut table = ResumableTable::open(path, &study.head(), study.rows(), resume)?;
-    let mut made = Made { before: table.rows(), failures: 0, first_failure: None };
+    let mut made = Made { rows: study.rows(), before: table.rows(), failures: 0, first_failure: None };
     in_order(
         pool,
         table.rows()..study.rows(),
