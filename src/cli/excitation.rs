@@ -97,8 +97,7 @@ impl Excitation {
             let name = self.pulse.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default();
             words.push(format!("{name} pulse, a_p = {} m/s², T_p = {} s", pulse.amplitude, pulse.period));
         }
-        let scaled = |record: Option<Record>| record.map(|record| record.scaled(self.scale));
-        let ground = Ground { horizontal: scaled(horizontal), vertical: scaled(vertical) };
+        let ground = Ground { horizontal, vertical }.scaled(self.scale);
         Ok(Motion { ground, pulse, source: words.join(" + ") })
     }
 

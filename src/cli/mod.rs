@@ -6,6 +6,7 @@ mod progress;
 mod run_options;
 mod simulate;
 mod spectrum;
+mod sweep;
 
 use clap::{Parser, Subcommand};
 
@@ -25,6 +26,8 @@ enum Command {
     Simulate(Box<simulate::Options>),
     /// Peak rotations of blocks of all sizes on several foundations; writes a table and a picture
     Spectrum(Box<spectrum::Options>),
+    /// Any parameters over grids or samples, many records, several scale factors: a table for fragility curves
+    Sweep(sweep::Options),
 }
 
 /// Reads the command line and does what it says. The error is to be told on one line.
@@ -32,6 +35,7 @@ pub fn run() -> anyhow::Result<()> {
     match Arguments::parse().command {
         Some(Command::Simulate(options)) => simulate::run(&options),
         Some(Command::Spectrum(options)) => spectrum::run(&options),
+        Some(Command::Sweep(options)) => sweep::run(&options),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
 }

@@ -32,6 +32,12 @@ impl Ground {
         self.records().map(|record| record.time_step).reduce(f64::min)
     }
 
+    /// Both records multiplied by a factor.
+    pub fn scaled(self, factor: f64) -> Ground {
+        let scaled = |record: Option<Record>| record.map(|record| record.scaled(factor));
+        Ground { horizontal: scaled(self.horizontal), vertical: scaled(self.vertical) }
+    }
+
     /// Both records in a line, see [`fingerprint`].
     pub fn fingerprint(&self) -> String {
         let of = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);

@@ -3,10 +3,15 @@
 pub mod ground;
 pub mod history;
 pub mod intensity;
+pub mod parameters;
 pub mod picture;
 pub mod plot;
 pub mod resumable;
 pub mod runner;
+pub mod sampling;
 pub mod spectrum;
 pub mod spectrum_plot;
+pub mod study_file;
+pub mod sweep;
+pub mod sweep_file;
 pub mod table;

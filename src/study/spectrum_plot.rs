@@ -178,7 +178,7 @@ fn outcomes(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let top = area.get_base_pixel().1;
     let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
-    let (left, right) = (LEFT as i32 + 16, WIDTH as i32 - 48);
+    let left = LEFT as i32 + 16;
     let mut x = left;
     for (fill, name) in [(Fill::Grey, "complete separation"), (Fill::Black, "overturning"), (Fill::Cross, "run failed")]
     {
@@ -193,7 +193,8 @@ fn outcomes(
         let y = top + 72 + LANE as i32 * i as i32;
         Look::of(i).draw(root, &[(16, y), (LEFT as i32 / 2 + 8, y), (LEFT as i32, y)])?;
         root.draw_text(&name(spectrum, i), &text(24), (left, y - 14))?;
-        root.draw(&Rectangle::new([(left, y + 20), (right, y + 38)], INK.mix(0.5).stroke_width(1)))?;
+        let ends = [curve.first(), curve.last()].map(|end| end.map_or(left, |end| pixel(end.to)));
+        root.draw(&Rectangle::new([(ends[0], y + 20), (ends[1], y + 38)], INK.mix(0.5).stroke_width(1)))?;
         let half = |a: usize, b: usize| match (curve.get(a), curve.get(b)) {
             (Some(a), Some(b)) => 0.5 * (a.to + b.from),
             (Some(end), None) => end.to,
@@ -256,7 +257,7 @@ struct Look {
     /// Length of dashes and gaps in pixels; none for a line without gaps.
     dashes: Option<(i32, i32)>,
     marker: Option<Marker>,
-    shade: f64,
+    colour: RGBColor,
 }
 
 #[derive(Clone, Copy)]
@@ -271,14 +272,18 @@ impl Look {
     fn of(curve: usize) -> Look {
         let dashes = [None, Some((20, 10)), Some((6, 8)), Some((40, 12))][curve % 4];
         let markers = [None, Some(Marker::Circle), Some(Marker::Triangle), Some(Marker::Cross), Some(Marker::Disc)];
-        Look { dashes, marker: markers[curve % 5], shade: [1.0, 0.8, 0.65][curve % 3] }
+        Look {
+            dashes,
+            marker: markers[curve % 5],
+            colour: [INK, RGBColor(85, 85, 85), RGBColor(120, 120, 120)][curve % 3],
+        }
     }
 
     /// Draws a line through these pixels, with some markers on it; a single point is a marker.
     fn draw(&self, area: &Area, at: &[(i32, i32)]) -> Result<(), Box<dyn std::error::Error>> {
-        let style = INK.mix(self.shade).stroke_width(4);
+        let style = self.colour.stroke_width(4);
         match self.dashes {
-            _ if at.len() == 1 => area.draw(&Circle::new(at[0], 4, INK.mix(self.shade).filled()))?,
+            _ if at.len() == 1 => area.draw(&Circle::new(at[0], 6, self.colour.filled()))?,
             None => area.draw(&PathElement::new(at.to_vec(), style))?,
             Some((dash, gap)) => {
                 area.draw(&plotters::element::DashedPathElement::new(at.to_vec(), dash, gap, style))?;
@@ -303,7 +308,7 @@ impl Look {
     }
 
     fn mark(&self, marker: Marker, area: &Area, at: (i32, i32)) -> Result<(), Box<dyn std::error::Error>> {
-        let (open, full) = (INK.mix(self.shade).stroke_width(3), INK.mix(self.shade).filled());
+        let (open, full) = (self.colour.stroke_width(3), self.colour.filled());
         match marker {
             Marker::Circle => {
                 area.draw(&Circle::new(at, 8, WHITE.filled()))?;
