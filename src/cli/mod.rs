@@ -4,6 +4,7 @@ mod excitation;
 mod output;
 mod progress;
 mod run_options;
+mod search;
 mod simulate;
 mod spectrum;
 mod sweep;
@@ -28,6 +29,8 @@ enum Command {
     Spectrum(Box<spectrum::Options>),
     /// Any parameters over grids or samples, many records, several scale factors: a table for fragility curves
     Sweep(sweep::Options),
+    /// Where the outcome changes: least damping against separation, minimum overturning amplitude
+    Search(search::Options),
 }
 
 /// Reads the command line and does what it says. The error is to be told on one line.
@@ -36,6 +39,7 @@ pub fn run() -> anyhow::Result<()> {
         Some(Command::Simulate(options)) => simulate::run(&options),
         Some(Command::Spectrum(options)) => spectrum::run(&options),
         Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Search(options)) => search::run(&options),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
 }

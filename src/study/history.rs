@@ -69,14 +69,39 @@ pub struct Outcome {
     pub ending: Option<(Ending, f64)>,
 }
 
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// It came to its end.
+    Completed,
+    /// At complete separation.
+    Separated,
+    /// At overturning.
+    Overturned,
+    /// It could not go on.
+    Failed,
+}
+
+/// The word that stands in tables.
+impl std::fmt::Display for End {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            End::Completed => "completed",
+            End::Separated => "separated",
+            End::Overturned => "overturned",
+            End::Failed => "failed",
+        })
+    }
+}
+
 impl Outcome {
-    /// How the run ended, in a word: `completed`, `separated`, `overturned`, or `failed`.
-    pub fn end(outcome: &Result<Outcome, SimulationError>) -> &'static str {
+    /// How the run ended.
+    pub fn end(outcome: &Result<Outcome, SimulationError>) -> End {
         match outcome {
-            Err(_) => "failed",
-            Ok(Outcome { ending: None, .. }) => "completed",
-            Ok(Outcome { ending: Some((Ending::Separated, _)), .. }) => "separated",
-            Ok(Outcome { ending: Some((Ending::Overturned, _)), .. }) => "overturned",
+            Err(_) => End::Failed,
+            Ok(Outcome { ending: None, .. }) => End::Completed,
+            Ok(Outcome { ending: Some((Ending::Separated, _)), .. }) => End::Separated,
+            Ok(Outcome { ending: Some((Ending::Overturned, _)), .. }) => End::Overturned,
         }
     }
 
@@ -85,7 +110,7 @@ impl Outcome {
     pub fn rotation(outcome: &Result<Outcome, SimulationError>, block: &Block) -> String {
         match outcome {
             Ok(Outcome { peaks, ending: None, .. }) => (peaks.theta / block.alpha).to_string(),
-            _ => Outcome::end(outcome).into(),
+            _ => Outcome::end(outcome).to_string(),
         }
     }
 

@@ -9,6 +9,7 @@ pub mod plot;
 pub mod resumable;
 pub mod runner;
 pub mod sampling;
+pub mod search;
 pub mod spectrum;
 pub mod spectrum_plot;
 pub mod study_file;

@@ -231,7 +231,7 @@ impl Study for Sweep {
         let outcome = run.outcome();
         fields.extend([
             run.duration.to_string(),
-            Outcome::end(&outcome).into(),
+            Outcome::end(&outcome).to_string(),
             Outcome::end_time(&outcome),
             Outcome::rotation(&outcome, &run.block),
         ]);
