@@ -37,7 +37,7 @@ pub struct RunOptions {
     /// What stays the same when a corner lifts from full contact
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
     lift_off: AtLiftOff,
-    /// Duration; without it until 10/p after the ground has come to rest [s]
+    /// Duration; without it until 20/p after the ground has come to rest [s]
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     /// Longest time between two stops of a run; without it the record's time step or 0.01, as in simulate [s]

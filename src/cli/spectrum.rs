@@ -55,7 +55,7 @@ struct Blocks {
     #[arg(long, value_name = "RAD", default_value_t = 0.25)]
     alpha: f64,
     /// Foundation as ETA,XI_V,EPSILON, or `rigid` (`rigid,EPSILON` for e of another epsilon than 0); once for each curve
-    #[arg(long, value_name = "BASE", default_values = ["40,0.1,0", "rigid"])]
+    #[arg(long, value_name = "BASE", allow_hyphen_values = true, default_values = ["40,0.1,0", "rigid"])]
     foundation: Vec<String>,
     /// Least frequency parameter p, of the largest block [rad/s]
     #[arg(long, value_name = "RAD/S", default_value_t = 0.5)]

@@ -121,14 +121,14 @@ impl Outcome {
     }
 }
 
-/// Duration of a run of a study (s): until 10/p after the ground has come to rest, in which a block that is on its way
-/// rocks to its greatest rotation or falls over. (From 0.9999 α it takes a block 9.9/p to come down, and as long to get
-/// there.)
+/// Duration of a run of a study (s): until 20/p after the ground has come to rest, in which a block that is on its way
+/// rocks to its greatest rotation or falls over. (A block takes 9.9/p to rise to 0.9999 α, and as long to come down or to
+/// fall.)
 pub fn duration(ground: &Ground, pulse: &Pulse, block: &Block) -> f64 {
     let start = ground.start();
     let records = ground.end().map_or(0.0, |end| end - start);
     let pulse = if pulse.shape == PulseShape::None { 0.0 } else { pulse.end() - start };
-    records.max(pulse) + 10.0 / block.p
+    records.max(pulse) + 20.0 / block.p
 }
 
 impl Run {

@@ -24,15 +24,15 @@ impl Parameter {
         };
         if metadata.causality != Causality::Parameter {
             let causality = metadata.causality;
-            return Err(format!("{name} is no parameter but an {causality}; expected one of {}", similar(name)));
+            return Err(format!("{name} ({causality}) is not set from outside; expected one of {}", similar(name)));
         }
         let items = if metadata.kind == Kind::Enumeration { items(name).unwrap_or_default() } else { Vec::new() };
         Ok(Parameter { metadata, items })
     }
 
-    /// Whether some parameter's name begins with this name and a dot.
+    /// Whether some variable's name begins with this name and a dot.
     pub fn is_group(name: &str) -> bool {
-        names().any(|known| known.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')))
+        VARIABLES.iter().any(|known| known.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')))
     }
 
     /// A value as it stands in a table: items and truth values in words, numbers in digits that bring them back exactly.

@@ -10,7 +10,7 @@ use crate::block::{Block, BlockError, Common, Dimensionless};
 use crate::excitation::Pulse;
 use crate::simulation::{Initial, Settings};
 use crate::study::ground::Ground;
-use crate::study::history::{End, Outcome, Run, duration};
+use crate::study::history::{End, Outcome, Run};
 use crate::study::sweep::Levels;
 
 /// The values at which outcomes are looked at, and how closely their changes are found.
@@ -134,6 +134,10 @@ fn bisect<K: PartialEq + Copy>(
     found.push(Change { below: below.0, above: above.0, from: below.1, to: above.1 });
 }
 
+/// Times 1/p that a block is followed after the ground has come to rest. Close to a change it lingers near its unstable
+/// equilibrium: 1e-10 α from it, it takes 24/p to get there and as long to leave.
+const AFTERWARDS: f64 = 50.0;
+
 /// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, for 50/p; the
 /// ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed against separation.
 pub fn damping_against_separation(
@@ -146,19 +150,20 @@ pub fn damping_against_separation(
     let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common);
     both_ends(scan, of)?;
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
-    let duration = 50.0 / block.p;
+    let duration = AFTERWARDS / block.p;
     Ok(changes(scan, |xi_v| {
         let block = of(xi_v);
         end(block.map(|block| free(block, settings, initial, Pulse::NONE, duration)))
     }))
 }
 
-/// Outcomes of a block under a pulse over its amplitude a_p (m/s²); the amplitude of `pulse` is not read.
+/// Outcomes of a block under a pulse over its amplitude a_p (m/s²), followed for 50/p after it; the amplitude of `pulse` is
+/// not read.
 /// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude.
 pub fn overturning(block: &Block, pulse: Pulse, settings: Settings, scan: &Scan) -> Found<End> {
     changes(scan, |amplitude| {
         let pulse = Pulse { amplitude, ..pulse };
-        let duration = duration(&Ground::default(), &pulse, block);
+        let duration = pulse.end() + AFTERWARDS / block.p;
         end(Ok(free(*block, settings, Initial::default(), pulse, duration)))
     })
 }
