@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::cli::excitation::finite;
 use crate::cli::progress::Progress;
 use crate::simulation::{LiftOff, Settings};
+use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::runner::{self, Made, Study};
 
 /// What stays the same when a corner lifts from full contact.
@@ -54,13 +55,15 @@ impl RunOptions {
 
     /// Duration (s), if it is given.
     pub fn duration(&self) -> anyhow::Result<Option<f64>> {
-        self.duration.map_or(Ok(()), |time| finite("duration", time, |x| x > 0.0, "a time > 0 s"))?;
+        self.duration.map_or(Ok(()), |time| {
+            finite("duration", time, |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")
+        })?;
         Ok(self.duration)
     }
 
     /// Longest time between two stops (s), if it is given.
     pub fn step(&self) -> anyhow::Result<Option<f64>> {
-        self.step.map_or(Ok(()), |time| finite("step", time, |x| x > 0.0, "a time > 0 s"))?;
+        self.step.map_or(Ok(()), |time| finite("step", time, |x| x >= SHORTEST, "a time of at least 1e-6 s"))?;
         Ok(self.step)
     }
 }

@@ -123,7 +123,7 @@ impl Options {
         let Motion { ground, pulse, source } = self.excitation.read(g, None)?;
         let nothing = ground.time_step().is_none() && pulse.shape == PulseShape::None;
         anyhow::ensure!(!nothing, "nothing moves the ground; expected --record, --vertical or --pulse");
-        finite("p-min", p_min, |x| x > 0.0, "a frequency > 0 rad/s")?;
+        finite("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;
         finite("p-max", p_max, |x| x > p_min, "a frequency above --p-min")?;
         let with = if ground.vertical.is_some() { "horizontal + vertical" } else { "horizontal" };
         let mut motions = Vec::new();

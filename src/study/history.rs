@@ -121,6 +121,12 @@ impl Outcome {
     }
 }
 
+/// Longest duration of a run of a study (s), and shortest time between two of its stops (s): what lies outside is a slip
+/// of the keyboard that would never end.
+pub const LONGEST: f64 = 1e6;
+/// See [`LONGEST`].
+pub const SHORTEST: f64 = 1e-6;
+
 /// Duration of a run of a study (s): until 20/p after the ground has come to rest, in which a block that is on its way
 /// rocks to its greatest rotation or falls over. (A block takes 9.9/p to rise to 0.9999 α, and as long to come down or to
 /// fall.)

@@ -279,11 +279,16 @@ impl Look {
         }
     }
 
-    /// Draws a line through these pixels, with some markers on it; a single point is a marker.
+    /// Draws a line through these pixels, with some markers on it; a single point is a marker, or a dot.
     fn draw(&self, area: &Area, at: &[(i32, i32)]) -> Result<(), Box<dyn std::error::Error>> {
         let style = self.colour.stroke_width(4);
+        if let &[point] = at {
+            return match self.marker {
+                Some(marker) => self.mark(marker, area, point),
+                None => Ok(area.draw(&Circle::new(point, 4, self.colour.filled()))?),
+            };
+        }
         match self.dashes {
-            _ if at.len() == 1 => area.draw(&Circle::new(at[0], 6, self.colour.filled()))?,
             None => area.draw(&PathElement::new(at.to_vec(), style))?,
             Some((dash, gap)) => {
                 area.draw(&plotters::element::DashedPathElement::new(at.to_vec(), dash, gap, style))?;

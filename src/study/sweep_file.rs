@@ -10,6 +10,7 @@ use crate::fmi2::variables::{Kind, Variable};
 use crate::records::{self, ReadOptions, Record, Unit};
 use crate::simulation::Settings;
 use crate::study::ground::Ground;
+use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::parameters::Parameter;
 use crate::study::sampling::LatinHypercube;
 use crate::study::study_file::{Placed, Section, Source, StudyFileError, number};
@@ -40,7 +41,13 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         Some((samples, seed)) => Design::LatinHypercube(LatinHypercube::new(samples, given.len(), seed), samples),
         None => Design::Grid,
     };
-    let periods = study.numbers("periods", |x| x > 0.0, "a list of times > 0 s, as in [0.5, 1.0]")?.unwrap_or_default();
+    let periods = study
+        .numbers(
+            "periods",
+            |x| (0.001..=1000.0).contains(&x),
+            "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
+        )?
+        .unwrap_or_default();
     let motions = motions(&root, source, &given, folder, &periods)?;
     let scales = study.numbers("scales", |x| x != 0.0, "a list of factors that are not 0, as in [0.5, 1.0]")?;
     let without = motions.iter().all(|motion| motion.ground.time_step().is_none());
@@ -49,7 +56,6 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             return Err(study.wrong(key, value, "[[records]], without which nothing reads it"));
         }
     }
-    let seconds = |key| study.number(key, |x| x > 0.0, "a time > 0 s");
     let tolerance = study.number("tolerance", |x| x > 0.0, "a number > 0")?;
     let factors = given.iter().map(|g| Factor { parameter: g.parameter.clone(), levels: g.levels.clone() }).collect();
     let sweep = Sweep {
@@ -66,8 +72,8 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         scales: scales.unwrap_or_else(|| vec![1.0]),
         periods,
         tolerance: tolerance.unwrap_or(Settings::default().tolerance),
-        duration: seconds("duration")?,
-        step: seconds("step")?,
+        duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,
+        step: study.number("step", |x| x >= SHORTEST, "a time of at least 1e-6 s")?,
     };
     check(&sweep, &given, source)?;
     Ok(sweep)

@@ -163,6 +163,19 @@ fn samples_fill_their_ranges_and_follow_from_the_seed() {
     assert_ne!(table.get(0, "dimensionless.eta"), other.get(0, "dimensionless.eta"));
 }
 
+/// The example of the README.
+#[test]
+fn the_example_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/fragility.toml");
+    made(folder.path(), &["sweep", study, "--csv", "out.csv"]);
+    let table = Table::read(&folder.path().join("out.csv"));
+    assert_eq!(table.rows.len(), 48);
+    // The record's peak is 222.5 cm/s² (records/README.md).
+    assert!((0..48).all(|row| (table.number(row, "PGA") / table.number(row, "scale") - 2.225).abs() < 1e-3));
+    assert!((0..48).all(|row| table.get(row, "end") != "failed"));
+}
+
 /// A run that cannot go on has a word too, the others are made all the same, and the end tells.
 #[test]
 fn a_run_that_fails_is_told_and_the_others_are_made() {
