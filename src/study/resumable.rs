@@ -3,7 +3,7 @@
 //! The file begins with lines that start with `# ` and say what the study is, then the names of the columns, then one line
 //! a row. What an interrupted study leaves is a beginning of what it would have become.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,12 @@ pub enum TableError {
         expected: u64,
         /// Number of columns.
         columns: usize,
+    },
+    /// Another program writes it.
+    #[error("{file}: is being written by a study that runs; expected one that was interrupted")]
+    Busy {
+        /// The file.
+        file: String,
     },
     /// The operating system refuses.
     #[error("{file}: cannot be {what}: {error}")]
@@ -103,6 +109,7 @@ impl ResumableTable {
                 return Err(TableError::Exists { file: name });
             }
             let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io("opened"))?;
+            lock(&file, &name)?;
             let (length, done) = complete_part(&file, &name, head, rows)?;
             file.set_len(length).map_err(io("written"))?;
             file.seek(SeekFrom::End(0)).map_err(io("written"))?;
@@ -113,6 +120,7 @@ impl ResumableTable {
             return Ok(table);
         }
         let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(io("written"))?;
+        lock(&file, &name)?;
         let mut table = ResumableTable { path: path.to_path_buf(), file, rows: 0 };
         table.begin(head)?;
         Ok(table)
@@ -137,6 +145,14 @@ impl ResumableTable {
     fn write(&mut self, text: std::io::Result<String>) -> Result<(), TableError> {
         let written = text.and_then(|text| self.file.write_all(text.as_bytes()));
         written.map_err(|error| TableError::Io { file: self.path.display().to_string(), what: "written", error })
+    }
+}
+
+/// Keeps a second study from writing the file; where files cannot be locked, nobody is kept.
+fn lock(file: &File, name: &str) -> Result<(), TableError> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(TableError::Busy { file: name.into() }),
+        Err(TryLockError::Error(_)) | Ok(()) => Ok(()),
     }
 }
 

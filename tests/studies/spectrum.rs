@@ -153,6 +153,11 @@ fn a_table_of_another_study_is_left_alone() {
     refused(folder.path(), &go_on(&["--foundation", "40,0.2,0"]), &["s.csv:4:", "found `# foundation 40,0.1,0`"]);
     refused(folder.path(), &go_on(&["--tolerance", "1e-9"]), &["tolerance = 1e-8", "tolerance = 1e-9"]);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
+    // Of a study that still runs.
+    let file = std::fs::File::open(&path).unwrap();
+    file.lock().unwrap();
+    refused(folder.path(), &go_on(&[]), &["s.csv: is being written"]);
+    file.unlock().unwrap();
     // Rows that are not those of the study: one missing, one too many, one that lost a column.
     let lines: Vec<&str> = whole.lines().collect();
     let row = lines.iter().position(|line| line.starts_with("3,")).unwrap();
