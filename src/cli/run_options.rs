@@ -8,6 +8,7 @@ use crate::cli::excitation::finite;
 use crate::cli::progress::Progress;
 use crate::simulation::{LiftOff, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
+use crate::study::resumable::Failures;
 use crate::study::runner::{self, Made, Study};
 
 /// What stays the same when a corner lifts from full contact.
@@ -105,9 +106,9 @@ impl Made {
         for path in std::iter::once(csv).chain(plot) {
             println!("written       {}", path.display());
         }
-        if let Some((row, error)) = &self.first_failure {
-            anyhow::bail!("{} runs failed, the first in row {row}: {error}; their rows say so", self.failures);
-        }
+        let Failures { count, first } = self.failures;
+        let reason = self.reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
+        anyhow::ensure!(count == 0, "{count} of {} runs failed, the first in row {first}{reason}", self.rows);
         Ok(())
     }
 }

@@ -93,6 +93,27 @@ pub struct ResumableTable {
     path: PathBuf,
     file: File,
     rows: u64,
+    failures: Failures,
+}
+
+/// Rows of runs that failed, which have the word `failed` in a field.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Failures {
+    /// How many there are.
+    pub count: u64,
+    /// Number of the first one.
+    pub first: u64,
+}
+
+impl Failures {
+    fn see<'a>(&mut self, row: u64, mut fields: impl Iterator<Item = &'a str>) {
+        if fields.any(|field| field == "failed") {
+            if self.count == 0 {
+                self.first = row;
+            }
+            self.count += 1;
+        }
+    }
 }
 
 impl ResumableTable {
@@ -110,10 +131,10 @@ impl ResumableTable {
             }
             let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io("opened"))?;
             lock(&file, &name)?;
-            let (length, done) = complete_part(&file, &name, head, rows)?;
+            let (length, done, failures) = complete_part(&file, &name, head, rows)?;
             file.set_len(length).map_err(io("written"))?;
             file.seek(SeekFrom::End(0)).map_err(io("written"))?;
-            let mut table = ResumableTable { path: path.to_path_buf(), file, rows: done };
+            let mut table = ResumableTable { path: path.to_path_buf(), file, rows: done, failures };
             if length == 0 {
                 table.begin(head)?;
             }
@@ -121,7 +142,7 @@ impl ResumableTable {
         }
         let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(io("written"))?;
         lock(&file, &name)?;
-        let mut table = ResumableTable { path: path.to_path_buf(), file, rows: 0 };
+        let mut table = ResumableTable { path: path.to_path_buf(), file, rows: 0, failures: Failures::default() };
         table.begin(head)?;
         Ok(table)
     }
@@ -135,8 +156,14 @@ impl ResumableTable {
         self.rows
     }
 
+    /// Rows of runs that failed, those that were there before included.
+    pub fn failures(&self) -> Failures {
+        self.failures
+    }
+
     /// Writes the next row, without its number. It is in the file when this returns.
-    pub fn push(&mut self, fields: impl IntoIterator<Item = String>) -> Result<(), TableError> {
+    pub fn push(&mut self, fields: Vec<String>) -> Result<(), TableError> {
+        self.failures.see(self.rows, fields.iter().map(String::as_str));
         self.write(csv_line(std::iter::once(self.rows.to_string()).chain(fields)))?;
         self.rows += 1;
         Ok(())
@@ -164,11 +191,11 @@ fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(std::io::Error::other)
 }
 
-/// Length in bytes of the complete lines of a file that this study began, and the number of its rows.
-fn complete_part(file: &File, name: &str, head: &Head, rows: u64) -> Result<(u64, u64), TableError> {
+/// Length in bytes of the complete lines of a file that this study began, the number of its rows, and those that failed.
+fn complete_part(file: &File, name: &str, head: &Head, rows: u64) -> Result<(u64, u64, Failures), TableError> {
     let failed = |error| TableError::Io { file: name.into(), what: "read", error };
     let mut reader = BufReader::new(file);
-    let (mut length, mut done) = (0, 0);
+    let (mut length, mut done, mut failures) = (0, 0, Failures::default());
     let head_text = head.text().map_err(failed)?;
     let expected: Vec<&str> = head_text.lines().collect();
     let mut line = Vec::new();
@@ -188,30 +215,30 @@ fn complete_part(file: &File, name: &str, head: &Head, rows: u64) -> Result<(u64
             }
             if !complete {
                 // Nothing was made yet.
-                return Ok((0, 0));
+                return Ok((0, 0, failures));
             }
         } else {
             if !complete {
-                return Ok((length, done));
+                return Ok((length, done, failures));
             }
             if done == rows {
                 return Err(TableError::TooLong { file: name.into(), found: rows + 1, expected: rows });
             }
-            if !is_row(&line, done, head.columns.len() + 1) {
-                let (line, found, columns) = (number, shown(), head.columns.len() + 1);
-                return Err(TableError::Row { file: name.into(), line, found, expected: done, columns });
+            let columns = head.columns.len() + 1;
+            match fields(&line).filter(|fields| fields.len() == columns && fields[0] == done.to_string()) {
+                Some(fields) => failures.see(done, fields.iter()),
+                None => {
+                    let (line, found) = (number, shown());
+                    return Err(TableError::Row { file: name.into(), line, found, expected: done, columns });
+                }
             }
             done += 1;
         }
         length += line.len() as u64 + 1;
     }
-    Ok((length, done))
+    Ok((length, done, failures))
 }
 
-fn is_row(line: &[u8], row: u64, columns: usize) -> bool {
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line);
-    let mut record = csv::StringRecord::new();
-    matches!(reader.read_record(&mut record), Ok(true))
-        && record.len() == columns
-        && record.get(0) == Some(row.to_string().as_str())
+fn fields(line: &[u8]) -> Option<csv::StringRecord> {
+    csv::ReaderBuilder::new().has_headers(false).from_reader(line).records().next()?.ok()
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
 use crate::simulation::SimulationError;
-use crate::study::resumable::{Head, ResumableTable, TableError};
+use crate::study::resumable::{Failures, Head, ResumableTable, TableError};
 
 /// Tasks under way or waiting for their turn, for each thread: so many that a task which takes that many times longer
 /// than the others keeps nobody waiting.
@@ -38,10 +38,10 @@ pub struct Made {
     pub rows: u64,
     /// Rows that were there before.
     pub before: u64,
-    /// Runs that failed, of those that were made.
-    pub failures: u64,
-    /// The first of them, and why.
-    pub first_failure: Option<(u64, SimulationError)>,
+    /// Rows of runs that failed, those that were there before included.
+    pub failures: Failures,
+    /// Why the first of those that were made now failed.
+    pub reason: Option<SimulationError>,
 }
 
 /// Makes the rows of a study that are not in its table yet; `progress` is told how many rows were there before and how
@@ -54,22 +54,20 @@ pub fn run(
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Made, TableError> {
     let mut table = ResumableTable::open(path, &study.head(), study.rows(), resume)?;
-    let mut made = Made { rows: study.rows(), before: table.rows(), failures: 0, first_failure: None };
+    let before = table.rows();
+    let mut reason = None;
     in_order(
         pool,
-        table.rows()..study.rows(),
+        before..study.rows(),
         |number| study.row(number),
         |number, row| {
             table.push(row.fields)?;
-            if let Some(error) = row.failure {
-                made.failures += 1;
-                made.first_failure.get_or_insert((number, error));
-            }
-            progress(made.before, number + 1);
+            reason = reason.take().or(row.failure);
+            progress(before, number + 1);
             Ok(())
         },
     )?;
-    Ok(made)
+    Ok(Made { rows: study.rows(), before, failures: table.failures(), reason })
 }
 
 /// A pool of so many threads; without a number, one for each core.

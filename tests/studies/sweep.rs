@@ -183,7 +183,7 @@ fn a_run_that_fails_is_told_and_the_others_are_made() {
     let output = rocking(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1));
-    assert!(told.starts_with("rocking: 12 runs failed, the first in row 1: the motion is not finite"), "{told}");
+    assert!(told.starts_with("rocking: 12 of 24 runs failed, the first in row 1: the motion is not finite"), "{told}");
     let table = Table::read(&folder.path().join("out.csv"));
     assert_eq!(table.rows.len(), 24);
     for row in 0..24 {
@@ -192,6 +192,10 @@ fn a_run_that_fails_is_told_and_the_others_are_made() {
         assert_eq!(table.get(row, "peak.theta/alpha") == "failed", failed);
         assert_eq!(table.get(row, "peak.uplift").is_empty(), failed);
     }
+    // Those of an interrupted study are not forgotten.
+    let output = rocking(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "rocking: 12 of 24 runs failed, the first in row 1\n");
 }
 
 /// A record that was changed under the same name makes another study; a comment does not.
