@@ -55,6 +55,7 @@ pub fn run(
 ) -> Result<Made, TableError> {
     let mut table = ResumableTable::open(path, &study.head(), study.rows(), resume)?;
     let before = table.rows();
+    progress(before, before);
     let mut reason = None;
     in_order(
         pool,
