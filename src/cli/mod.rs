@@ -1,7 +1,13 @@
 //! The command line of the `rocking` program.
 
+mod excitation;
 mod output;
+mod progress;
+mod run_options;
+mod search;
 mod simulate;
+mod spectrum;
+mod sweep;
 
 use clap::{Parser, Subcommand};
 
@@ -19,12 +25,21 @@ struct Arguments {
 enum Command {
     /// Runs one block under a pulse or an accelerogram; writes a table and a picture
     Simulate(Box<simulate::Options>),
+    /// Peak rotations of blocks of all sizes on several foundations; writes a table and a picture
+    Spectrum(Box<spectrum::Options>),
+    /// Any parameters over grids or samples, many records, several scale factors: a table for fragility curves
+    Sweep(sweep::Options),
+    /// Where the outcome changes: least damping against separation, minimum overturning amplitude
+    Search(search::Options),
 }
 
 /// Reads the command line and does what it says. The error is to be told on one line.
 pub fn run() -> anyhow::Result<()> {
     match Arguments::parse().command {
         Some(Command::Simulate(options)) => simulate::run(&options),
+        Some(Command::Spectrum(options)) => spectrum::run(&options),
+        Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Search(options)) => search::run(&options),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
 }

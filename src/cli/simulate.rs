@@ -1,19 +1,18 @@
 //! `rocking simulate`: options → a run → a table, a picture and a summary.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use clap::{Args, Parser, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
+use crate::cli::excitation::{Excitation, Motion, finite};
 use crate::cli::output::Pending;
-use crate::excitation::{Pulse, PulseShape};
-use crate::records::{self, ReadOptions, Record, Unit};
-use crate::simulation::{Initial, LiftOff, Settings};
-use crate::study::ground::Ground;
+use crate::cli::progress::Progress;
+use crate::cli::run_options::AtLiftOff;
+use crate::excitation::PulseShape;
+use crate::records::{self, ReadOptions, Record};
+use crate::simulation::{Initial, Settings};
 use crate::study::history::{History, Run};
 use crate::study::picture::PictureFormat;
 use crate::study::{plot, table};
@@ -24,7 +23,7 @@ const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../r
 /// Options of `rocking simulate`.
 #[derive(Parser)]
 pub struct Options {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Excitation (without any, an embedded record)")]
     excitation: Excitation,
     #[command(flatten)]
     block: BlockOptions,
@@ -54,52 +53,6 @@ pub struct Options {
     /// No summary
     #[arg(long, help_heading = "Results")]
     quiet: bool,
-}
-
-#[derive(Args)]
-#[command(next_help_heading = "Excitation (without any, an embedded record)")]
-struct Excitation {
-    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM
-    #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
-    /// Accelerogram of the vertical ground motion
-    #[arg(long, value_name = "FILE")]
-    vertical: Option<PathBuf>,
-    /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
-    #[arg(long)]
-    unit: Option<Unit>,
-    /// Time step of the accelerograms, where they do not say [s]
-    #[arg(long, value_name = "S")]
-    dt: Option<f64>,
-    /// Factor on the accelerograms
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
-    scale: f64,
-    /// Pulse, alone or added to the record
-    #[arg(long, value_enum, default_value_t = Shape::None)]
-    pulse: Shape,
-    /// Amplitude a_p of the pulse [m/s2]
-    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true)]
-    amplitude: f64,
-    /// Period T_p of the pulse [s]
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    period: f64,
-    /// Time at which the pulse begins [s]
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
-    start: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Shape {
-    /// No pulse
-    None,
-    /// Type A: one sine in acceleration
-    OneSine,
-    /// Type B: one cosine in acceleration
-    OneCosine,
-    /// Type C1: one cycle of displacement and back
-    C1,
-    /// Type C2: two cycles of displacement and back
-    C2,
 }
 
 #[derive(Args)]
@@ -154,14 +107,6 @@ enum Base {
     Rigid,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum AtLiftOff {
-    /// The rates of rotation and vertical motion, as in the paper
-    KeepRates,
-    /// The angular momentum about the corner that stands
-    KeepMomentum,
-}
-
 #[derive(Args)]
 #[command(next_help_heading = "Beginning")]
 struct Beginning {
@@ -188,8 +133,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let mut csv_file = csv.as_deref().filter(|_| !to_stdout).map(Pending::new).transpose()?;
     let mut picture_file = picture.as_deref().map(Pending::new).transpose()?;
 
-    let mut bar = Progress::new();
-    let history = run.history(|part| bar.show(part))?;
+    const PARTS: u64 = 1000;
+    let mut bar = Progress::new(PARTS, 0);
+    let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
     bar.clear();
 
     if let Some(file) = &mut csv_file {
@@ -235,23 +181,15 @@ impl Options {
     }
 
     fn is_embedded(&self) -> bool {
-        let Excitation { record, vertical, pulse, .. } = &self.excitation;
         let Beginning { theta, theta_dot, v, v_dot } = &self.beginning;
         let at_rest = *theta == 0.0 && *theta_dot == 0.0 && v.is_none() && v_dot.is_none();
-        record.is_none() && vertical.is_none() && *pulse == Shape::None && at_rest
+        self.excitation.is_empty() && at_rest
     }
 
     /// The run, and what excites it.
     fn run(&self) -> anyhow::Result<(Run, String)> {
         let block = self.block()?;
-        let (ground, mut source) = self.ground()?;
-        let pulse = self.pulse()?;
-        if pulse.shape != PulseShape::None {
-            let name = self.excitation.pulse.to_possible_value().map(|v| v.get_name().to_string());
-            let pulse_line =
-                format!("{} pulse, a_p = {} m/s², T_p = {} s", name.unwrap_or_default(), pulse.amplitude, pulse.period);
-            source = if source.is_empty() { pulse_line } else { format!("{source} + {pulse_line}") };
-        }
+        let Motion { ground, pulse, mut source } = self.excitation.read(self.block.g, self.embedded()?)?;
         if source.is_empty() {
             source = "free motion".into();
         }
@@ -274,13 +212,19 @@ impl Options {
             rows < 1e8,
             "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
         );
-        let lift_off = match self.lift_off {
-            AtLiftOff::KeepRates => LiftOff::KeepRates,
-            AtLiftOff::KeepMomentum => LiftOff::KeepMomentum,
-        };
-        let settings = Settings { tolerance: self.tolerance, lift_off, ..Settings::default() };
+        let settings = Settings { tolerance: self.tolerance, lift_off: self.lift_off.into(), ..Settings::default() };
         let initial = Initial { theta, theta_dot, vertical };
         Ok((Run { block, settings, initial, pulse, ground, duration, output_step }, source))
+    }
+
+    /// The record that is run when none is named.
+    fn embedded(&self) -> anyhow::Result<Option<Record>> {
+        if !self.is_embedded() {
+            return Ok(None);
+        }
+        let (name, bytes) = EMBEDDED;
+        let options = ReadOptions { gravity: self.block.g, ..ReadOptions::default() };
+        Ok(Some(records::parse(name, bytes, &options)?))
     }
 
     fn block(&self) -> anyhow::Result<Block> {
@@ -305,60 +249,6 @@ impl Options {
         };
         Ok(Block::from_dimensionless(&dimensionless, &common)?)
     }
-
-    fn ground(&self) -> anyhow::Result<(Ground, String)> {
-        let Excitation { record, vertical, unit, dt, scale, .. } = &self.excitation;
-        finite("scale", *scale, |_| true, "a finite factor")?;
-        let options = ReadOptions { unit: *unit, time_step: *dt, gravity: self.block.g, ..ReadOptions::default() };
-        let load = |path: &Option<PathBuf>| -> anyhow::Result<Option<Record>> {
-            Ok(path.as_deref().map(|path| records::read(path, &options)).transpose()?)
-        };
-        let (mut horizontal, vertical) = (load(record)?, load(vertical)?);
-        if self.is_embedded() {
-            let (name, bytes) = EMBEDDED;
-            let options = ReadOptions { gravity: self.block.g, ..ReadOptions::default() };
-            horizontal = Some(records::parse(name, bytes, &options)?);
-        }
-        let mut lines = Vec::new();
-        let named = [("", &horizontal, record), ("vertical ", &vertical, &self.excitation.vertical)];
-        for (direction, record, path) in named {
-            if let Some(record) = record {
-                let pga = record.peak().acceleration.abs() * scale.abs() / self.block.g;
-                // A file without a header has no other title than its path.
-                let title = match path.as_deref().filter(|path| path.as_os_str() == record.title.as_str()) {
-                    Some(path) => path.file_name().unwrap_or_default().to_string_lossy(),
-                    None => record.title.split_whitespace().collect::<Vec<_>>().join(" ").into(),
-                };
-                lines.push(format!("{direction}{title}, {pga:.3} g"));
-            }
-        }
-        let scaled = |record: Option<Record>| record.map(|record| record.scaled(*scale));
-        Ok((Ground { horizontal: scaled(horizontal), vertical: scaled(vertical) }, lines.join(" + ")))
-    }
-
-    fn pulse(&self) -> anyhow::Result<Pulse> {
-        let Excitation { pulse, amplitude, period, start, .. } = self.excitation;
-        finite("amplitude", amplitude, |_| true, "a finite acceleration")?;
-        finite("period", period, |x| x > 0.0, "a time > 0 s")?;
-        finite("start", start, |_| true, "a finite time")?;
-        anyhow::ensure!(
-            pulse == Shape::None || amplitude != 0.0,
-            "--amplitude = 0 m/s2 makes no pulse; expected the amplitude a_p"
-        );
-        let shape = match pulse {
-            Shape::None => PulseShape::None,
-            Shape::OneSine => PulseShape::OneSine,
-            Shape::OneCosine => PulseShape::OneCosine,
-            Shape::C1 => PulseShape::C1,
-            Shape::C2 => PulseShape::C2,
-        };
-        Ok(Pulse { shape, amplitude, period, start })
-    }
-}
-
-fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> anyhow::Result<()> {
-    anyhow::ensure!(value.is_finite() && fits(value), "--{name} = {value}; expected {expected}");
-    Ok(())
 }
 
 /// What happened, for a person.
@@ -408,33 +298,4 @@ fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> Str
         }
     }
     text
-}
-
-/// A bar on the terminal once the run takes over a second.
-struct Progress {
-    since: Instant,
-    bar: Option<ProgressBar>,
-}
-
-impl Progress {
-    fn new() -> Progress {
-        Progress { since: Instant::now(), bar: None }
-    }
-
-    fn show(&mut self, part: f64) {
-        const PARTS: u64 = 1000;
-        if self.bar.is_none() && self.since.elapsed() > Duration::from_secs(1) && std::io::stderr().is_terminal() {
-            let style = ProgressStyle::with_template("{wide_bar} {percent}% {eta}");
-            self.bar = Some(ProgressBar::new(PARTS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
-        }
-        if let Some(bar) = &self.bar {
-            bar.set_position((part * PARTS as f64) as u64);
-        }
-    }
-
-    fn clear(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }

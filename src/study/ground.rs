@@ -32,6 +32,18 @@ impl Ground {
         self.records().map(|record| record.time_step).reduce(f64::min)
     }
 
+    /// Both records multiplied by a factor.
+    pub fn scaled(self, factor: f64) -> Ground {
+        let scaled = |record: Option<Record>| record.map(|record| record.scaled(factor));
+        Ground { horizontal: scaled(self.horizontal), vertical: scaled(self.vertical) }
+    }
+
+    /// Both records in a line, see [`fingerprint`].
+    pub fn fingerprint(&self) -> String {
+        let of = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);
+        format!("horizontal {}; vertical {}", of(&self.horizontal), of(&self.vertical))
+    }
+
     /// Inputs from `time` on, and the time until which they hold: the next sample of any record (s).
     pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
         let mut until = f64::INFINITY;
@@ -46,6 +58,15 @@ impl Ground {
         let (a_gx, a_gz) = (ramp(&self.horizontal), ramp(&self.vertical));
         (Inputs { time, a_gx, a_gz, ..Inputs::default() }, until)
     }
+}
+
+/// A record in a line: what is needed to tell it from another one, wherever its file is.
+pub fn fingerprint(record: &Record) -> String {
+    let Record { acceleration, time_step, start_time, .. } = record;
+    let mut hasher = crc32fast::Hasher::new();
+    acceleration.iter().for_each(|a| hasher.update(&a.to_le_bytes()));
+    let sum = hasher.finalize();
+    format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}", acceleration.len())
 }
 
 /// The straight line on which a record is from `time` on, and the time of its end.

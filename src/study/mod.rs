@@ -1,7 +1,18 @@
-//! Runs of a block and what is made of them: histories, tables, pictures.
+//! Runs of a block and what is made of them: histories, spectra, sweeps, searches, tables, pictures.
 
 pub mod ground;
 pub mod history;
+pub mod intensity;
+pub mod parameters;
 pub mod picture;
 pub mod plot;
+pub mod resumable;
+pub mod runner;
+pub mod sampling;
+pub mod search;
+pub mod spectrum;
+pub mod spectrum_plot;
+pub mod study_file;
+pub mod sweep;
+pub mod sweep_file;
 pub mod table;

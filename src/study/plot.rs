@@ -10,10 +10,10 @@ use crate::study::picture::{FONT_FAMILY, PictureError};
 /// Coordinates of the drawing are whole numbers: so many that lines are smooth.
 const WIDTH: u32 = 1920;
 const HEIGHT: u32 = 1520;
-const INK: RGBColor = RGBColor(25, 25, 25);
+pub(super) const INK: RGBColor = RGBColor(25, 25, 25);
 const DARK: RGBColor = RGBColor(20, 60, 120);
 const LIGHT: RGBColor = RGBColor(235, 140, 40);
-const GRID: RGBColor = RGBColor(225, 225, 225);
+pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
 
 /// A line: its name, its colour, and the value that it shows.
 type Line<'a> = (&'static str, RGBColor, &'a dyn Fn(&Row) -> f64);
@@ -85,7 +85,7 @@ pub fn block_line(block: &Block) -> String {
 }
 
 /// Room for labels at the left, which lines the panels up.
-const LEFT: u32 = 140;
+pub(super) const LEFT: u32 = 140;
 const LEFT_I: i32 = LEFT as i32 + 16;
 
 fn lines(
@@ -146,7 +146,7 @@ fn lines(
 }
 
 /// A number for an axis, without the noise of its last digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" || text.is_empty() { "0".into() } else { text.replace('-', "−") }

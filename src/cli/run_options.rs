@@ -1,0 +1,114 @@
+//! Options that several commands share.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::excitation::finite;
+use crate::cli::progress::Progress;
+use crate::simulation::{LiftOff, Settings};
+use crate::study::history::{LONGEST, SHORTEST};
+use crate::study::resumable::Failures;
+use crate::study::runner::{self, Made, Study};
+
+/// What stays the same when a corner lifts from full contact.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum AtLiftOff {
+    /// The rates of rotation and vertical motion, as in the paper
+    KeepRates,
+    /// The angular momentum about the corner that stands
+    KeepMomentum,
+}
+
+impl From<AtLiftOff> for LiftOff {
+    fn from(lift_off: AtLiftOff) -> LiftOff {
+        match lift_off {
+            AtLiftOff::KeepRates => LiftOff::KeepRates,
+            AtLiftOff::KeepMomentum => LiftOff::KeepMomentum,
+        }
+    }
+}
+
+/// How each run of a study is made.
+#[derive(Args)]
+#[command(next_help_heading = "Runs")]
+pub struct RunOptions {
+    /// Relative tolerance of the integration
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
+    tolerance: f64,
+    /// What stays the same when a corner lifts from full contact
+    #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
+    lift_off: AtLiftOff,
+    /// Duration; without it until 20/p after the ground has come to rest [s]
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
+    /// Longest time between two stops of a run; without it the record's time step or 0.01, as in simulate [s]
+    #[arg(long, value_name = "S")]
+    step: Option<f64>,
+}
+
+impl RunOptions {
+    /// How to integrate.
+    pub fn settings(&self) -> anyhow::Result<Settings> {
+        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        Ok(Settings { tolerance: self.tolerance, lift_off: self.lift_off.into(), ..Settings::default() })
+    }
+
+    /// Duration (s), if it is given.
+    pub fn duration(&self) -> anyhow::Result<Option<f64>> {
+        self.duration.map_or(Ok(()), |time| {
+            finite("duration", time, |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")
+        })?;
+        Ok(self.duration)
+    }
+
+    /// Longest time between two stops (s), if it is given.
+    pub fn step(&self) -> anyhow::Result<Option<f64>> {
+        self.step.map_or(Ok(()), |time| finite("step", time, |x| x >= SHORTEST, "a time of at least 1e-6 s"))?;
+        Ok(self.step)
+    }
+}
+
+/// Options of a study of many runs.
+#[derive(Args)]
+#[command(next_help_heading = "Results")]
+pub struct StudyOptions {
+    /// Table of the results, written row by row
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: PathBuf,
+    /// Go on with the table of an interrupted study
+    #[arg(long)]
+    resume: bool,
+    /// Threads; without it one for each core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl StudyOptions {
+    /// Makes the rows of a study that are not there yet.
+    pub fn run(&self, study: &impl Study) -> anyhow::Result<Made> {
+        let pool = runner::pool(self.threads.map(usize::from))?;
+        let mut bar = None;
+        let made = runner::run(study, &pool, &self.csv, self.resume, |before, done| {
+            bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
+        });
+        if let Some(bar) = bar {
+            bar.clear();
+        }
+        Ok(made?)
+    }
+}
+
+impl Made {
+    /// Says what was made; runs that failed make an error.
+    pub fn tell(&self, csv: &Path, plot: Option<&Path>) -> anyhow::Result<()> {
+        println!("rows          {}, of which {} were there", self.rows, self.before);
+        for path in std::iter::once(csv).chain(plot) {
+            println!("written       {}", path.display());
+        }
+        let Failures { count, first } = self.failures;
+        let reason = self.reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
+        anyhow::ensure!(count == 0, "{count} of {} runs failed, the first in row {first}{reason}", self.rows);
+        Ok(())
+    }
+}

@@ -1,0 +1,227 @@
+//! `rocking search`: a range of damping or of amplitude → where the outcome changes.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::block::{Block, Common, Dimensionless, Foundation};
+use crate::cli::excitation::{Shape, finite};
+use crate::cli::output::Pending;
+use crate::cli::run_options::AtLiftOff;
+use crate::excitation::Pulse;
+use crate::simulation::Settings;
+use crate::study::history::End;
+use crate::study::runner;
+use crate::study::search::{self, Found, Scan};
+
+/// Options of `rocking search`.
+#[derive(Parser)]
+pub struct Options {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Least damping xi_v against complete separation in free vibration from theta_dot(0) = 0.95 alpha p
+    Damping(Damping),
+    /// Minimum amplitude of a pulse that overturns a block
+    Overturning(Overturning),
+}
+
+#[derive(Args)]
+struct Damping {
+    /// Rate of rotation at the start over alpha p
+    #[arg(long, default_value_t = 0.95)]
+    rate: f64,
+    /// Least xi_v
+    #[arg(long, value_name = "XI_V", default_value_t = 0.0)]
+    from: f64,
+    /// Greatest xi_v
+    #[arg(long, value_name = "XI_V", default_value_t = 1.0)]
+    to: f64,
+    /// Width to which a change is closed in
+    #[arg(long, value_name = "XI_V", default_value_t = 1e-6)]
+    resolution: f64,
+    #[command(flatten)]
+    block: BlockOptions,
+    #[command(flatten)]
+    search: SearchOptions,
+}
+
+#[derive(Args)]
+struct Overturning {
+    /// Shape of the pulse
+    #[arg(long, value_enum, default_value_t = Shape::OneSine)]
+    pulse: Shape,
+    /// Period T_p of the pulse [s]
+    #[arg(long, value_name = "S")]
+    period: f64,
+    /// Least amplitude; without it g tan(alpha), which rocks no block on a rigid base [m/s2]
+    #[arg(long, value_name = "M/S2")]
+    from: Option<f64>,
+    /// Greatest amplitude; without it 10 g tan(alpha) [m/s2]
+    #[arg(long, value_name = "M/S2")]
+    to: Option<f64>,
+    /// Width to which a change is closed in [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = 1e-6)]
+    resolution: f64,
+    /// Vertical damping ratio xi_v
+    #[arg(long, default_value_t = 0.1)]
+    xi_v: f64,
+    /// Housner's rigid base instead of supports
+    #[arg(long)]
+    rigid: bool,
+    #[command(flatten)]
+    block: BlockOptions,
+    #[command(flatten)]
+    search: SearchOptions,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Block")]
+struct BlockOptions {
+    /// Slenderness angle alpha [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    alpha: f64,
+    /// Frequency parameter p [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
+    p: f64,
+    /// Stiffness ratio eta = omega_v/p
+    #[arg(long, default_value_t = 40.0)]
+    eta: f64,
+    /// Restitution epsilon of the landing corner, 0 to 1
+    #[arg(long, default_value_t = Common::default().epsilon)]
+    epsilon: f64,
+    /// Shape factor gamma = M R0²/I0
+    #[arg(long, default_value_t = Common::default().gamma)]
+    gamma: f64,
+    /// Gravity [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Search")]
+struct SearchOptions {
+    /// Values at which the range is scanned, evenly spaced
+    #[arg(long, value_name = "N", default_value_t = 201, value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
+    points: u64,
+    /// Relative tolerance of the integration
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
+    tolerance: f64,
+    /// What stays the same when a corner lifts from full contact
+    #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
+    lift_off: AtLiftOff,
+    /// Threads; without it one for each core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Table of the stretches of one outcome
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+}
+
+/// Does what the options say.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    match &options.what {
+        What::Damping(damping) => {
+            let Damping { rate, from, to, resolution, .. } = *damping;
+            finite("rate", rate, |_| true, "a finite number")?;
+            let scan = damping.search.scan(from, to, resolution)?;
+            let block = damping.block.dimensionless(0.1);
+            let common = damping.block.common(Foundation::Viscoelastic);
+            let settings = damping.search.settings()?;
+            damping.search.search(
+                "xi_v",
+                "",
+                &scan,
+                || Ok(search::damping_against_separation(&block, &common, rate, settings, &scan)?),
+                |found| match found.least_without(End::Separated) {
+                    Some(least) if found.changes.is_empty() => {
+                        format!("none needed: no separation from xi_v = {least} on")
+                    }
+                    Some(least) => format!("no separation from xi_v = {least} on"),
+                    None => format!("separation at xi_v = {to} still; expected a range with a greater --to"),
+                },
+            )
+        }
+        What::Overturning(overturning) => {
+            let Overturning { pulse: shape, period, xi_v, rigid, resolution, .. } = *overturning;
+            finite("period", period, |x| x > 0.0, "a time > 0 s")?;
+            anyhow::ensure!(shape != Shape::None, "--pulse none overturns no block; expected a pulse");
+            let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
+            let common = overturning.block.common(foundation);
+            let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;
+            let least = common.gravity * libm::tan(block.alpha);
+            let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(10.0 * least));
+            let scan = overturning.search.scan(from, to, resolution)?;
+            let settings = overturning.search.settings()?;
+            let pulse = Pulse { shape: shape.into(), amplitude: 0.0, period, start: 0.0 };
+            overturning.search.search(
+                "a_p",
+                " m/s2",
+                &scan,
+                || Ok(search::overturning(&block, pulse, settings, &scan)),
+                |found| match found.least(End::Overturned) {
+                    Some(least) => format!("overturning first at a_p = {least} m/s2"),
+                    None => format!("no overturning from a_p = {from} to {to} m/s2"),
+                },
+            )
+        }
+    }
+}
+
+impl BlockOptions {
+    fn dimensionless(&self, xi_v: f64) -> Dimensionless {
+        let BlockOptions { alpha, p, eta, .. } = *self;
+        Dimensionless { alpha, p, eta, xi_v }
+    }
+
+    fn common(&self, foundation: Foundation) -> Common {
+        let BlockOptions { epsilon, gamma, g, .. } = *self;
+        Common { epsilon, gamma, gravity: g, foundation, ..Common::default() }
+    }
+}
+
+impl SearchOptions {
+    fn settings(&self) -> anyhow::Result<Settings> {
+        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        Ok(Settings { tolerance: self.tolerance, lift_off: self.lift_off.into(), ..Settings::default() })
+    }
+
+    fn scan(&self, from: f64, to: f64, resolution: f64) -> anyhow::Result<Scan> {
+        finite("from", from, |_| true, "a finite number")?;
+        finite("to", to, |x| x > from, &format!("more than --from = {from}"))?;
+        finite("resolution", resolution, |x| x > 0.0, "a number > 0")?;
+        Ok(Scan { from, to, points: self.points, resolution })
+    }
+
+    /// Searches on so many threads, and tells and writes what was found.
+    fn search(
+        &self,
+        name: &str,
+        unit: &str,
+        scan: &Scan,
+        search: impl FnOnce() -> anyhow::Result<Found<End>> + Send,
+        answer: impl FnOnce(&Found<End>) -> String,
+    ) -> anyhow::Result<()> {
+        let file = self.csv.as_deref().map(Pending::new).transpose()?;
+        let found = runner::pool(self.threads.map(usize::from))?.install(search)?;
+        for (from, to, end) in found.stretches() {
+            println!("{name} = {from} to {to}{unit}: {end}");
+        }
+        println!("{}", answer(&found));
+        let narrow = if found.stretches().iter().any(|s| s.2 == End::Failed) { "; some runs failed" } else { "" };
+        println!(
+            "{} values, {}{unit} apart: what is narrower may be missed; changes within {}{unit}{narrow}",
+            scan.points, found.spacing, scan.resolution
+        );
+        if let Some(mut file) = file {
+            let mut text = "from,to,end\n".to_string();
+            found.stretches().iter().for_each(|(from, to, end)| text.push_str(&format!("{from},{to},{end}\n")));
+            file.write(text.as_bytes())?;
+            Pending::place(vec![file])?;
+        }
+        Ok(())
+    }
+}

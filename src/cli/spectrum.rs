@@ -1,0 +1,148 @@
+//! `rocking spectrum`: options → peak rotations of blocks of all sizes → a table and a picture.
+
+use std::fs::File;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, Parser, ValueEnum};
+
+use crate::block::Common;
+use crate::cli::excitation::{Excitation, Motion, finite};
+use crate::cli::output::Pending;
+use crate::cli::run_options::{RunOptions, StudyOptions};
+use crate::excitation::PulseShape;
+use crate::study::ground::Ground;
+use crate::study::picture::PictureFormat;
+use crate::study::spectrum::{Base, Sizes, Spectrum};
+use crate::study::spectrum_plot::{self, Abscissa};
+
+/// Options of `rocking spectrum`.
+#[derive(Parser)]
+pub struct Options {
+    #[command(flatten, next_help_heading = "Excitation")]
+    excitation: Excitation,
+    /// With --vertical: the horizontal motion alone as well, in curves of its own
+    #[arg(long, requires = "vertical", help_heading = "Excitation")]
+    also_horizontal: bool,
+    #[command(flatten)]
+    blocks: Blocks,
+    #[command(flatten)]
+    run: RunOptions,
+    #[command(flatten)]
+    study: StudyOptions,
+    /// Picture of the spectrum, SVG or PNG by its ending
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    plot: Option<PathBuf>,
+    /// What the sizes are drawn over; without it omega_p/p for a pulse, 2/p for a record
+    #[arg(long, value_enum, requires = "plot", help_heading = "Results")]
+    over: Option<Over>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Over {
+    /// 2/p in seconds
+    #[value(name = "2/p")]
+    TwoOverP,
+    /// Frequency ratio of pulse and block
+    #[value(name = "omega_p/p")]
+    PulseRatio,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Blocks")]
+struct Blocks {
+    /// Slenderness angle alpha [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    alpha: f64,
+    /// Foundation as ETA,XI_V,EPSILON, or `rigid` (`rigid,EPSILON` for e of another epsilon than 0); once for each curve
+    #[arg(long, value_name = "BASE", allow_hyphen_values = true, default_values = ["40,0.1,0", "rigid"])]
+    foundation: Vec<String>,
+    /// Least frequency parameter p, of the largest block [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.5)]
+    p_min: f64,
+    /// Greatest frequency parameter p, of the smallest block [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 8.0)]
+    p_max: f64,
+    /// Blocks on each foundation, evenly spaced in 1/p
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
+    points: u64,
+    /// Mass M [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    /// Shape factor gamma = M R0²/I0
+    #[arg(long, default_value_t = Common::default().gamma)]
+    gamma: f64,
+    /// Gravity, also for records in g [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+}
+
+/// A foundation from its option.
+fn base(text: &str) -> anyhow::Result<Base> {
+    let (rigid, numbers) = match text.strip_prefix("rigid") {
+        Some("") => return Ok(Base::Rigid { epsilon: 0.0 }),
+        Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
+        None => (false, text),
+    };
+    let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    match (rigid, numbers.unwrap_or_default().as_slice()) {
+        (true, &[epsilon]) => Ok(Base::Rigid { epsilon }),
+        (false, &[eta, xi_v, epsilon]) => Ok(Base::Viscoelastic { eta, xi_v, epsilon }),
+        _ => anyhow::bail!("--foundation {text}; expected ETA,XI_V,EPSILON or rigid, as in 40,0.1,0"),
+    }
+}
+
+/// Does what the options say.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let (spectrum, source) = options.spectrum()?;
+    let over = match options.over {
+        Some(Over::TwoOverP) => Abscissa::TwoOverP,
+        Some(Over::PulseRatio) => Abscissa::PulseRatio,
+        None if spectrum.pulse.shape != PulseShape::None && options.excitation.is_pulse_alone() => Abscissa::PulseRatio,
+        None => Abscissa::TwoOverP,
+    };
+    let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
+    anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2/p");
+    let format = options.plot.as_deref().map(PictureFormat::of).transpose()?;
+    let mut picture = options.plot.as_deref().map(Pending::new).transpose()?;
+    let made = options.study.run(&spectrum)?;
+    if let (Some(file), Some(format)) = (&mut picture, format) {
+        let csv = &options.study.csv;
+        let table = File::open(csv).with_context(|| format!("{}: cannot be read", csv.display()))?;
+        file.write(&format.encode(&spectrum_plot::spectrum(&spectrum, table, over, &source)?)?)?;
+    }
+    Pending::place(picture.into_iter().collect())?;
+    println!("excitation    {source}");
+    made.tell(&options.study.csv, options.plot.as_deref())
+}
+
+impl Options {
+    /// The spectrum, and what excites it.
+    fn spectrum(&self) -> anyhow::Result<(Spectrum, String)> {
+        let Blocks { alpha, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
+        let Motion { ground, pulse, source } = self.excitation.read(g, None)?;
+        let nothing = ground.time_step().is_none() && pulse.shape == PulseShape::None;
+        anyhow::ensure!(!nothing, "nothing moves the ground; expected --record, --vertical or --pulse");
+        finite("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;
+        finite("p-max", p_max, |x| x > p_min, "a frequency above --p-min")?;
+        let with = if ground.vertical.is_some() { "horizontal + vertical" } else { "horizontal" };
+        let mut motions = Vec::new();
+        if self.also_horizontal {
+            motions.push(("horizontal".into(), Ground { vertical: None, ..ground.clone() }));
+        }
+        motions.push((with.into(), ground));
+        let spectrum = Spectrum {
+            alpha,
+            common: Common { mass, gamma, gravity: g, ..Common::default() },
+            bases: foundation.iter().map(|text| base(text)).collect::<anyhow::Result<_>>()?,
+            sizes: Sizes { least: p_min, greatest: p_max, count: points },
+            motions,
+            pulse,
+            settings: self.run.settings()?,
+            duration: self.run.duration()?,
+            step: self.run.step()?,
+        };
+        spectrum.check()?;
+        Ok((spectrum, source))
+    }
+}

@@ -1,0 +1,167 @@
+//! Numbered tasks → their results in order, made on all cores, with bounded memory.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::Path;
+use std::sync::mpsc::sync_channel;
+
+use crate::simulation::SimulationError;
+use crate::study::resumable::{Failures, Head, ResumableTable, TableError};
+
+/// Tasks under way or waiting for their turn, for each thread: so many that a task which takes that many times longer
+/// than the others keeps nobody waiting.
+const AHEAD: u64 = 32;
+
+/// Many runs, a row each.
+pub trait Study: Sync {
+    /// What stands over the rows.
+    fn head(&self) -> Head;
+    /// How many rows there are.
+    fn rows(&self) -> u64;
+    /// Makes a row, its fields without the row's number. It depends on the number alone.
+    fn row(&self, number: u64) -> StudyRow;
+}
+
+/// A row of a study.
+pub struct StudyRow {
+    /// Its fields.
+    pub fields: Vec<String>,
+    /// Why its run failed, if it did.
+    pub failure: Option<SimulationError>,
+}
+
+/// What became of a study.
+#[derive(Debug)]
+pub struct Made {
+    /// Rows of the whole table.
+    pub rows: u64,
+    /// Rows that were there before.
+    pub before: u64,
+    /// Rows of runs that failed, those that were there before included.
+    pub failures: Failures,
+    /// Why the first of those that were made now failed.
+    pub reason: Option<SimulationError>,
+}
+
+/// Makes the rows of a study that are not in its table yet; `progress` is told how many rows were there before and how
+/// many there are. The table is the same bytes whatever the number of threads and however often it was interrupted.
+pub fn run(
+    study: &impl Study,
+    pool: &rayon::ThreadPool,
+    path: &Path,
+    resume: bool,
+    mut progress: impl FnMut(u64, u64),
+) -> Result<Made, TableError> {
+    let mut table = ResumableTable::open(path, &study.head(), study.rows(), resume)?;
+    let before = table.rows();
+    progress(before, before);
+    let mut reason = None;
+    in_order(
+        pool,
+        before..study.rows(),
+        |number| study.row(number),
+        |number, row| {
+            table.push(row.fields)?;
+            reason = reason.take().or(row.failure);
+            progress(before, number + 1);
+            Ok(())
+        },
+    )?;
+    Ok(Made { rows: study.rows(), before, failures: table.failures(), reason })
+}
+
+/// A pool of so many threads; without a number, one for each core.
+pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()
+}
+
+/// Makes each task of `tasks` on the pool, in any order, and gives the results to `take` in the order of the tasks.
+///
+/// At most 32 tasks a thread are under way or done ahead of their turn, however many there are. The first error of `take`
+/// ends the work; so does a panic of a task, which goes on in the caller.
+pub fn in_order<T: Send, E>(
+    pool: &rayon::ThreadPool,
+    tasks: Range<u64>,
+    make: impl Fn(u64) -> T + Sync,
+    mut take: impl FnMut(u64, T) -> Result<(), E>,
+) -> Result<(), E> {
+    let window = AHEAD * pool.current_num_threads() as u64;
+    // There is room for all tasks under way, so that no thread ever waits.
+    let (sender, receiver) = sync_channel(window as usize);
+    let make = &make;
+    pool.in_place_scope_fifo(|scope| {
+        let receiver = receiver;
+        let mut waiting = BTreeMap::new();
+        let (mut next, mut turn) = (tasks.start, tasks.start);
+        while turn < tasks.end {
+            while next < tasks.end && next < turn + window {
+                let (sender, task) = (sender.clone(), next);
+                scope.spawn_fifo(move |_| {
+                    // Nobody listens any more if the work was ended.
+                    let _ = sender.send((task, catch_unwind(AssertUnwindSafe(|| make(task)))));
+                });
+                next += 1;
+            }
+            let Ok((task, result)) = receiver.recv() else {
+                unreachable!("a sender is held here");
+            };
+            waiting.insert(task, result.unwrap_or_else(|panic| resume_unwind(panic)));
+            while let Some(result) = waiting.remove(&turn) {
+                take(turn, result)?;
+                turn += 1;
+            }
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// The first task is the slowest: the others wait for it, but not more of them than there is room for.
+    #[test]
+    fn results_come_in_order_and_few_wait() {
+        let (taken, furthest) = (AtomicU64::new(0), AtomicU64::new(0));
+        let mut order = Vec::new();
+        let make = |task: u64| {
+            furthest.fetch_max(task - taken.load(Ordering::SeqCst), Ordering::SeqCst);
+            if task == 5 {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
+            task * task
+        };
+        let done = in_order(&pool(Some(3)).unwrap(), 5..1000, make, |task, result| {
+            assert_eq!(result, task * task);
+            order.push(task);
+            taken.store(task, Ordering::SeqCst);
+            Ok::<(), ()>(())
+        });
+        assert_eq!(done, Ok(()));
+        assert!(order.into_iter().eq(5..1000));
+        let furthest = furthest.into_inner();
+        assert!((2..=3 * AHEAD + 5).contains(&furthest), "{furthest} tasks ahead");
+    }
+
+    #[test]
+    fn an_error_of_the_taker_ends_the_work() {
+        let made = AtomicU64::new(0);
+        let make = |task: u64| {
+            made.fetch_add(1, Ordering::SeqCst);
+            task
+        };
+        let ended =
+            in_order(&pool(Some(2)).unwrap(), 0..100_000, make, |task, _| if task == 3 { Err(task) } else { Ok(()) });
+        assert_eq!(ended, Err(3));
+        assert!(made.into_inner() <= 4 + 2 * AHEAD);
+    }
+
+    #[test]
+    #[should_panic(expected = "task 7")]
+    fn a_panic_of_a_task_goes_on_in_the_caller() {
+        let make = |task: u64| assert_ne!(task, 7, "task 7");
+        in_order(&pool(Some(2)).unwrap(), 0..100, make, |_, ()| Ok::<(), ()>(())).unwrap();
+    }
+}

@@ -1,0 +1,221 @@
+//! Blocks of all sizes on several foundations → their peak rotations, a row each.
+
+use std::f64::consts::TAU;
+
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation};
+use crate::excitation::{Pulse, PulseShape};
+use crate::simulation::{Initial, Settings};
+use crate::study::ground::Ground;
+use crate::study::history::{Outcome, Run, duration};
+use crate::study::resumable::Head;
+use crate::study::runner::{Study, StudyRow};
+
+/// What a block of a spectrum stands on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Base {
+    /// A rigid base with the e of ε, eq. (6).
+    Rigid {
+        /// Restitution ε (1).
+        epsilon: f64,
+    },
+    /// Viscoelastic supports.
+    Viscoelastic {
+        /// Stiffness ratio η (1).
+        eta: f64,
+        /// Damping ratio ξ_v (1).
+        xi_v: f64,
+        /// Restitution ε (1).
+        epsilon: f64,
+    },
+}
+
+impl std::fmt::Display for Base {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Base::Rigid { epsilon: 0.0 } => write!(f, "rigid"),
+            Base::Rigid { epsilon } => write!(f, "rigid,{epsilon}"),
+            Base::Viscoelastic { eta, xi_v, epsilon } => write!(f, "{eta},{xi_v},{epsilon}"),
+        }
+    }
+}
+
+/// Frequency parameters p (rad/s) that are evenly spaced in 1/p, from the greatest to the least.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Least p (rad/s).
+    pub least: f64,
+    /// Greatest p (rad/s).
+    pub greatest: f64,
+    /// How many, at least two.
+    pub count: u64,
+}
+
+impl Sizes {
+    /// The p of a number from 0 (rad/s).
+    pub fn p(&self, number: u64) -> f64 {
+        let last = self.count - 1;
+        match number {
+            0 => self.greatest,
+            _ if number == last => self.least,
+            _ => {
+                let part = number as f64 / last as f64;
+                1.0 / ((1.0 - part) / self.greatest + part / self.least)
+            }
+        }
+    }
+}
+
+/// A spectrum: each ground motion × each foundation × each size is a row.
+#[derive(Clone, Debug)]
+pub struct Spectrum {
+    /// Slenderness angle α (rad).
+    pub alpha: f64,
+    /// Mass, shape factor and gravity; the rest is in `bases`.
+    pub common: Common,
+    /// Foundations.
+    pub bases: Vec<Base>,
+    /// Sizes.
+    pub sizes: Sizes,
+    /// Ground motions with their names.
+    pub motions: Vec<(String, Ground)>,
+    /// Pulse that is added to each.
+    pub pulse: Pulse,
+    /// How to integrate.
+    pub settings: Settings,
+    /// Duration of each run (s); without it, that of [`duration`].
+    pub duration: Option<f64>,
+    /// Longest time between two stops (s); without it the records' time step or 0.01 s, as in `rocking simulate`.
+    pub step: Option<f64>,
+}
+
+/// A row's place: its ground motion, foundation and p (rad/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Number of the ground motion.
+    pub motion: usize,
+    /// Number of the foundation.
+    pub base: usize,
+    /// Frequency parameter p (rad/s).
+    pub p: f64,
+}
+
+impl Spectrum {
+    /// Names of the columns after the row's number.
+    pub const COLUMNS: [&'static str; 11] = [
+        "motion",
+        "foundation",
+        "eta",
+        "xi_v",
+        "epsilon",
+        "p",
+        "2/p",
+        "omega_p/p",
+        "duration",
+        "peak.theta/alpha",
+        "end_time",
+    ];
+
+    /// Refuses what makes no block, before anything runs.
+    pub fn check(&self) -> Result<(), BlockError> {
+        for &base in &self.bases {
+            for p in [self.sizes.greatest, self.sizes.least] {
+                self.block(base, p)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The place of a row.
+    pub fn place(&self, row: u64) -> Place {
+        let curve = (row / self.sizes.count) as usize;
+        let (motion, base) = (curve / self.bases.len(), curve % self.bases.len());
+        Place { motion, base, p: self.sizes.p(row % self.sizes.count) }
+    }
+
+    fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
+        // The rigid base reads neither η nor ξ_v; any that make a block will do.
+        let (foundation, eta, xi_v, epsilon) = match base {
+            Base::Rigid { epsilon } => (Foundation::Rigid, 40.0, 0.1, epsilon),
+            Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon),
+        };
+        let common = Common { epsilon, foundation, ..self.common };
+        Block::from_dimensionless(&Dimensionless { alpha: self.alpha, p, eta, xi_v }, &common)
+    }
+
+    /// The run of a row.
+    pub fn run(&self, row: u64) -> Result<Run, BlockError> {
+        let Place { motion, base, p } = self.place(row);
+        let block = self.block(self.bases[base], p)?;
+        let ground = &self.motions[motion].1;
+        Ok(Run {
+            block,
+            settings: self.settings,
+            initial: Initial::default(),
+            pulse: self.pulse,
+            ground: ground.clone(),
+            duration: self.duration.unwrap_or_else(|| duration(ground, &self.pulse, &block)),
+            output_step: self.step.or(ground.time_step()).unwrap_or(0.01),
+        })
+    }
+}
+
+impl Study for Spectrum {
+    fn head(&self) -> Head {
+        let Common { mass, gamma, gravity, .. } = self.common;
+        let Sizes { least, greatest, count } = self.sizes;
+        let or_default = |value: Option<f64>| value.map_or("default".into(), |value| value.to_string());
+        let mut study = vec![
+            concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " spectrum").to_string(),
+            format!("alpha = {}, mass = {mass}, gamma = {gamma}, g = {gravity}", self.alpha),
+            format!("p = {least} to {greatest}, {count} sizes"),
+        ];
+        study.extend(self.bases.iter().map(|base| format!("foundation {base}")));
+        for (name, ground) in &self.motions {
+            study.push(format!("motion {name}: {}", ground.fingerprint()));
+        }
+        if self.pulse.shape != PulseShape::None {
+            let Pulse { shape, amplitude, period, start } = self.pulse;
+            study.push(format!("pulse {shape:?}, amplitude = {amplitude}, period = {period}, start = {start}"));
+        }
+        study.push(format!(
+            "tolerance = {:e}, lift_off = {:?}, duration = {}, step = {}",
+            self.settings.tolerance,
+            self.settings.lift_off,
+            or_default(self.duration),
+            or_default(self.step)
+        ));
+        Head { study, columns: Spectrum::COLUMNS.map(String::from).to_vec() }
+    }
+
+    fn rows(&self) -> u64 {
+        (self.motions.len() * self.bases.len()) as u64 * self.sizes.count
+    }
+
+    fn row(&self, number: u64) -> StudyRow {
+        let Place { motion, base, p } = self.place(number);
+        let base = self.bases[base];
+        let (foundation, eta, xi_v, epsilon) = match base {
+            Base::Rigid { epsilon } => ("rigid", String::new(), String::new(), epsilon),
+            Base::Viscoelastic { eta, xi_v, epsilon } => ("viscoelastic", eta.to_string(), xi_v.to_string(), epsilon),
+        };
+        let ratio = match self.pulse.shape {
+            PulseShape::None => String::new(),
+            _ => (TAU / self.pulse.period / p).to_string(),
+        };
+        let mut fields = vec![
+            self.motions[motion].0.clone(),
+            foundation.into(),
+            eta,
+            xi_v,
+            epsilon.to_string(),
+            p.to_string(),
+            (2.0 / p).to_string(),
+            ratio,
+        ];
+        // `check` has seen that all of them make blocks.
+        let run = self.run(number).unwrap_or_else(|error| unreachable!("{error}"));
+        let outcome = run.outcome();
+        fields.extend([run.duration.to_string(), Outcome::rotation(&outcome, &run.block), Outcome::end_time(&outcome)]);
+        StudyRow { fields, failure: outcome.err() }
+    }
+}

@@ -1,0 +1,328 @@
+//! The table of a spectrum → a drawing: peak rotations over size, and where blocks separated or fell over.
+
+use std::io::Read;
+
+use plotters::prelude::*;
+
+use crate::study::picture::{FONT_FAMILY, PictureError};
+use crate::study::plot::{GRID, INK, LEFT, short};
+use crate::study::runner::Study;
+use crate::study::spectrum::{Base, Spectrum};
+
+const WIDTH: u32 = 1920;
+const HEAD: u32 = 116;
+const CHART: u32 = 900;
+/// Height of the lane of a curve: its name and a bar under it.
+const LANE: u32 = 72;
+/// Stretches of the abscissa in which a curve is drawn by its first, least, greatest and last value.
+const STRETCHES: u64 = 1500;
+
+/// What the sizes are drawn over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abscissa {
+    /// 2/p (s).
+    TwoOverP,
+    /// Frequency ratio ω_p/p of pulse and block (1).
+    PulseRatio,
+}
+
+/// A curve where it has many points: all that a line of a picture can show of a stretch of it.
+#[derive(Clone, Debug, Default)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    /// First, least, greatest and last value with their abscissas, in the order of these.
+    points: Vec<(f64, f64)>,
+    separated: bool,
+    overturned: bool,
+    failed: bool,
+}
+
+impl Stretch {
+    fn add(&mut self, x: f64, peak: &str) {
+        self.to = x;
+        match peak.parse() {
+            Ok(value) => self.points.push((x, value)),
+            Err(_) if peak == "separated" => self.separated = true,
+            Err(_) if peak == "overturned" => self.overturned = true,
+            Err(_) => self.failed = true,
+        }
+        if let &[first, a, b, c, last] = self.points.as_slice() {
+            let mut inner = [a, b, c];
+            inner.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let mut kept = [inner[0], inner[2]];
+            kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+            self.points = vec![first, kept[0], kept[1], last];
+        }
+    }
+
+    fn is_whole(&self) -> bool {
+        !(self.separated || self.overturned || self.failed)
+    }
+}
+
+/// Draws a spectrum from its table as SVG; `title` says what moved the ground.
+pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &str) -> Result<String, PictureError> {
+    let failed = |error: Box<dyn std::error::Error>| PictureError::Drawing(error.to_string());
+    let curves = read(spectrum, table, over).map_err(failed)?;
+    let mut svg = String::new();
+    draw(spectrum, &curves, over, title, &mut svg).map_err(failed)?;
+    Ok(svg)
+}
+
+fn read(
+    spectrum: &Spectrum,
+    table: impl Read,
+    over: Abscissa,
+) -> Result<Vec<Vec<Stretch>>, Box<dyn std::error::Error>> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
+    let place = |name: &str| Spectrum::COLUMNS.iter().position(|column| *column == name).map_or(0, |i| i + 1);
+    let (x, y) = match over {
+        Abscissa::TwoOverP => (place("2/p"), place("peak.theta/alpha")),
+        Abscissa::PulseRatio => (place("omega_p/p"), place("peak.theta/alpha")),
+    };
+    let count = spectrum.sizes.count;
+    let size = count.div_ceil(STRETCHES);
+    let mut curves = vec![Vec::new(); (spectrum.rows() / count) as usize];
+    for (row, record) in (0..spectrum.rows()).zip(reader.records()) {
+        let record = record?;
+        let x: f64 = record[x].parse()?;
+        let curve = &mut curves[(row / count) as usize];
+        if (row % count).is_multiple_of(size) {
+            curve.push(Stretch { from: x, to: x, ..Stretch::default() });
+        }
+        if let Some(stretch) = curve.last_mut() {
+            stretch.add(x, &record[y]);
+        }
+    }
+    Ok(curves)
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn draw(
+    spectrum: &Spectrum,
+    curves: &[Vec<Stretch>],
+    over: Abscissa,
+    title: &str,
+    svg: &mut String,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let lanes = LANE * curves.len() as u32 + 72;
+    let root = SVGBackend::with_string(svg, (WIDTH, HEAD + CHART + lanes)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (head, body) = root.split_vertically(HEAD);
+    let (chart, lanes) = body.split_vertically(CHART);
+    let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
+    head.draw_text(title, &text(34), (LEFT as i32 + 16, 24))?;
+    let line = format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma));
+    head.draw_text(&line, &text(26), (LEFT as i32 + 16, 72))?;
+
+    let stretches = || curves.iter().flatten();
+    let (from, to) =
+        stretches().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.from), high.max(s.to)));
+    let highest = stretches().flat_map(|s| &s.points).fold(0.0_f64, |high, point| high.max(point.1));
+    let margin = 0.02 * (to - from);
+    let range = from - margin..to + margin;
+    let mut context = ChartBuilder::on(&chart)
+        .margin_right(48)
+        .margin_left(16)
+        .margin_top(16)
+        .set_label_area_size(LabelAreaPosition::Left, LEFT)
+        .set_label_area_size(LabelAreaPosition::Bottom, 88)
+        .build_cartesian_2d(range.clone(), 0.0..1.06 * highest.max(1e-9))?;
+    context
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(ShapeStyle::from(GRID).stroke_width(2))
+        .axis_style(ShapeStyle::from(INK).stroke_width(2))
+        .label_style(text(26))
+        .axis_desc_style(text(28))
+        .y_desc("peak |θ| / α")
+        .x_desc(match over {
+            Abscissa::TwoOverP => "2 / p (s)",
+            Abscissa::PulseRatio => "ω_p / p",
+        })
+        .x_labels(12)
+        .y_labels(8)
+        .x_label_formatter(&|x| short(*x))
+        .y_label_formatter(&|y| short(*y))
+        .draw()?;
+    for (i, curve) in curves.iter().enumerate() {
+        let look = Look::of(i);
+        let mut path: Vec<(f64, f64)> = Vec::new();
+        let mut pixels = Vec::new();
+        for stretch in curve {
+            path.extend(&stretch.points);
+            if !stretch.is_whole() {
+                pixels.push(std::mem::take(&mut path));
+            }
+        }
+        pixels.push(path);
+        for path in pixels.into_iter().filter(|path| !path.is_empty()) {
+            let at: Vec<(i32, i32)> = path.iter().map(|point| context.backend_coord(point)).collect();
+            look.draw(&root, &at)?;
+        }
+    }
+    outcomes(spectrum, curves, &root, &lanes, |x| context.backend_coord(&(x, 0.0)).0)?;
+    root.present()?;
+    Ok(())
+}
+
+/// A lane for each curve with its key and its name, and where along the abscissa its blocks have no peak rotation.
+fn outcomes(
+    spectrum: &Spectrum,
+    curves: &[Vec<Stretch>],
+    root: &Area,
+    area: &Area,
+    pixel: impl Fn(f64) -> i32,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let top = area.get_base_pixel().1;
+    let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
+    let left = LEFT as i32 + 16;
+    let mut x = left;
+    for (fill, name) in [(Fill::Grey, "complete separation"), (Fill::Black, "overturning"), (Fill::Cross, "run failed")]
+    {
+        if matches!(fill, Fill::Cross) && !curves.iter().flatten().any(|s| s.failed) {
+            continue;
+        }
+        fill.draw(root, (x, top + 14), (x + 64, top + 36))?;
+        root.draw_text(name, &text(24), (x + 76, top + 10))?;
+        x += 380;
+    }
+    for (i, curve) in curves.iter().enumerate() {
+        let y = top + 72 + LANE as i32 * i as i32;
+        Look::of(i).draw(root, &[(16, y), (LEFT as i32 / 2 + 8, y), (LEFT as i32, y)])?;
+        root.draw_text(&name(spectrum, i), &text(24), (left, y - 14))?;
+        let ends = [curve.first(), curve.last()].map(|end| end.map_or(left, |end| pixel(end.to)));
+        root.draw(&Rectangle::new([(ends[0], y + 20), (ends[1], y + 38)], INK.mix(0.5).stroke_width(1)))?;
+        let half = |a: usize, b: usize| match (curve.get(a), curve.get(b)) {
+            (Some(a), Some(b)) => 0.5 * (a.to + b.from),
+            (Some(end), None) => end.to,
+            (None, Some(end)) => end.from,
+            (None, None) => 0.0,
+        };
+        for (j, stretch) in curve.iter().enumerate() {
+            let from = pixel(half(j.wrapping_sub(1), j));
+            let to = pixel(half(j, j + 1)).max(from + 2);
+            for (is, fill) in
+                [(stretch.separated, Fill::Grey), (stretch.overturned, Fill::Black), (stretch.failed, Fill::Cross)]
+            {
+                if is {
+                    fill.draw(root, (from, y + 20), (to, y + 38))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What a curve is, in words.
+fn name(spectrum: &Spectrum, curve: usize) -> String {
+    let place = spectrum.place(curve as u64 * spectrum.sizes.count);
+    let base = match spectrum.bases[place.base] {
+        Base::Rigid { epsilon: 0.0 } => "rigid base".into(),
+        Base::Rigid { epsilon } => format!("rigid base, ε = {}", short(epsilon)),
+        Base::Viscoelastic { eta, xi_v, epsilon } => {
+            format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
+        }
+    };
+    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[place.motion].0) } else { base }
+}
+
+#[derive(Clone, Copy)]
+enum Fill {
+    Grey,
+    Black,
+    Cross,
+}
+
+impl Fill {
+    fn draw(self, area: &Area, from: (i32, i32), to: (i32, i32)) -> Result<(), Box<dyn std::error::Error>> {
+        let style = match self {
+            Fill::Grey => INK.mix(0.35).filled(),
+            Fill::Black => INK.filled(),
+            Fill::Cross => INK.stroke_width(2),
+        };
+        area.draw(&Rectangle::new([from, to], style))?;
+        if matches!(self, Fill::Cross) {
+            area.draw(&PathElement::new(vec![from, to], INK.stroke_width(2)))?;
+            area.draw(&PathElement::new(vec![(from.0, to.1), (to.0, from.1)], INK.stroke_width(2)))?;
+        }
+        Ok(())
+    }
+}
+
+/// How a curve looks: told from the others by dashes and markers, without colours.
+struct Look {
+    /// Length of dashes and gaps in pixels; none for a line without gaps.
+    dashes: Option<(i32, i32)>,
+    marker: Option<Marker>,
+    colour: RGBColor,
+}
+
+#[derive(Clone, Copy)]
+enum Marker {
+    Circle,
+    Triangle,
+    Cross,
+    Disc,
+}
+
+impl Look {
+    fn of(curve: usize) -> Look {
+        let dashes = [None, Some((20, 10)), Some((6, 8)), Some((40, 12))][curve % 4];
+        let markers = [None, Some(Marker::Circle), Some(Marker::Triangle), Some(Marker::Cross), Some(Marker::Disc)];
+        Look {
+            dashes,
+            marker: markers[curve % 5],
+            colour: [INK, RGBColor(85, 85, 85), RGBColor(120, 120, 120)][curve % 3],
+        }
+    }
+
+    /// Draws a line through these pixels, with some markers on it; a single point is a marker, or a dot.
+    fn draw(&self, area: &Area, at: &[(i32, i32)]) -> Result<(), Box<dyn std::error::Error>> {
+        let style = self.colour.stroke_width(4);
+        if let &[point] = at {
+            return match self.marker {
+                Some(marker) => self.mark(marker, area, point),
+                None => Ok(area.draw(&Circle::new(point, 4, self.colour.filled()))?),
+            };
+        }
+        match self.dashes {
+            None => area.draw(&PathElement::new(at.to_vec(), style))?,
+            Some((dash, gap)) => {
+                area.draw(&plotters::element::DashedPathElement::new(at.to_vec(), dash, gap, style))?;
+            }
+        }
+        let Some(marker) = self.marker else { return Ok(()) };
+        // The first marker stands a little inside, the others at even distances.
+        const APART: f64 = 110.0;
+        let (mut way, mut next) = (0.0, 0.3 * APART);
+        for pair in at.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|(x, y)| (f64::from(x), f64::from(y)));
+            let length = (b.0 - a.0).hypot(b.1 - a.1);
+            while length > 0.0 && next <= way + length {
+                let part = (next - way) / length;
+                let place = ((a.0 + part * (b.0 - a.0)).round() as i32, (a.1 + part * (b.1 - a.1)).round() as i32);
+                self.mark(marker, area, place)?;
+                next += APART;
+            }
+            way += length;
+        }
+        Ok(())
+    }
+
+    fn mark(&self, marker: Marker, area: &Area, at: (i32, i32)) -> Result<(), Box<dyn std::error::Error>> {
+        let (open, full) = (self.colour.stroke_width(3), self.colour.filled());
+        match marker {
+            Marker::Circle => {
+                area.draw(&Circle::new(at, 8, WHITE.filled()))?;
+                area.draw(&Circle::new(at, 8, open))?;
+            }
+            Marker::Disc => area.draw(&Circle::new(at, 8, full))?,
+            Marker::Triangle => area.draw(&TriangleMarker::new(at, 11, full))?,
+            Marker::Cross => area.draw(&Cross::new(at, 9, open))?,
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,248 @@
+//! Parameters over grids or samples × records × scale factors → what each block does, a row each.
+
+use crate::excitation::PulseShape;
+use crate::fmi2::values::Values;
+use crate::study::ground::Ground;
+use crate::study::history::{Outcome, Run, duration};
+use crate::study::intensity::{pga, pgv, spectral_acceleration};
+use crate::study::parameters::Parameter;
+use crate::study::resumable::Head;
+use crate::study::runner::{Study, StudyRow};
+use crate::study::sampling::LatinHypercube;
+
+/// A parameter and the values that it takes.
+#[derive(Clone, Debug)]
+pub struct Factor {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// Its values.
+    pub levels: Levels,
+}
+
+/// The values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Levels {
+    /// These; a Latin hypercube takes each of them equally often.
+    List(Vec<f64>),
+    /// All in a range, of which a Latin hypercube takes samples.
+    Range {
+        /// Least value.
+        from: f64,
+        /// Greatest value.
+        to: f64,
+        /// Whether the logarithm is evenly distributed instead of the value.
+        logarithmic: bool,
+    },
+}
+
+impl Levels {
+    /// The value at a part of the way from the first to the last, 0 ≤ part ≤ 1.
+    pub fn at(&self, part: f64) -> f64 {
+        match *self {
+            Levels::List(ref values) => values[((part * values.len() as f64) as usize).min(values.len() - 1)],
+            Levels::Range { from, .. } if part == 0.0 => from,
+            Levels::Range { to, .. } if part == 1.0 => to,
+            Levels::Range { from, to, logarithmic: false } => from + part * (to - from),
+            Levels::Range { from, to, logarithmic: true } => from * libm::exp(part * libm::log(to / from)),
+        }
+    }
+}
+
+/// How the parameters are combined.
+#[derive(Clone, Debug)]
+pub enum Design {
+    /// Each value of each with each of all others; the last one changes fastest.
+    Grid,
+    /// Samples.
+    LatinHypercube(LatinHypercube, u32),
+}
+
+/// A ground motion and what tells how strong it is.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// The files' names as they stand in the study.
+    pub names: [String; 2],
+    /// The records, unscaled.
+    pub ground: Ground,
+    /// PGA (m/s²), PGV (m/s) of the horizontal record, PGA of the vertical one, and Sa (m/s²) of the horizontal one at
+    /// each period; nothing where there is no record.
+    pub intensities: Vec<Option<f64>>,
+}
+
+impl Motion {
+    /// A motion with its intensities at scale 1.
+    pub fn new(names: [String; 2], ground: Ground, periods: &[f64]) -> Motion {
+        let horizontal = ground.horizontal.as_ref();
+        let mut intensities = vec![horizontal.map(pga), horizontal.map(pgv), ground.vertical.as_ref().map(pga)];
+        intensities
+            .extend(periods.iter().map(|&period| horizontal.map(|record| spectral_acceleration(record, period))));
+        Motion { names, ground, intensities }
+    }
+}
+
+/// A sweep: each combination of parameters × each motion × each scale factor is a row.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// What the study is, a line each.
+    pub text: Vec<String>,
+    /// The parameters that the study names.
+    pub factors: Vec<Factor>,
+    /// How they are combined.
+    pub design: Design,
+    /// Ground motions, at least one, which may be none.
+    pub motions: Vec<Motion>,
+    /// Factors on the records, at least one.
+    pub scales: Vec<f64>,
+    /// Periods of Sa (s).
+    pub periods: Vec<f64>,
+    /// Relative tolerance of the integration.
+    pub tolerance: f64,
+    /// Duration of each run (s); without it that of [`duration`].
+    pub duration: Option<f64>,
+    /// Longest time between two stops (s); without it the records' time step or 0.01 s.
+    pub step: Option<f64>,
+}
+
+impl Sweep {
+    /// How many combinations of parameters there are; nothing if the number overflows.
+    pub fn combinations(&self) -> Option<u64> {
+        match &self.design {
+            Design::LatinHypercube(_, samples) => Some(u64::from(*samples)),
+            Design::Grid => self.factors.iter().try_fold(1_u64, |product, factor| match &factor.levels {
+                Levels::List(values) => product.checked_mul(values.len() as u64),
+                Levels::Range { .. } => None,
+            }),
+        }
+    }
+
+    /// The values of the parameters in a combination, in the order of `factors`.
+    pub fn combination(&self, number: u64) -> Vec<f64> {
+        match &self.design {
+            Design::LatinHypercube(cube, _) => {
+                let part = |direction| cube.coordinate(number as u32, direction);
+                self.factors.iter().enumerate().map(|(i, factor)| factor.levels.at(part(i))).collect()
+            }
+            Design::Grid => {
+                let mut rest = number;
+                let mut values: Vec<f64> = (self.factors.iter().rev())
+                    .map(|factor| match &factor.levels {
+                        Levels::List(values) => {
+                            let value = values[(rest % values.len() as u64) as usize];
+                            rest /= values.len() as u64;
+                            value
+                        }
+                        Levels::Range { from, .. } => *from,
+                    })
+                    .collect();
+                values.reverse();
+                values
+            }
+        }
+    }
+
+    /// The variables of the FMU in a combination.
+    pub fn values(&self, combination: &[f64]) -> Values {
+        let mut values = Values::default();
+        for (factor, value) in self.factors.iter().zip(combination) {
+            values[factor.parameter.metadata.variable] = *value;
+        }
+        values
+    }
+
+    /// Combination, motion and scale of a row.
+    fn place(&self, row: u64) -> (Vec<f64>, &Motion, f64) {
+        let (scales, motions) = (self.scales.len() as u64, self.motions.len() as u64);
+        let motion = &self.motions[(row / scales % motions) as usize];
+        (self.combination(row / scales / motions), motion, self.scales[(row % scales) as usize])
+    }
+
+    /// The run of a row. Combinations that make no block are refused before a sweep begins.
+    pub fn run(&self, row: u64) -> Run {
+        let (combination, motion, scale) = self.place(row);
+        let values = self.values(&combination);
+        let block = values.block().unwrap_or_else(|error| unreachable!("{error}"));
+        let ground = motion.ground.clone().scaled(scale);
+        let pulse = values.pulse();
+        Run {
+            block,
+            settings: values.settings(Some(self.tolerance)),
+            initial: values.initial(),
+            pulse,
+            duration: self.duration.unwrap_or_else(|| duration(&ground, &pulse, &block)),
+            output_step: self.step.or(ground.time_step()).unwrap_or(0.01),
+            ground,
+        }
+    }
+
+    /// Whether something moves the block in every combination: a record, a pulse, or its beginning.
+    pub fn moves(&self, combination: &[f64], motion: &Motion) -> bool {
+        let values = self.values(combination);
+        let (initial, pulse) = (values.initial(), values.pulse());
+        motion.ground.time_step().is_some()
+            || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+            || initial.theta != 0.0
+            || initial.theta_dot != 0.0
+            || initial.vertical.is_some()
+    }
+}
+
+impl Study for Sweep {
+    fn head(&self) -> Head {
+        let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
+        study.extend(self.text.iter().cloned());
+        for Motion { names, ground, .. } in &self.motions {
+            study.push(format!("{}: {}", names.join(" + "), ground.fingerprint()));
+        }
+        let mut columns: Vec<String> = self.factors.iter().map(|f| f.parameter.metadata.name.to_string()).collect();
+        columns.extend(["record", "vertical", "scale", "PGA", "PGV", "PGA.vertical"].map(String::from));
+        columns.extend(self.periods.iter().map(|period| format!("Sa({period})")));
+        columns.extend(
+            [
+                "duration",
+                "end",
+                "end_time",
+                "peak.theta/alpha",
+                "peak.uplift",
+                "peak.N",
+                "peak.H",
+                "peak.friction_demand",
+                "events.impacts",
+                "events.liftoffs",
+            ]
+            .map(String::from),
+        );
+        Head { study, columns }
+    }
+
+    fn rows(&self) -> u64 {
+        self.combinations().unwrap_or(0) * (self.motions.len() * self.scales.len()) as u64
+    }
+
+    fn row(&self, number: u64) -> StudyRow {
+        let (combination, motion, scale) = self.place(number);
+        let mut fields: Vec<String> =
+            self.factors.iter().zip(&combination).map(|(factor, value)| factor.parameter.display(*value)).collect();
+        fields.extend(motion.names.iter().cloned());
+        let has_record = motion.ground.time_step().is_some();
+        fields.push(if has_record { scale.to_string() } else { String::new() });
+        let scaled = |intensity: &Option<f64>| intensity.map(|x| (x * scale.abs()).to_string()).unwrap_or_default();
+        fields.extend(motion.intensities.iter().map(scaled));
+        let run = self.run(number);
+        let outcome = run.outcome();
+        fields.extend([
+            run.duration.to_string(),
+            Outcome::end(&outcome).to_string(),
+            Outcome::end_time(&outcome),
+            Outcome::rotation(&outcome, &run.block),
+        ]);
+        match &outcome {
+            Ok(Outcome { peaks, counts, .. }) => {
+                let peaks = [peaks.uplift, peaks.reaction, peaks.horizontal, peaks.friction_demand];
+                fields.extend(peaks.map(|peak| peak.to_string()));
+                fields.extend([counts.impacts, counts.liftoffs].map(|count| count.to_string()));
+            }
+            Err(_) => fields.extend(std::iter::repeat_n(String::new(), 6)),
+        }
+        StudyRow { fields, failure: outcome.err() }
+    }
+}

@@ -1,0 +1,301 @@
+//! A study file → a sweep of which every value is known to be good.
+
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::fmi2::values::Values;
+use crate::fmi2::variables::{Kind, Variable};
+use crate::records::{self, ReadOptions, Record, Unit};
+use crate::simulation::Settings;
+use crate::study::ground::Ground;
+use crate::study::history::{LONGEST, SHORTEST};
+use crate::study::parameters::Parameter;
+use crate::study::sampling::LatinHypercube;
+use crate::study::study_file::{Placed, Section, Source, StudyFileError, number};
+use crate::study::sweep::{Design, Factor, Levels, Motion, Sweep};
+
+/// More rows than anybody waits for.
+const MOST_ROWS: u64 = 1_000_000_000;
+
+/// A parameter of the file and where it stands there.
+struct Given<'a> {
+    name: String,
+    value: Placed<'a>,
+    parameter: Parameter,
+    levels: Levels,
+}
+
+/// Reads a study from the text of its file. The records' paths are relative to `folder`.
+pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileError> {
+    let source = Source { file, text };
+    let document = source.parse()?;
+    let (table, place) = (document.get_ref(), document.span());
+    let root = Section::new(source, "the file", place, table, &["study", "parameters", "records"])?;
+    let keys = ["design", "samples", "seed", "scales", "periods", "tolerance", "duration", "step"];
+    let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
+    let samples = design(&study)?;
+    let given = parameters(&root, source, samples.is_some())?;
+    let design = match samples {
+        Some((samples, seed)) => Design::LatinHypercube(LatinHypercube::new(samples, given.len(), seed), samples),
+        None => Design::Grid,
+    };
+    let periods = study
+        .numbers(
+            "periods",
+            |x| (0.001..=1000.0).contains(&x),
+            "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
+        )?
+        .unwrap_or_default();
+    let motions = motions(&root, source, &given, folder, &periods)?;
+    let scales = study.numbers("scales", |x| x != 0.0, "a list of factors that are not 0, as in [0.5, 1.0]")?;
+    let without = motions.iter().all(|motion| motion.ground.time_step().is_none());
+    for key in ["scales", "periods"] {
+        if let (true, Some(value)) = (without, study.get(key)) {
+            return Err(study.wrong(key, value, "[[records]], without which nothing reads it"));
+        }
+    }
+    let tolerance = study.number("tolerance", |x| x > 0.0, "a number > 0")?;
+    let factors = given.iter().map(|g| Factor { parameter: g.parameter.clone(), levels: g.levels.clone() }).collect();
+    let sweep = Sweep {
+        // What a line says counts, not how it is set.
+        text: text
+            .lines()
+            .map(str::trim)
+            .filter(|line| !line.is_empty() && !line.starts_with('#'))
+            .map(String::from)
+            .collect(),
+        factors,
+        design,
+        motions,
+        scales: scales.unwrap_or_else(|| vec![1.0]),
+        periods,
+        tolerance: tolerance.unwrap_or(Settings::default().tolerance),
+        duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,
+        step: study.number("step", |x| x >= SHORTEST, "a time of at least 1e-6 s")?,
+    };
+    check(&sweep, &given, source)?;
+    Ok(sweep)
+}
+
+/// Samples and seed of a Latin hypercube; nothing for a grid.
+fn design(study: &Section) -> Result<Option<(u32, u64)>, StudyFileError> {
+    const EXPECTED: &str = "\"grid\" or \"latin-hypercube\"";
+    let design = study.text("design")?.ok_or_else(|| study.lacks("design", EXPECTED))?;
+    let samples = study.integer("samples", 1..10_000_001)?;
+    let seed = study.integer("seed", 0..1 << 63)?;
+    match (design, study.get("design")) {
+        ("grid", _) => {
+            for key in ["samples", "seed"] {
+                if let Some(value) = study.get(key) {
+                    return Err(study.wrong(
+                        key,
+                        value,
+                        "design = \"latin-hypercube\", without which nothing reads it",
+                    ));
+                }
+            }
+            Ok(None)
+        }
+        ("latin-hypercube", _) => {
+            let samples = samples.ok_or_else(|| study.lacks("samples", "how many samples are taken"))?;
+            let seed = seed.ok_or_else(|| study.lacks("seed", "a whole number, from which the samples follow"))?;
+            Ok(Some((samples as u32, seed)))
+        }
+        (_, Some(value)) => Err(study.wrong("design", value, EXPECTED)),
+        (_, None) => Err(study.lacks("design", EXPECTED)),
+    }
+}
+
+/// The parameters in the order of the file.
+fn parameters<'a>(root: &Section<'a>, source: Source, sampled: bool) -> Result<Vec<Given<'a>>, StudyFileError> {
+    let Some(value) = root.get("parameters") else { return Ok(Vec::new()) };
+    let table = value.get_ref().as_table().ok_or_else(|| root.wrong("parameters", value, "a table"))?;
+    let mut found = Vec::new();
+    flatten(source, "", table, &mut found)?;
+    found.sort_by_key(|(_, value)| value.span().start);
+    let given = found.into_iter().map(|(name, value)| {
+        let parameter = Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?;
+        let levels = levels(source, &parameter, value, sampled)?;
+        Ok(Given { name, value, parameter, levels })
+    });
+    given.collect()
+}
+
+/// `dimensionless.alpha` may stand in quotes, with a dot, or in a table of its group.
+fn flatten<'a>(
+    source: Source,
+    prefix: &str,
+    table: &'a DeTable<'a>,
+    found: &mut Vec<(String, Placed<'a>)>,
+) -> Result<(), StudyFileError> {
+    for (key, value) in table {
+        let name = format!("{prefix}{}", key.get_ref());
+        match value.get_ref().as_table() {
+            Some(group) if Parameter::is_group(&name) => flatten(source, &format!("{name}."), group, found)?,
+            _ => {
+                Parameter::named(&name).map_err(|message| source.wrong(&key.span(), message))?;
+                if found.iter().any(|(known, _)| *known == name) {
+                    return Err(source.wrong(&key.span(), format!("{name} is there twice")));
+                }
+                found.push((name, value));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The values of a parameter: one, a list, or a range.
+fn levels(source: Source, parameter: &Parameter, value: Placed, sampled: bool) -> Result<Levels, StudyFileError> {
+    let name = parameter.metadata.name;
+    let of = |value: Placed| -> Result<f64, StudyFileError> {
+        let at = |message: String| source.wrong(&value.span(), message);
+        let found = match (parameter.metadata.kind, value.get_ref()) {
+            (Kind::Boolean, DeValue::Boolean(truth)) => f64::from(u8::from(*truth)),
+            (Kind::Enumeration, DeValue::String(item)) => parameter.item(item).map_err(at)?,
+            (Kind::Boolean, _) | (_, DeValue::Boolean(_) | DeValue::String(_)) => {
+                let found = source.text.get(value.span()).unwrap_or_default();
+                return Err(at(format!("{name} = {found}; expected {}", parameter.expected())));
+            }
+            _ => number(value).ok_or_else(|| at(format!("{name} expects {}", parameter.expected())))?,
+        };
+        parameter.metadata.admits(found).map_err(at)?;
+        Ok(found)
+    };
+    match value.get_ref() {
+        DeValue::Array(list) if list.is_empty() => {
+            Err(source.wrong(&value.span(), format!("{name} = []; expected at least one value")))
+        }
+        DeValue::Array(list) => list.iter().map(of).collect::<Result<_, _>>().map(Levels::List),
+        DeValue::Table(table) => range(source, parameter, value, table, of, sampled),
+        _ => of(value).map(|value| Levels::List(vec![value])),
+    }
+}
+
+fn range(
+    source: Source,
+    parameter: &Parameter,
+    value: &Spanned<DeValue>,
+    table: &DeTable,
+    of: impl Fn(Placed) -> Result<f64, StudyFileError>,
+    sampled: bool,
+) -> Result<Levels, StudyFileError> {
+    let name = parameter.metadata.name;
+    let section = Section::new(source, name, value.span(), table, &["from", "to", "count", "spacing"])?;
+    if parameter.metadata.kind != Kind::Real {
+        return Err(source.wrong(&value.span(), format!("{name} has no range; expected a list")));
+    }
+    let end = |key| section.get(key).ok_or_else(|| section.lacks(key, "from and to, as in { from = 1, to = 4 }"));
+    let (from, to) = (of(end("from")?)?, of(end("to")?)?);
+    if from >= to {
+        return Err(section.wrong("to", end("to")?, &format!("more than from = {from}")));
+    }
+    let logarithmic = match (section.text("spacing")?, section.get("spacing")) {
+        (None | Some("linear"), _) => false,
+        (Some("log"), _) if from > 0.0 => true,
+        (Some("log"), _) => return Err(section.wrong("from", end("from")?, "a number > 0 for spacing = \"log\"")),
+        (_, Some(value)) => return Err(section.wrong("spacing", value, "\"linear\" or \"log\"")),
+        (_, None) => false,
+    };
+    let range = Levels::Range { from, to, logarithmic };
+    match (section.integer("count", 2..1_000_001)?, section.get("count")) {
+        (Some(_), Some(value)) if sampled => {
+            Err(section.wrong("count", value, "none, since a Latin hypercube takes samples"))
+        }
+        (Some(count), _) => {
+            let last = (count - 1) as f64;
+            Ok(Levels::List((0..count).map(|i| range.at(i as f64 / last)).collect()))
+        }
+        (None, _) if sampled => Ok(range),
+        (None, _) => Err(section.lacks("count", "how many values a grid takes")),
+    }
+}
+
+/// The ground motions, or the one that is none.
+fn motions(
+    root: &Section,
+    source: Source,
+    given: &[Given],
+    folder: &Path,
+    periods: &[f64],
+) -> Result<Vec<Motion>, StudyFileError> {
+    let Some(value) = root.get("records") else {
+        return Ok(vec![Motion::new(Default::default(), Ground::default(), periods)]);
+    };
+    let list = value.get_ref().as_array().filter(|list| !list.is_empty());
+    let list = list.ok_or_else(|| root.wrong("records", value, "[[records]], a table for each ground motion"))?;
+    let gravity = match given.iter().find(|given| given.parameter.metadata.variable == Variable::G) {
+        None => Values::default()[Variable::G],
+        Some(Given { levels: Levels::List(values), .. }) if values.len() == 1 => values[0],
+        Some(Given { value, .. }) => {
+            let message = "g takes several values; expected one, by which records in g are read";
+            return Err(source.wrong(&value.span(), message));
+        }
+    };
+    let read = |value: Placed| {
+        let table = value.get_ref().as_table().ok_or_else(|| root.wrong("records", value, "tables"))?;
+        let keys = ["horizontal", "vertical", "unit", "dt"];
+        let section = Section::new(source, "[[records]]", value.span(), table, &keys)?;
+        let unit = section.text("unit")?.map(str::parse::<Unit>).transpose();
+        let unit = unit.map_err(|error| source.wrong(&value.span(), error.to_string()))?;
+        let time_step = section.number("dt", |x| x > 0.0, "a time > 0 s")?;
+        let options = ReadOptions { unit, time_step, gravity, ..ReadOptions::default() };
+        let load = |key: &str| -> Result<(String, Option<Record>), StudyFileError> {
+            let (Some(name), Some(value)) = (section.text(key)?, section.get(key)) else {
+                return Ok((String::new(), None));
+            };
+            let record = records::read(&folder.join(name), &options);
+            record
+                .map(|record| (name.to_string(), Some(record)))
+                .map_err(|error| source.wrong(&value.span(), error.to_string()))
+        };
+        let ((first, horizontal), (second, vertical)) = (load("horizontal")?, load("vertical")?);
+        if horizontal.is_none() && vertical.is_none() {
+            return Err(section.lacks("horizontal", "a file, horizontal or vertical or both"));
+        }
+        Ok(Motion::new([first, second], Ground { horizontal, vertical }, periods))
+    };
+    list.iter().map(read).collect()
+}
+
+/// What only shows when all is put together: the number of rows, parameters that nothing reads, and blocks that are none.
+fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFileError> {
+    let line = |name: &str| given.iter().find(|given| given.name == name || given.name.ends_with(&format!(".{name}")));
+    let per_combination = (sweep.motions.len() * sweep.scales.len()) as u64;
+    let combinations = sweep.combinations();
+    let rows = combinations.and_then(|count| count.checked_mul(per_combination)).filter(|rows| *rows <= MOST_ROWS);
+    if rows.is_none() {
+        let message = format!("combinations × records × scales are too many rows; expected at most {MOST_ROWS}");
+        return Err(source.wrong(&(0..0), message));
+    }
+    let mut read = vec![false; given.len()];
+    for number in 0..combinations.unwrap_or(0) {
+        let combination = sweep.combination(number);
+        let values = sweep.values(&combination);
+        if let Err(error) = values.block() {
+            let place = line(error.name).map_or(0..0, |given| given.value.span());
+            return Err(source.wrong(&place, error.to_string()));
+        }
+        if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {
+            let message = "nothing moves the block; expected [[records]], a pulse.shape with a pulse.amplitude, \
+                           or an initial.theta or initial.theta_dot";
+            return Err(source.wrong(&line("amplitude").map_or(0..0, |given| given.value.span()), message));
+        }
+        let unread: Vec<&str> = values.unread().collect();
+        for (given, read) in given.iter().zip(&mut read) {
+            *read |= !unread.contains(&given.name.as_str());
+        }
+    }
+    match given.iter().zip(&read).find(|(_, read)| !**read) {
+        Some((given, _)) => {
+            let message = format!(
+                "{} is read by no block of the study; expected parameterization = \"Physical\" for physical sizes, \
+                 \"Dimensionless\" for the others, initial.settled = false for initial.v and initial.v_dot",
+                given.name
+            );
+            Err(source.wrong(&given.value.span(), message))
+        }
+        None => Ok(()),
+    }
+}

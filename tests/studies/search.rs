@@ -1,0 +1,112 @@
+//! `rocking search`, and the searches of the library.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::simulation::{Initial, Settings};
+use rocking_block::study::ground::Ground;
+use rocking_block::study::history::{End, Outcome, Run};
+use rocking_block::study::search::{Scan, damping_against_separation, overturning};
+
+use crate::{Table, files, made, refused};
+
+const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+
+fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
+    let (settings, ground) = (Settings::default(), Ground::default());
+    Outcome::end(&Run { block: *block, settings, initial, pulse, ground, duration, output_step: 0.01 }.outcome())
+}
+
+/// On either side of each change the block does what the search says, and with less damping than needed it separates.
+#[test]
+fn damping_against_separation_brackets_the_change() {
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
+    let found = damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan).unwrap();
+    assert!(!found.changes.is_empty());
+    for change in &found.changes {
+        assert!(change.above - change.below <= scan.resolution && change.below < change.above);
+        for (xi_v, expected) in [(change.below, change.from), (change.above, change.to)] {
+            let block = Block::from_dimensionless(&Dimensionless { xi_v, ..BLOCK }, &Common::default()).unwrap();
+            let initial = Initial { theta_dot: 0.95 * 0.25, ..Initial::default() };
+            assert_eq!(end(&block, initial, Pulse::NONE, 50.0), expected, "xi_v = {xi_v}");
+        }
+    }
+    assert_eq!((found.first, found.last), ((0.0, End::Separated), (0.4, End::Completed)));
+    let needed = found.least_without(End::Separated).unwrap();
+    let last = found.changes.iter().rfind(|change| change.from == End::Separated).unwrap();
+    assert_eq!(needed, last.above);
+}
+
+/// On a rigid base, where the block stands, falls, stands again under a stronger pulse, and falls for good.
+#[test]
+fn overturning_is_found_with_the_island_above_it() {
+    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let block = Block::from_dimensionless(&BLOCK, &common).unwrap();
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0 };
+    let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
+    let found = overturning(&block, pulse, Settings::default(), &scan);
+    let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
+    assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
+    for change in &found.changes {
+        assert!(change.above - change.below <= scan.resolution);
+        for (amplitude, expected) in [(change.below, change.from), (change.above, change.to)] {
+            // Twice the search's own duration: what stands then, stands.
+            let duration = 2.0 * (1.2566 + 50.0);
+            assert_eq!(end(&block, Initial::default(), Pulse { amplitude, ..pulse }, duration), expected);
+        }
+    }
+    assert_eq!(found.least(End::Overturned), Some(found.changes[0].above));
+}
+
+/// The similarity of the rigid block: with all times shortened by the same factor, and p and 1/T_p raised by it, the
+/// minimum overturning amplitude stays.
+#[test]
+fn similar_blocks_overturn_at_the_same_amplitude() {
+    let least = |p: f64| {
+        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let block = Block::from_dimensionless(&Dimensionless { p, ..BLOCK }, &common).unwrap();
+        let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0 };
+        let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
+        overturning(&block, pulse, Settings::default(), &scan).least(End::Overturned).unwrap()
+    };
+    assert!((least(0.8) - least(2.4)).abs() < 3e-5, "{} and {}", least(0.8), least(2.4));
+}
+
+#[test]
+fn the_program_tells_what_the_library_finds() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["search", "damping", "--to", "0.4", "--points", "9", "--resolution", "1e-4"];
+    let one = made(folder.path(), &[&arguments[..], &["--threads", "1", "--csv", "d.csv"]].concat());
+    let two = made(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
+    assert_eq!(one, two);
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
+    let found = damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan).unwrap();
+    let needed = found.least_without(End::Separated).unwrap();
+    assert!(one.contains(&format!("no separation from xi_v = {needed} on")), "{one}");
+    assert!(one.contains("9 values, 0.05 apart") && one.contains("within 0.0001"), "{one}");
+    let table = Table::read(&folder.path().join("d.csv"));
+    let stretches = found.stretches();
+    assert_eq!(table.rows.len(), stretches.len());
+    for (row, (from, to, end)) in stretches.iter().enumerate() {
+        assert_eq!((table.number(row, "from"), table.number(row, "to")), (*from, *to));
+        assert_eq!(table.get(row, "end"), end.to_string());
+    }
+    let told = made(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
+    assert!(told.contains("separation at xi_v = 0.02 still"), "{told}");
+}
+
+#[test]
+fn what_cannot_be_searched_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&[&str], &[&str]); 6] = [
+        (&["damping", "--from", "0.5", "--to", "0.1"], &["--to = 0.1", "--from = 0.5"]),
+        (&["damping", "--from=-0.5"], &["xi_v = -0.5"]),
+        (&["damping", "--eta", "0"], &["eta = 0"]),
+        (&["damping", "--resolution", "0"], &["--resolution = 0"]),
+        (&["overturning", "--period", "0"], &["--period = 0"]),
+        (&["overturning", "--period", "1", "--pulse", "none"], &["--pulse none"]),
+    ];
+    for (arguments, words) in cases {
+        refused(folder.path(), &[&["search"], arguments, &["--csv", "x.csv"]].concat(), words);
+        assert!(files(folder.path()).is_empty());
+    }
+}

@@ -1,0 +1,204 @@
+//! `rocking spectrum`.
+
+use std::path::Path;
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::simulation::{Initial, Settings};
+use rocking_block::study::ground::Ground;
+use rocking_block::study::history::Run;
+use rocking_block::study::spectrum::Sizes;
+
+use crate::{PULSE, Table, files, made, refused, resumes_to_the_same_bytes};
+
+/// Few blocks, of which some separate, some fall over, and some rock.
+const FEW: [&str; 6] = ["--points", "9", "--p-min", "0.6", "--p-max", "6"];
+
+fn spectrum<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&["spectrum"], &PULSE[..], &FEW[..], more].concat()
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    for threads in ["1", "2", "7"] {
+        made(folder.path(), &spectrum(&["--csv", &format!("{threads}.csv"), "--threads", threads]));
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(read("1.csv") == read("2.csv"));
+    assert!(read("1.csv") == read("7.csv"));
+}
+
+#[test]
+fn an_interrupted_spectrum_goes_on_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    made(folder.path(), &spectrum(&["--csv", "whole.csv"]));
+    resumes_to_the_same_bytes(folder.path(), &spectrum(&[]), "whole.csv");
+}
+
+/// A picture of a spectrum that was there already is the picture of one that was not.
+#[test]
+fn a_complete_spectrum_can_be_drawn_again() {
+    let folder = tempfile::tempdir().unwrap();
+    made(folder.path(), &spectrum(&["--csv", "a.csv", "--plot", "a.svg"]));
+    made(folder.path(), &spectrum(&["--csv", "a.csv", "--plot", "b.svg", "--resume"]));
+    made(folder.path(), &spectrum(&["--csv", "a.csv", "--plot", "c.png", "--resume", "--over", "2/p"]));
+    let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
+    assert_eq!(svg, std::fs::read_to_string(folder.path().join("b.svg")).unwrap());
+    roxmltree::Document::parse(&svg).unwrap();
+    for label in
+        ["peak |θ| / α", "ω_p / p", "η = 40, ξ_v = 0.1, ε = 0", "rigid base", "complete separation", "overturning"]
+    {
+        assert!(svg.contains(label), "{label} is not in the picture");
+    }
+    assert_eq!(&std::fs::read(folder.path().join("c.png")).unwrap()[..8], b"\x89PNG\r\n\x1a\n");
+}
+
+/// Each row holds the numbers of the single run, to the last digit: those of the library, and those that
+/// `rocking simulate` prints.
+#[test]
+fn a_value_is_that_of_the_single_run() {
+    let folder = tempfile::tempdir().unwrap();
+    made(folder.path(), &spectrum(&["--csv", "s.csv"]));
+    let table = Table::read(&folder.path().join("s.csv"));
+    assert_eq!(table.rows.len(), 18);
+    let mut words = Vec::new();
+    for row in 0..18 {
+        let rigid = table.get(row, "foundation") == "rigid";
+        assert_eq!(rigid, row >= 9);
+        let p = table.number(row, "p");
+        let sizes = Sizes { least: 0.6, greatest: 6.0, count: 9 };
+        assert_eq!(p, sizes.p(row as u64 % 9));
+        assert_eq!(table.number(row, "2/p"), 2.0 / p);
+        assert!((table.number(row, "omega_p/p") * p / 5.0 - 1.0).abs() < 1e-15);
+        let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
+        let d = Dimensionless { alpha: 0.25, p, eta: 40.0, xi_v: 0.1 };
+        let run = Run {
+            block: Block::from_dimensionless(&d, &Common { foundation, ..Common::default() }).unwrap(),
+            settings: Settings::default(),
+            initial: Initial::default(),
+            pulse: Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.2566370614359172, start: 0.0 },
+            ground: Ground::default(),
+            duration: table.number(row, "duration"),
+            output_step: 0.01,
+        };
+        let history = run.history(|_| ()).unwrap();
+        let (p, duration) = (table.get(row, "p"), table.get(row, "duration"));
+        let base = if rigid { "rigid" } else { "viscoelastic" };
+        let block = ["--p", p, "--duration", duration, "--foundation", base, "--csv", "x.csv"];
+        let told = made(folder.path(), &[&["simulate"], &PULSE[..], &block].concat());
+        let peak = table.get(row, "peak.theta/alpha");
+        words.push(peak.to_string());
+        match history.ending {
+            None => {
+                assert_eq!(peak, (history.peaks.theta / 0.25).to_string());
+                assert_eq!(table.get(row, "end_time"), "");
+                let printed = format!("|θ|/α = {:.4},", table.number(row, "peak.theta/alpha"));
+                assert!(told.contains(&printed) && told.contains("completed"), "{printed} is not in: {told}");
+            }
+            Some((ending, time)) => {
+                assert_eq!(table.get(row, "end_time"), time.to_string());
+                assert!(peak == "separated" && told.contains("complete separation") || peak == "overturned");
+                assert!(told.contains(&format!("{ending} at t = {time:.4} s")), "{told}");
+            }
+        }
+    }
+    // Without all three, the test would not see what it is for.
+    assert!(words.iter().any(|word| word == "separated") && words.iter().any(|word| word == "overturned"));
+    assert!(words.iter().any(|word| word.parse::<f64>().is_ok()));
+}
+
+/// A record whose vertical part counts, with and without it.
+fn records(folder: &Path) {
+    let sample = |i: u32, a: f64, f: f64| a * (f * 0.02 * f64::from(i)).sin();
+    let text = |a: f64, f: f64| (0..100).map(|i| format!("{}\n", sample(i, a, f))).collect::<String>();
+    std::fs::write(folder.join("h.csv"), text(4.0, 5.0)).unwrap();
+    std::fs::write(folder.join("v.csv"), text(2.0, 17.0)).unwrap();
+}
+
+#[test]
+fn a_record_with_and_without_its_vertical_part() {
+    let folder = tempfile::tempdir().unwrap();
+    records(folder.path());
+    let unit = ["--unit", "m/s2", "--dt", "0.02", "--points", "3", "--p-max", "2", "--foundation", "40,0.4,0"];
+    let both = [&["spectrum", "--record", "h.csv", "--vertical", "v.csv"], &unit[..]].concat();
+    made(folder.path(), &[&both[..], &["--also-horizontal", "--csv", "both.csv", "--plot", "both.svg"]].concat());
+    made(folder.path(), &[&["spectrum", "--record", "h.csv"], &unit[..], &["--csv", "one.csv"]].concat());
+    let (both, one) = (Table::read(&folder.path().join("both.csv")), Table::read(&folder.path().join("one.csv")));
+    assert_eq!((both.rows.len(), one.rows.len()), (6, 3));
+    for row in 0..3 {
+        assert_eq!(both.rows[row], one.rows[row]);
+        assert_eq!(both.get(row, "omega_p/p"), "");
+        assert_eq!(both.get(row + 3, "motion"), "horizontal + vertical");
+        let peaks = [row, row + 3].map(|row| both.number(row, "peak.theta/alpha"));
+        assert!((peaks[0] - peaks[1]).abs() > 1e-3 * peaks[0], "{peaks:?}");
+    }
+    let svg = std::fs::read_to_string(folder.path().join("both.svg")).unwrap();
+    assert!(svg.contains("2 / p (s)") && svg.contains("ε = 0; horizontal + vertical"));
+}
+
+#[test]
+fn a_table_of_another_study_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    made(folder.path(), &spectrum(&["--csv", "s.csv"]));
+    let path = folder.path().join("s.csv");
+    let whole = std::fs::read_to_string(&path).unwrap();
+    let go_on = |more: &[&'static str]| spectrum(&[&["--csv", "s.csv", "--resume"], more].concat());
+    refused(folder.path(), &spectrum(&["--csv", "s.csv"]), &["s.csv: is there already", "--resume"]);
+    refused(
+        folder.path(),
+        &go_on(&["--alpha", "0.2"]),
+        &["s.csv:2:", "found `# alpha = 0.25", "expected `# alpha = 0.2,"],
+    );
+    refused(folder.path(), &go_on(&["--foundation", "40,0.2,0"]), &["s.csv:4:", "found `# foundation 40,0.1,0`"]);
+    refused(folder.path(), &go_on(&["--tolerance", "1e-9"]), &["tolerance = 1e-8", "tolerance = 1e-9"]);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
+    // Of a study that still runs.
+    let file = std::fs::File::open(&path).unwrap();
+    file.lock().unwrap();
+    refused(folder.path(), &go_on(&[]), &["s.csv: is being written"]);
+    file.unlock().unwrap();
+    // Rows that are not those of the study: one missing, one too many, one that lost a column.
+    let lines: Vec<&str> = whole.lines().collect();
+    let row = lines.iter().position(|line| line.starts_with("3,")).unwrap();
+    let without = [&lines[..row], &lines[row + 1..]].concat();
+    let more = [&lines[..], &["18,more"]].concat();
+    let shorter = lines[row].rsplit_once(',').unwrap().0;
+    let cut = [&lines[..row], &[shorter], &lines[row + 1..]].concat();
+    let cases = [(without, "expected row 3"), (more, "at most 18"), (cut, "12 columns")];
+    for (lines, words) in cases {
+        let text = lines.join("\n") + "\n";
+        std::fs::write(&path, &text).unwrap();
+        refused(folder.path(), &go_on(&[]), &["s.csv", words]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    }
+}
+
+#[test]
+fn what_makes_no_spectrum_is_refused_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&[&str], &[&str]); 9] = [
+        (&["--foundation", "40,0.1"], &["--foundation 40,0.1", "ETA,XI_V,EPSILON"]),
+        (&["--foundation", "rigid,0.1,0"], &["--foundation rigid,0.1,0"]),
+        (&["--foundation", "40,0.1,1.5"], &["epsilon = 1.5", "0 <= epsilon <= 1"]),
+        (&["--foundation", "-1,0.1,0"], &["eta = -1"]),
+        (&["--alpha", "2"], &["alpha = 2"]),
+        (&["--p-min", "7"], &["--p-max = 6", "above --p-min"]),
+        (&["--step", "0"], &["--step = 0"]),
+        (&["--plot", "s.jpeg"], &[".jpeg"]),
+        (&["--plot", "none/s.png"], &["none/s.png"]),
+    ];
+    for (more, words) in cases {
+        let arguments = spectrum(&["--csv", "s.csv"]);
+        // An option that is given twice is refused by clap; what is tested takes its place.
+        let kept = arguments.iter().position(|argument| *argument == more[0]);
+        let mut arguments = arguments.clone();
+        if let Some(place) = kept {
+            arguments.drain(place..place + 2);
+        }
+        refused(folder.path(), &[&arguments[..], more].concat(), words);
+        assert!(files(folder.path()).is_empty(), "{more:?} left {:?}", files(folder.path()));
+    }
+    refused(folder.path(), &["spectrum", "--csv", "s.csv"], &["nothing moves the ground"]);
+    refused(folder.path(), &spectrum(&["--csv", "none/s.csv"]), &["none/s.csv: cannot be written"]);
+}

@@ -1,0 +1,283 @@
+//! `rocking sweep`.
+
+use std::path::Path;
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::Pulse;
+use rocking_block::records::{ReadOptions, Unit, read};
+use rocking_block::simulation::{Initial, Settings};
+use rocking_block::study::ground::Ground;
+use rocking_block::study::history::Run;
+use rocking_block::study::intensity::spectral_acceleration;
+
+use crate::{Table, files, made, refused, resumes_to_the_same_bytes, rocking};
+
+/// 3 × 2 combinations, two motions, two scales: 24 rows.
+const GRID: &str = r#"
+[study]
+design = "grid"
+scales = [1, -2.5]
+periods = [0.3, 1]
+
+[parameters]
+dimensionless.p = { from = 1, to = 4, count = 3, spacing = "log" }
+foundation = ["Viscoelastic", "Rigid"]
+"dimensionless.alpha" = 0.3
+epsilon = 0.1
+
+[[records]]
+horizontal = "h.csv"
+unit = "m/s2"
+dt = 0.02
+
+[[records]]
+horizontal = "h.csv"
+vertical = "v.csv"
+unit = "m/s2"
+dt = 0.02
+"#;
+
+const SAMPLES: &str = r#"
+[study]
+design = "latin-hypercube"
+samples = 8
+seed = 5
+
+[parameters]
+dimensionless.eta = { from = 20, to = 80 }
+pulse.period = { from = 0.5, to = 2, spacing = "log" }
+pulse.shape = ["OneSine", "OneCosine"]
+pulse.amplitude = 6
+"#;
+
+/// A folder with a study and two records.
+fn folder(study: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        |a: f64, f: f64| (0..100).map(|i| format!("{}\n", a * (f * 0.02 * f64::from(i)).sin())).collect::<String>();
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    std::fs::write(folder.path().join("h.csv"), text(4.0, 5.0)).unwrap();
+    std::fs::write(folder.path().join("v.csv"), text(2.0, 17.0)).unwrap();
+    folder
+}
+
+fn sweep(folder: &Path) -> Table {
+    made(folder, &["sweep", "study.toml", "--csv", "out.csv"]);
+    Table::read(&folder.join("out.csv"))
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bytes_and_so_does_an_interrupted_sweep() {
+    for study in [GRID, SAMPLES] {
+        let folder = folder(study);
+        for threads in ["1", "2"] {
+            made(folder.path(), &["sweep", "study.toml", "--csv", &format!("{threads}.csv"), "--threads", threads]);
+        }
+        let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+        assert!(read("1.csv") == read("2.csv"));
+        resumes_to_the_same_bytes(folder.path(), &["sweep", "study.toml"], "1.csv");
+    }
+}
+
+/// Every combination is there once, in order, and its row holds the numbers of the single run to the last digit.
+#[test]
+fn a_grid_holds_the_single_runs() {
+    let folder = folder(GRID);
+    let table = sweep(folder.path());
+    assert_eq!(table.rows.len(), 24);
+    let options =
+        ReadOptions { unit: Some(Unit::MetrePerSecondSquared), time_step: Some(0.02), ..ReadOptions::default() };
+    let [h, v] = ["h.csv", "v.csv"].map(|name| read(&folder.path().join(name), &options).unwrap());
+    let mut ends = Vec::new();
+    for row in 0..24 {
+        let p = table.number(row, "dimensionless.p");
+        let exact = [1.0, 2.0, 4.0][row / 8];
+        assert!((p / exact - 1.0).abs() < 1e-15, "p = {p}");
+        let foundation = [Foundation::Viscoelastic, Foundation::Rigid][row / 4 % 2];
+        assert_eq!(table.get(row, "foundation"), format!("{foundation:?}"));
+        let vertical = row / 2 % 2 == 1;
+        assert_eq!(
+            (table.get(row, "record"), table.get(row, "vertical")),
+            ("h.csv", if vertical { "v.csv" } else { "" })
+        );
+        let scale = [1.0, -2.5][row % 2];
+        assert_eq!(table.number(row, "scale"), scale);
+        let common = Common { foundation, epsilon: 0.1, ..Common::default() };
+        let d = Dimensionless { alpha: 0.3, p, eta: 40.0, xi_v: 0.1 };
+        let run = Run {
+            block: Block::from_dimensionless(&d, &common).unwrap(),
+            settings: Settings::default(),
+            initial: Initial::default(),
+            pulse: Pulse::NONE,
+            ground: Ground { horizontal: Some(h.clone()), vertical: vertical.then(|| v.clone()) }.scaled(scale),
+            duration: table.number(row, "duration"),
+            output_step: 0.02,
+        };
+        assert!((run.duration - (99.0 * 0.02 + 20.0 / p)).abs() < 1e-12);
+        let history = run.history(|_| ()).unwrap();
+        ends.push(table.get(row, "end").to_string());
+        match history.ending {
+            None => assert_eq!(table.number(row, "peak.theta/alpha"), history.peaks.theta / 0.3),
+            Some((_, time)) => {
+                assert_eq!(table.number(row, "end_time"), time);
+                assert_eq!(table.get(row, "peak.theta/alpha"), table.get(row, "end"));
+            }
+        }
+        assert_eq!(table.number(row, "peak.uplift"), history.peaks.uplift);
+        assert_eq!(table.number(row, "peak.N"), history.peaks.reaction);
+        assert_eq!(table.number(row, "peak.H"), history.peaks.horizontal);
+        assert_eq!(table.number(row, "events.impacts"), f64::from(history.counts.impacts));
+        // The intensities: the record's own, times the magnitude of the scale.
+        let pga = h.acceleration.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
+        assert_eq!(table.number(row, "PGA"), pga * scale.abs());
+        assert_eq!(table.number(row, "Sa(0.3)"), spectral_acceleration(&h, 0.3) * scale.abs());
+        // 4 sin(5 t) begins with the velocity 0.8 (1 − cos 5t), which peaks at 1.6 m/s.
+        assert!((table.number(row, "PGV") / (1.6 * scale.abs()) - 1.0).abs() < 2e-3, "{}", table.get(row, "PGV"));
+        assert_eq!(table.get(row, "PGA.vertical").is_empty(), !vertical);
+    }
+    // Both early ends come out as words, and some block rocks on.
+    for end in ["completed", "separated", "overturned"] {
+        assert!(ends.iter().any(|found| found == end), "no run {end}: {ends:?}");
+    }
+}
+
+#[test]
+fn samples_fill_their_ranges_and_follow_from_the_seed() {
+    let folder = folder(SAMPLES);
+    let table = sweep(folder.path());
+    assert_eq!(table.rows.len(), 8);
+    let mut eta: Vec<usize> =
+        (0..8).map(|row| ((table.number(row, "dimensionless.eta") - 20.0) / 7.5) as usize).collect();
+    eta.sort_unstable();
+    assert!(eta.into_iter().eq(0..8), "one in each eighth of the range");
+    let period = |row| (table.number(row, "pulse.period") / 0.5).log2() * 4.0;
+    let mut periods: Vec<usize> = (0..8).map(|row| period(row) as usize).collect();
+    periods.sort_unstable();
+    assert!(periods.into_iter().eq(0..8), "one in each eighth of the logarithms");
+    assert_eq!((0..8).filter(|&row| table.get(row, "pulse.shape") == "OneSine").count(), 4);
+    assert!((0..8).all(|row| table.get(row, "scale").is_empty() && table.get(row, "PGA").is_empty()));
+    std::fs::write(folder.path().join("study.toml"), SAMPLES.replace("seed = 5", "seed = 6")).unwrap();
+    refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"], &["found `# seed = 5`"]);
+    made(folder.path(), &["sweep", "study.toml", "--csv", "other.csv"]);
+    let other = Table::read(&folder.path().join("other.csv"));
+    assert_ne!(table.get(0, "dimensionless.eta"), other.get(0, "dimensionless.eta"));
+}
+
+/// The example of the README.
+#[test]
+fn the_example_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/fragility.toml");
+    made(folder.path(), &["sweep", study, "--csv", "out.csv"]);
+    let table = Table::read(&folder.path().join("out.csv"));
+    assert_eq!(table.rows.len(), 48);
+    // The record's peak is 222.5 cm/s² (records/README.md).
+    assert!((0..48).all(|row| (table.number(row, "PGA") / table.number(row, "scale") - 2.225).abs() < 1e-3));
+    assert!((0..48).all(|row| table.get(row, "end") != "failed"));
+}
+
+/// A run that cannot go on has a word too, the others are made all the same, and the end tells.
+#[test]
+fn a_run_that_fails_is_told_and_the_others_are_made() {
+    let folder = folder(&GRID.replace("scales = [1, -2.5]", "scales = [1, 1e300]"));
+    let output = rocking(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(told.starts_with("rocking: 12 of 24 runs failed, the first in row 1: the motion is not finite"), "{told}");
+    let table = Table::read(&folder.path().join("out.csv"));
+    assert_eq!(table.rows.len(), 24);
+    for row in 0..24 {
+        let failed = row % 2 == 1;
+        assert_eq!(table.get(row, "end") == "failed", failed);
+        assert_eq!(table.get(row, "peak.theta/alpha") == "failed", failed);
+        assert_eq!(table.get(row, "peak.uplift").is_empty(), failed);
+    }
+    // Those of an interrupted study are not forgotten.
+    let output = rocking(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "rocking: 12 of 24 runs failed, the first in row 1\n");
+}
+
+/// A record that was changed under the same name makes another study; a comment does not.
+#[test]
+fn a_resumed_sweep_needs_the_same_records() {
+    let folder = folder(GRID);
+    let whole = sweep(folder.path()).rows.len();
+    std::fs::write(folder.path().join("study.toml"), format!("# What for\n{}", GRID.replace('\n', "\n  "))).unwrap();
+    let told = made(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"]);
+    assert!(told.contains(&format!("of which {whole} were there")), "{told}");
+    let record = std::fs::read_to_string(folder.path().join("h.csv")).unwrap();
+    std::fs::write(folder.path().join("h.csv"), record.replacen("0.39", "0.40", 1)).unwrap();
+    refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"], &["out.csv:", "crc32"]);
+}
+
+/// Each wrong line is named before anything runs, and nothing is written.
+#[test]
+fn wrong_keys_and_values_are_refused_with_their_line() {
+    let cases = [
+        ("scales = [1, -2.5]", "scale = [1]", "study.toml:4:", "there is no scale in study"),
+        ("scales = [1, -2.5]", "scales = [1, 0]", "study.toml:4:", "scales = 0"),
+        ("scales = [1, -2.5]", "scales = [1, \n nan]", "study.toml:5:", "scales = nan"),
+        ("periods = [0.3, 1]", "periods = 1", "study.toml:5:", "periods = 1; expected a list"),
+        ("design = \"grid\"", "design = \"cube\"", "study.toml:3:", "\"latin-hypercube\""),
+        ("design = \"grid\"", "seed = 1", "study.toml:2:", "has no design"),
+        ("design = \"grid\"", "design = \"latin-hypercube\"", "study.toml:2:", "samples"),
+        ("design = \"grid\"", "design = \"grid\"\nseed = 1", "study.toml:4:", "seed = 1"),
+        ("design = \"grid\"", "design = \"grid\"\nduration = -1", "study.toml:4:", "a time > 0 s"),
+        ("design = \"grid\"", "design = \"grid\"\ntolerance = true", "study.toml:4:", "tolerance = true"),
+        ("dimensionless.p =", "dimensionless.q =", "study.toml:8:", "there is no parameter dimensionless.q"),
+        ("epsilon = 0.1", "epsilon = 2", "study.toml:11:", "epsilon = 2; expected 0 to 1"),
+        ("epsilon = 0.1", "epsilon = [0, 2]", "study.toml:11:", "epsilon = 2"),
+        ("epsilon = 0.1", "epsilon = \"low\"", "study.toml:11:", "expected a number"),
+        ("epsilon = 0.1", "epsilon = []", "study.toml:11:", "at least one value"),
+        ("epsilon = 0.1", "epsilon = { from = 0, to = 2, count = 3 }", "study.toml:11:", "epsilon = 2"),
+        ("epsilon = 0.1", "epsilon = { from = 1, to = 0, count = 3 }", "study.toml:11:", "more than from = 1"),
+        ("epsilon = 0.1", "epsilon = { from = 0, to = 1 }", "study.toml:11:", "has no count"),
+        ("epsilon = 0.1", "epsilon = { from = 0, to = 1, count = 1 }", "study.toml:11:", "count = 1"),
+        ("epsilon = 0.1", "epsilon = { from = 0, to = 1, step = 1 }", "study.toml:11:", "there is no step"),
+        ("epsilon = 0.1", "epsilon = { from = 0, to = 1, count = 3, spacing = \"log\" }", "study.toml:11:", "> 0"),
+        (
+            "epsilon = 0.1",
+            "derived.p = 1",
+            "study.toml:11:",
+            "derived.p (calculated parameter) is not set from outside",
+        ),
+        (
+            "epsilon = 0.1",
+            "a_gx = 1",
+            "study.toml:11:",
+            "a_gx (input) is not set from outside; expected one of parameterization",
+        ),
+        ("epsilon = 0.1", "g = [9.81, 1.62]", "study.toml:11:", "g takes several values"),
+        ("epsilon = 0.1", "physical.width = 1", "study.toml:11:", "physical.width is read by no block"),
+        ("epsilon = 0.1", "initial.v = 1", "study.toml:11:", "initial.v is read by no block"),
+        ("epsilon = 0.1", "initial.settled = 1", "study.toml:11:", "true or false"),
+        ("\"Viscoelastic\", ", "\"Elastic\", ", "study.toml:9:", "expected one of Viscoelastic, Rigid"),
+        (
+            "\"dimensionless.alpha\" = 0.3",
+            "parameterization = \"Physical\"\nphysical.width = 0",
+            "study.toml:11:",
+            "width = 0",
+        ),
+        ("horizontal = \"h.csv\"", "horizontal = \"none.csv\"", "study.toml:14:", "none.csv"),
+        ("horizontal = \"h.csv\"", "file = \"h.csv\"", "study.toml:14:", "there is no file in [[records]]"),
+        ("unit = \"m/s2\"", "unit = \"furlong\"", "study.toml:13:", "furlong"),
+        ("dt = 0.02", "dt = 0", "study.toml:16:", "dt = 0"),
+        ("[study]", "[study", "study.toml:2:", "this is no TOML"),
+        ("[study]", "[stud]", "study.toml:2:", "there is no stud in the file"),
+    ];
+    for (old, new, line, words) in cases {
+        assert!(GRID.contains(old));
+        let folder = folder(&GRID.replacen(old, new, 1));
+        let before = files(folder.path());
+        refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"], &[line, words]);
+        assert_eq!(files(folder.path()), before, "{new}");
+    }
+    let without = folder("[study]\ndesign = \"grid\"\n[parameters]\nepsilon = 0.1\n");
+    refused(without.path(), &["sweep", "study.toml", "--csv", "out.csv"], &["nothing moves the block"]);
+    let many =
+        "epsilon = { from = 0, to = 1, count = 1000000 }\ndimensionless.xi_v = { from = 0, to = 1, count = 1000000 }";
+    let many = folder(&GRID.replace("epsilon = 0.1", many));
+    refused(many.path(), &["sweep", "study.toml", "--csv", "out.csv"], &["too many rows"]);
+    refused(many.path(), &["sweep", "none.toml", "--csv", "out.csv"], &["none.toml: cannot be read"]);
+}
