@@ -12,7 +12,7 @@ use crate::cli::progress::Progress;
 use crate::cli::run_options::AtLiftOff;
 use crate::excitation::PulseShape;
 use crate::records::{self, ReadOptions, Record};
-use crate::simulation::{Initial, Settings};
+use crate::simulation::{Initial, OnSeparation, Settings};
 use crate::study::history::{History, Run};
 use crate::study::picture::PictureFormat;
 use crate::study::{plot, table};
@@ -35,6 +35,9 @@ pub struct Options {
     /// What stays the same when a corner lifts from full contact
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates, help_heading = "Run")]
     lift_off: AtLiftOff,
+    /// What happens at complete separation
+    #[arg(long, value_enum, default_value_t = AtSeparation::End, help_heading = "Run")]
+    on_separation: AtSeparation,
     /// Duration; without it the record's, or five periods of the pulse, with time to come to rest [s]
     #[arg(long, value_name = "S", help_heading = "Run")]
     duration: Option<f64>,
@@ -53,6 +56,14 @@ pub struct Options {
     /// No summary
     #[arg(long, help_heading = "Results")]
     quiet: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum AtSeparation {
+    /// The run ends, as the paper's analysis does
+    End,
+    /// The block flies, lands and goes on
+    Fly,
 }
 
 #[derive(Args)]
@@ -212,7 +223,15 @@ impl Options {
             rows < 1e8,
             "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
         );
-        let settings = Settings { tolerance: self.tolerance, lift_off: self.lift_off.into(), ..Settings::default() };
+        let settings = Settings {
+            tolerance: self.tolerance,
+            lift_off: self.lift_off.into(),
+            on_separation: match self.on_separation {
+                AtSeparation::End => OnSeparation::Terminate,
+                AtSeparation::Fly => OnSeparation::Fly,
+            },
+            ..Settings::default()
+        };
         let initial = Initial { theta, theta_dot, vertical };
         Ok((Run { block, settings, initial, pulse, ground, duration, output_step }, source))
     }

@@ -154,7 +154,7 @@ pub(super) fn short(value: f64) -> String {
 
 /// One lane a regime: which corners touch is read from the place, not from a colour.
 fn band(area: &Area, history: &History, time: &std::ops::Range<f64>) -> Result<(), Box<dyn std::error::Error>> {
-    let separated = history.rows.iter().any(|row| row.regime == Regime::Separated);
+    let separated = history.events.iter().any(|event| event.after == Regime::Separated);
     let lanes: &[(Regime, &str)] = &[
         (Regime::TiltingLeft, "on left"),
         (Regime::FullContact, "on both"),
