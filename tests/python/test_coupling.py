@@ -2,6 +2,7 @@
 packages is missing."""
 
 import importlib.util
+import shutil
 import sys
 from pathlib import Path
 
@@ -142,3 +143,19 @@ def test_the_bridges_interface_converges(bridge_parts):
     assert missing(fine) < 0.06
     change = np.abs(coarse["tower_1.theta"] - fine["tower_1.theta"][1::2]).max()
     assert change < 0.1 * np.abs(fine["tower_1.theta"]).max()
+
+
+@pytest.mark.parametrize("master", ["libcosimpy", "ecospy", "fmi-sim"])
+def test_the_same_block_in_every_master(fmu, master):
+    if master == "fmi-sim":
+        if shutil.which(master) is None:
+            pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    else:
+        need(master)
+    import one_line
+
+    expected, theta = one_line.with_fmpy(), one_line.MASTERS[master]()
+    assert len(expected) == len(theta) == 1000
+    # It rocks: the rotation changes its sign, and the impacts leave less and less of it.
+    assert expected.min() < -0.05 and abs(expected[-1]) < 0.05
+    assert np.abs(theta - expected).max() < 1e-12
