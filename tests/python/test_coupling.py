@@ -159,3 +159,29 @@ def test_the_same_block_in_every_master(fmu, master):
     # It rocks: the rotation changes its sign, and the impacts leave less and less of it.
     assert expected.min() < -0.05 and abs(expected[-1]) < 0.05
     assert np.abs(theta - expected).max() < 1e-12
+
+
+SEPARATING = {"initial.theta": 0.2, "initial.theta_dot": 1.0}
+
+
+@pytest.mark.parametrize("master, outcome", [("fmpy", "ends"), ("libcosimpy", "fails"), ("ecospy", "goes on"), ("fmi-sim", "ends")])
+def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
+    """What docs/importing.md says of complete separation, which comes at 0.067 s here."""
+    if master == "fmi-sim" and shutil.which(master) is None:
+        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    if master != "fmi-sim":
+        need(master)
+    import one_line
+
+    monkeypatch.setattr(one_line, "START", SEPARATING)
+    if outcome == "fails":
+        with pytest.raises(RuntimeError, match="libcosim stopped"):
+            one_line.MASTERS[master]()
+    else:
+        theta = one_line.MASTERS[master]()
+        assert len(theta) == (7 if outcome == "ends" else 1000)
+        assert abs(theta[-1] - 0.26700625) < 1e-7
+    if outcome == "ends":
+        # With Hold the run goes on; these masters know enumerations.
+        monkeypatch.setattr(one_line, "START", SEPARATING | {"on_separation": 2})
+        assert len(one_line.MASTERS[master]()) == 1000

@@ -39,8 +39,12 @@ def with_libcosimpy() -> np.ndarray:
     execution.add_observer(observer)
     for name, value in START.items():
         execution.real_initial_value(block, references[name], value)
-    return np.array([execution.step() and observer.last_real_values(block, [references["theta"]])[0]
-                     for _ in range(round(STOP / STEP))])
+    theta = []
+    while len(theta) < round(STOP / STEP):
+        if not execution.step():
+            raise RuntimeError("libcosim stopped")
+        theta += observer.last_real_values(block, [references["theta"]])
+    return np.array(theta)
 
 
 def with_ecospy() -> np.ndarray:
