@@ -15,7 +15,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
+sys.path.insert(0, str(HERE.parents[1]))
 from common import BLOCK, Instance, load_tbb, read_smc
 
 MOTIONS = ("u", "u_dot", "v", "v_dot", "theta", "theta_dot")

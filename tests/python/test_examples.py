@@ -1,7 +1,8 @@
-"""The examples of coupling: what their pages say of energy and convergence holds. An example is skipped where one of its
+"""The examples: what their pages say of energy, convergence and outcomes holds. An example is skipped where one of its
 packages is missing."""
 
 import importlib.util
+import runpy
 import shutil
 import sys
 from pathlib import Path
@@ -9,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-COUPLING = Path(__file__).resolve().parents[2] / "examples/coupling"
-for folder in ("", "roof", "bridge", "one_line"):
-    sys.path.insert(0, str(COUPLING / folder))
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+for folder in ("", "coupling/roof", "coupling/bridge", "coupling/one_line", "python"):
+    sys.path.insert(0, str(EXAMPLES / folder))
 
 
 def need(*packages):
@@ -185,3 +186,52 @@ def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
         # With Hold the run goes on; these masters know enumerations.
         monkeypatch.setattr(one_line, "START", SEPARATING | {"on_separation": 2})
         assert len(one_line.MASTERS[master]()) == 1000
+
+
+@pytest.fixture(scope="module")
+def loma_prieta():
+    from common import read_smc
+
+    dt, record = read_smc()
+    # As the record's header has it: 200 samples a second, 7183 of them, -222.5 cm/s2 at 7.55 s.
+    assert (dt, len(record)) == (0.005, 7183)
+    assert abs(record.min() + 2.2252) < 1e-9 and np.abs(record).argmax() * dt == pytest.approx(7.55)
+    return dt, 2 * record[:3000]
+
+
+def test_a_spectrum_is_the_same_on_a_cluster(fmu, loma_prieta):
+    """A small grid on two worker processes, to the last bit; and one of its blocks by another way."""
+    need("distributed")
+    from dask.distributed import Client, LocalCluster
+
+    import spectrum
+    from rocking import follow
+
+    dt, record = loma_prieta
+    work = Path(fmu).read_bytes(), dt, record, (0.15, 0.3), (2.0, 5.0, 8.0)
+    peaks, overturned = spectrum.spectrum(*work)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.upload_file(spectrum.__file__)
+        elsewhere = spectrum.spectrum(*work, client)
+        assert len(client.scheduler_info()["workers"]) == 2
+    assert np.array_equal(peaks, elsewhere[0]) and np.array_equal(overturned, elsewhere[1])
+    # The small and slender block falls over, the greater ones do not: size protects.
+    assert overturned[0, 0] and not overturned[:, 1:].any()
+    assert (np.diff(peaks, axis=1) < 0).all()
+    start = {"dimensionless.alpha": 0.15, "dimensionless.p": 2 * np.pi / 5}
+    _, rows = follow(fmu, dt, record, outputs=("theta", "peak.theta"), start_values=start)
+    assert rows[-1, 1] == peaks[0, 1]
+    assert 0 <= rows[-1, 1] - np.abs(rows[:, 0]).max() < 1e-4
+
+
+def test_the_script_with_cells(fmu, monkeypatch, capsys):
+    need("matplotlib")
+    import matplotlib
+
+    matplotlib.use("Agg")
+    monkeypatch.chdir(EXAMPLES.parent)
+    found = runpy.run_path(str(EXAMPLES / "python/record.py"))
+    assert "still standing" in capsys.readouterr().out
+    result = found["result"]
+    assert 0.02 < np.abs(result["theta"]).max() < 0.2
+    assert np.abs(result["energy.residual"]).max() < 1e-7 * np.abs(result["energy.total"]).max()
