@@ -27,8 +27,8 @@ print(f"{len(a_gx)} samples every {dt:g} s, greatest acceleration {np.abs(a_gx).
 
 # %% [markdown]
 # ## The block
-# 3.2 m high and 0.8 m wide, on stiff supports. fmpy's `simulate_fmu` holds the record over each communication step, so the step is a
-# fifth of the record's interval.
+# 3.2 m high and 0.8 m wide, on stiff supports. fmpy's `simulate_fmu` holds the record over each communication step, which is
+# `output_interval`; so that is a fifth of the record's interval.
 
 # %%
 block = {
@@ -46,7 +46,6 @@ result = simulate_fmu(
     start_values=block,
     input=np.array(list(zip(time, a_gx)), dtype=[("time", float), ("a_gx", float)]),
     stop_time=time[-1],
-    step_size=dt / 5,
     output_interval=dt / 5,
     output=["theta", "N_L", "N_R", "regime", "overturned", "energy.residual", "energy.total"],
 )

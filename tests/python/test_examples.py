@@ -4,6 +4,7 @@ packages is missing."""
 import importlib.util
 import runpy
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -160,6 +161,22 @@ def test_the_same_block_in_every_master(fmu, master):
     # It rocks: the rotation changes its sign, and the impacts leave less and less of it.
     assert expected.min() < -0.05 and abs(expected[-1]) < 0.05
     assert np.abs(theta - expected).max() < 1e-12
+
+
+def test_fmi_sim_takes_a_record(fmu, loma_prieta, tmp_path):
+    if shutil.which("fmi-sim") is None:
+        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    from fmpy import simulate_fmu
+
+    dt, record = loma_prieta
+    signal = np.array(list(zip(dt * np.arange(len(record)), record)), dtype=[("time", float), ("a_gx", float)])
+    np.savetxt(tmp_path / "record.csv", signal, delimiter=",", header="time,a_gx", comments="", fmt="%.17g")
+    subprocess.run(["fmi-sim", "--model", fmu, "-i", tmp_path / "record.csv", "-o", tmp_path / "out.csv", "co-simulation",
+                    f"--step={dt}", f"--output-interval={dt}", "-f14"], check=True, stdout=subprocess.DEVNULL)
+    theta = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True)["theta"]
+    expected = simulate_fmu(fmu, input=signal, stop_time=14.0, output_interval=dt, output=["theta"])["theta"]
+    assert np.abs(expected).max() > 0.02
+    assert np.abs(theta - expected).max() < 1e-10
 
 
 SEPARATING = {"initial.theta": 0.2, "initial.theta_dot": 1.0}
