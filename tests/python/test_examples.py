@@ -102,6 +102,20 @@ def test_the_blocks_derivatives_spare_iterations(frame):
     assert np.abs(newton["u_x"] - plain["u_x"]).max() < 1e-8
 
 
+def test_the_mass_that_moves_with_the_roof_at_once(fmu):
+    """In full contact a block on springs turns freely about the middle of its base: dH/da_gx = M I0/(I0 + M h^2)."""
+    from common import instance
+    from roof import EQUIPMENT, FORCES, MASS
+
+    with instance(fmu, EQUIPMENT) as block:
+        derivatives = block.derivatives(FORCES, ("a_gx", "a_gz"))
+    b, h = 0.3, 0.9
+    inertia = (b * b + h * h) / 3
+    expected = np.zeros((3, 2))
+    expected[0, 0] = MASS * inertia / (inertia + h * h)
+    assert np.allclose(derivatives, expected, rtol=1e-12, atol=1e-9)
+
+
 def test_what_an_impact_takes_does_not_reach_the_roof(frame):
     """The README's warning: with epsilon = 0 the impulses of impacts are not in the sampled reactions."""
     from roof import WEIGHT, couple
