@@ -84,7 +84,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--record", default=RECORD, help="a record in SMC format")
     parser.add_argument("--scale", type=float, default=2.0, help="what the record is multiplied by")
-    parser.add_argument("--dask", nargs="?", const="", metavar="ADDRESS", help="use dask.distributed: at ADDRESS, or all cores here")
+    parser.add_argument("--dask", nargs="?", const="", metavar="ADDRESS",
+                        help="use dask.distributed: at ADDRESS, or all cores here")
     options = parser.parse_args()
     dt, record = read_smc(options.record)
     client = None

@@ -95,7 +95,7 @@ def iterate(frame: Instance, block: Instance, t, h, a_base, a, mobility, toleran
     motion within the step, Broyden's update learns from the residuals. Without derivatives it is the plain repetition
     `x = roof(force(x))`. Returns acceleration, force, count, agreement."""
     start = frame.slave.getFMUstate(), block.slave.getFMUstate()
-    x, jacobian = a.copy(), None
+    x, jacobian, step, last = a.copy(), None, None, None
     for count in range(1, most + 1):
         if count > 1:
             frame.slave.setFMUstate(start[0])
