@@ -1,0 +1,90 @@
+"""What the examples share: the FMU's place, an instance of an FMU in fmpy, and an earthquake."""
+
+import ctypes
+import os
+import re
+import shutil
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+ROOT = Path(__file__).resolve().parents[1]
+BLOCK = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
+RECORD = ROOT / "records/np01002p_4225a_a.smc"
+
+
+class Instance:
+    """An FMU for Co-Simulation under fmpy, its variables by name."""
+
+    def __init__(self, path, start_values=None, tolerance=None, initialize=True):
+        description = read_model_description(path)
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.folder = extract(path)
+        self.slave = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=description.modelName,
+        )
+        self.slave.instantiate()
+        self.slave.setupExperiment(startTime=0.0, tolerance=tolerance)
+        self.set(**(start_values or {}))
+        self.slave.enterInitializationMode()
+        if initialize:
+            self.slave.exitInitializationMode()
+
+    def references(self, names):
+        return [self.variables[name].valueReference for name in names]
+
+    def set(self, **values):
+        for name, value in values.items():
+            variable = self.variables[name]
+            setter = {"Real": self.slave.setReal, "Boolean": self.slave.setBoolean}.get(variable.type, self.slave.setInteger)
+            setter([variable.valueReference], [value])
+
+    def get(self, *names) -> np.ndarray:
+        return np.array(self.slave.getReal(self.references(names)))
+
+    def derivatives(self, outputs, inputs) -> np.ndarray:
+        """The matrix of the derivatives of `outputs` with respect to `inputs`."""
+        known, unknown = self.references(inputs), self.references(outputs)
+        columns = [self.slave.getDirectionalDerivative(unknown, [reference], [1.0]) for reference in known]
+        return np.array(columns).T
+
+    def close(self):
+        self.slave.terminate()
+        self.slave.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@contextmanager
+def instance(path, start_values=None, tolerance=None):
+    opened = Instance(path, start_values, tolerance)
+    try:
+        yield opened
+    finally:
+        opened.close()
+
+
+def read_smc(path=RECORD) -> tuple[float, np.ndarray]:
+    """Sampling interval [s] and accelerations [m/s2] of a USGS record in SMC format."""
+    lines = Path(path).read_text().splitlines()
+    integers = [int(word) for line in lines[11:17] for word in line.split()]
+    reals = [float(line[k : k + 15]) for line in lines[17:27] for k in range(0, 75, 15)]
+    comments = integers[15]
+    text = "\n".join(lines[27 + comments :])
+    values = np.array([float(number) for number in re.findall(r"[-+]?\d*\.\d+(?:E[-+]\d+)?", text)])
+    if len(values) < integers[16]:
+        raise ValueError(f"{path}: {len(values)} samples found, {integers[16]} expected")
+    return 1 / reals[1], 0.01 * values[: integers[16]]
+
+
+def load_tbb() -> None:
+    """Makes Ecos's library find TBB, which its package does not bring and the package `tbb` puts where no loader looks."""
+    if sys.platform == "linux":
+        path = Path(sys.prefix, "lib/libtbb.so.12")
+        ctypes.CDLL(str(path if path.exists() else "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)

@@ -1,0 +1,235 @@
+"""A bridge deck on two rocking towers in an earthquake: an SSP package, run by libcosim and by Ecos.
+
+    python examples/coupling/bridge/bridge.py
+
+Writes result.png beside this file, and bridge.ssp to the folder that is given as argument, if one is.
+"""
+
+import sys
+import tempfile
+import zipfile
+from itertools import product
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1]))
+from common import BLOCK, Instance, load_tbb, read_smc
+
+MOTIONS = ("u", "u_dot", "v", "v_dot", "theta", "theta_dot")
+FORCES = ("F_x", "F_z", "M_y")
+DECK_WEIGHT = 300e3 * 9.81  # N
+MASS, OMEGA = 200e3, 40.0  # of a tower: kg, and rad/s of its vertical motion on the soil
+
+
+def tower(width: float, height: float = 12.0) -> dict:
+    """Parameters of a tower of this width and height [m]. The dimensionless ones: libcosim (0.0.6) does not know variables
+    that are enumerations, so that `parameterization`, like `on_separation`, has to stay what it is."""
+    radius = np.hypot(width, height) / 2
+    p = np.sqrt(0.75 * 9.81 / radius)
+    return {
+        "dimensionless.alpha": float(np.arctan2(width, height)),
+        "dimensionless.p": float(p),
+        "dimensionless.eta": float(OMEGA / p),
+        "dimensionless.xi_v": 0.1,
+        "mass": MASS,
+        # At rest under half of the deck; 0 is at rest under its own weight.
+        "initial.settled": False,
+        "initial.v": -DECK_WEIGHT / 2 / (MASS * OMEGA**2),
+    }
+
+
+# Two towers on the same soil; the second is slenderer, so that the deck carries forces from one to the other.
+COMPONENTS = {
+    "ground": ("Ground.fmu", {}),
+    "deck": ("Deck.fmu", {}),
+    "tower_1": ("RockingBlock.fmu", tower(3.0)),
+    "tower_2": ("RockingBlock.fmu", tower(2.4)),
+}
+CONNECTIONS = (
+    [("ground", "a", sink, "a_gx") for sink in ("deck", "tower_1", "tower_2")]
+    + [(f"tower_{i}", name, "deck", f"{name}_{i}") for i, name in product((1, 2), MOTIONS)]
+    + [("deck", f"{name}_{i}", f"tower_{i}", name) for i, name in product((1, 2), FORCES)]
+)
+TOWER_OUTPUTS = ("theta", "u", "energy.input", "energy.impacts")
+WATCHED = {"ground": ("a",), "deck": ("x", "F_x_1", "F_x_2", "work"), "tower_1": TOWER_OUTPUTS, "tower_2": TOWER_OUTPUTS}
+
+
+def build_parts(folder, scale: float = 2.0, begin: float = 3.0) -> dict[str, Path]:
+    """The FMUs of the package; the ground follows the record, times `scale`, from `begin` [s] on."""
+    from pythonfmu.builder import FmuBuilder
+
+    folder = Path(folder)
+    dt, record = read_smc()
+    samples = scale * record[round(begin / dt) :]
+    samples[: round(0.2 / dt)] *= np.linspace(0, 1, round(0.2 / dt))
+    (folder / "record.csv").write_text("\n".join(map(repr, map(float, [dt, *samples]))))
+    return {
+        "Deck.fmu": FmuBuilder.build_FMU(HERE / "deck.py", dest=folder, canHandleVariableCommunicationStepSize=True),
+        "Ground.fmu": FmuBuilder.build_FMU(HERE / "ground.py", dest=folder, project_files=[folder / "record.csv"],
+                                           canHandleVariableCommunicationStepSize=True),
+        "RockingBlock.fmu": Path(BLOCK),
+    }
+
+
+def system_structure() -> str:
+    """SystemStructure.ssd of the package, SSP 1.0."""
+    elements = []
+    for name, (source, values) in COMPONENTS.items():
+        kinds = {variable: "output" for component, variable, _, _ in CONNECTIONS if component == name}
+        kinds |= {variable: "output" for variable in WATCHED.get(name, ())}
+        kinds |= {variable: "input" for _, _, component, variable in CONNECTIONS if component == name}
+        connectors = "".join(f'<ssd:Connector name={quoteattr(variable)} kind="{kind}"><ssc:Real/></ssd:Connector>'
+                             for variable, kind in kinds.items())
+        types = {bool: "Boolean", float: "Real"}
+        parameters = "".join(
+            f'<ssv:Parameter name={quoteattr(variable)}><ssv:{types[type(value)]} value="{str(value).lower()}"/></ssv:Parameter>'
+            for variable, value in values.items())
+        binding = (f'<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>'
+                   f'<ssv:ParameterSet version="1.0" name="initialValues"><ssv:Parameters>{parameters}</ssv:Parameters>'
+                   f'</ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>')
+        elements.append(f'<ssd:Component name="{name}" type="application/x-fmu-sharedlibrary" source="resources/{source}">'
+                        f'<ssd:Connectors>{connectors}</ssd:Connectors>{binding if values else ""}</ssd:Component>')
+    connections = "".join(
+        f'<ssd:Connection startElement="{a}" startConnector="{b}" endElement="{c}" endConnector="{d}"/>'
+        for a, b, c, d in CONNECTIONS)
+    return ('<?xml version="1.0" encoding="UTF-8"?>'
+            '<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription" '
+            'xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" '
+            'xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" name="bridge" version="1.0">'
+            f'<ssd:System name="bridge"><ssd:Elements>{"".join(elements)}</ssd:Elements>'
+            f'<ssd:Connections>{connections}</ssd:Connections></ssd:System>'
+            '<ssd:DefaultExperiment startTime="0" stopTime="10"/></ssd:SystemStructureDescription>')
+
+
+def build_ssp(folder, parts: dict[str, Path]) -> Path:
+    path = Path(folder) / "bridge.ssp"
+    with zipfile.ZipFile(path, "w") as package:
+        package.writestr("SystemStructure.ssd", system_structure())
+        for name, part in parts.items():
+            package.write(part, f"resources/{name}")
+    return path
+
+
+def columns(rows) -> dict[str, np.ndarray]:
+    names = [f"{component}.{name}" for component, watched in WATCHED.items() for name in watched]
+    return dict(zip(names, np.array(rows).T, strict=True))
+
+
+def run_libcosim(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
+    """The package under libcosim's algorithm with fixed steps of `h` [s]; what is watched, after each step."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+
+    log_output_level(CosimLogLevel.ERROR)
+    execution = CosimExecution.from_ssp_file(str(ssp), round(1e9 * h))  # ns
+    observer = CosimObserver.create_last_value()
+    assert execution.add_observer(observer)
+    indices = {component: execution.slave_index_from_instance_name(component) for component in WATCHED}
+    references = {}
+    for component, names in WATCHED.items():
+        known = {variable.name.decode(): variable.reference for variable in execution.slave_variables(indices[component])}
+        references[component] = [known[name] for name in names]
+    rows = []
+    for _ in range(round(stop / h)):
+        if not execution.step():
+            raise RuntimeError("libcosim stopped")
+        rows.append([value for component in WATCHED
+                     for value in observer.last_real_values(indices[component], references[component])])
+    return columns(rows)
+
+
+def run_ecos(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
+    """The package under Ecos's algorithm with fixed steps of `h` [s]; what is watched, after each step."""
+    load_tbb()
+    from ecospy import EcosSimulation
+
+    rows = []
+    with EcosSimulation(ssp_path=str(ssp), step_size=h) as simulation:
+        simulation.init(parameter_set="initialValues")
+        for _ in range(round(stop / h)):
+            simulation.step()
+            rows.append([simulation.get_real(f"{component}::{name}") for component, names in WATCHED.items() for name in names])
+        simulation.terminate()
+    return columns(rows)
+
+
+def run_fmpy(parts: dict[str, Path], h: float, stop: float) -> dict[str, np.ndarray]:
+    """The same exchange in a few lines of Python: every FMU steps with what the others put out at the step's beginning."""
+    opened = {name: Instance(parts[source], values, initialize=False) for name, (source, values) in COMPONENTS.items()}
+
+    def exchange():
+        for source, output, sink, name in CONNECTIONS:
+            opened[sink].set(**{name: opened[source].get(output)[0]})
+
+    exchange()
+    for part in opened.values():
+        part.slave.exitInitializationMode()
+    rows = []
+    for k in range(round(stop / h)):
+        exchange()
+        for part in opened.values():
+            part.slave.doStep(k * h, h)
+        rows.append([value for component, names in WATCHED.items() for value in opened[component].get(*names)])
+    for part in opened.values():
+        part.close()
+    return columns(rows)
+
+
+def missing(run: dict[str, np.ndarray]) -> float:
+    """What the towers got from the deck less what the deck gave them, its greatest value in parts of the greatest energy
+    that the ground put into a tower. The towers' sums hold the work of the ground too; it was held over each step."""
+    acceleration = np.concatenate(([0.0], run["ground.a"][:-1]))
+    got, scale = 0.0, 0.0
+    for tower in ("tower_1", "tower_2"):
+        ground = np.cumsum(-MASS * acceleration * np.diff(run[f"{tower}.u"], prepend=0.0))
+        got, scale = got + run[f"{tower}.energy.input"] - ground, max(scale, np.abs(ground).max())
+    return np.abs(got - run["deck.work"]).max() / scale
+
+
+def plot(h: float, runs: dict[str, dict[str, np.ndarray]], path) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    _, axes = plt.subplots(3, 1, figsize=(10, 8), layout="constrained", sharex=True)
+    run = runs["libcosim"]
+    time = h * np.arange(1, len(run["deck.x"]) + 1)
+    axes[0].plot(time, run["ground.a"], lw=0.8, color="0.5")
+    axes[0].set(ylabel="m/s²", title="Ground acceleration")
+    axes[1].plot(time, run["tower_1.theta"], label="wide tower, libcosim")
+    axes[1].plot(time, run["tower_2.theta"], label="slender tower, libcosim")
+    for tower in ("tower_1", "tower_2"):
+        axes[1].plot(time[::80], runs["ecos"][f"{tower}.theta"][::80], "k.", ms=4, label="ecos" if tower == "tower_1" else None)
+    axes[1].set(ylabel="rad", title="Rotation of the towers")
+    axes[2].plot(time, run["deck.F_x_1"] / 1e3, label="on the wide tower")
+    axes[2].plot(time, run["deck.F_x_2"] / 1e3, label="on the slender tower")
+    axes[2].set(xlabel="time [s]", ylabel="kN", title="Horizontal force of the deck")
+    for axis in axes:
+        axis.grid(alpha=0.3)
+    for axis in axes[1:]:
+        axis.legend(loc="lower left", fontsize=8)
+    plt.savefig(path, dpi=90)
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = sys.argv[1] if len(sys.argv) > 1 else temporary
+        parts = build_parts(temporary)
+        ssp = build_ssp(folder, parts)
+        h, stop = 0.002, 10.0
+        runs = {"libcosim": run_libcosim(ssp, h, stop), "ecos": run_ecos(ssp, h, stop)}
+        for name, run in runs.items():
+            print(f"{name}: greatest rotation {np.abs(run['tower_1.theta']).max():.6f} and "
+                  f"{np.abs(run['tower_2.theta']).max():.6f} rad, energy missing {100 * missing(run):.3f} %")
+        print("greatest difference of the rotations:",
+              max(np.abs(runs["libcosim"][name] - runs["ecos"][name]).max() for name in ("tower_1.theta", "tower_2.theta")), "rad")
+        plot(h, runs, HERE / "result.png")
+
+
+if __name__ == "__main__":
+    main()

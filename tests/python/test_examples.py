@@ -1,0 +1,268 @@
+"""The examples: what their pages say of energy, convergence and outcomes holds. An example is skipped where one of its
+packages is missing."""
+
+import importlib.util
+import runpy
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+for folder in ("", "coupling/roof", "coupling/bridge", "coupling/one_line", "python"):
+    sys.path.insert(0, str(EXAMPLES / folder))
+
+
+def need(*packages):
+    for package in packages:
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{package} has no build for this platform or is not installed")
+
+
+@pytest.fixture(scope="module")
+def frame(fmu, tmp_path_factory):
+    """The OpenSees frame as an FMU."""
+    need("pythonfmu", "openseespylinux")
+    import roof
+
+    return roof.build_frame(tmp_path_factory.mktemp("frame"))
+
+
+@pytest.fixture(scope="module")
+def exchanges(frame):
+    """Both exchanges at two steps, through the strongest five seconds or so."""
+    import roof
+
+    return {(iterated, h): roof.couple(frame, h, 5.0, iterated) for h in (0.02, 0.01) for iterated in (False, True)}
+
+
+def test_the_frame_comes_back_to_the_last_bit(frame):
+    from common import instance
+
+    names = ("a_x", "a_z", "v_x", "u_x", "u_z", "shear")
+
+    def push(opened):
+        rows = []
+        for k in range(40):
+            opened.set(a_base=8.0 * np.sin(0.3 * k))
+            opened.slave.doStep(0.2 + 0.01 * k, 0.01)
+            rows.append(opened.get(*names))
+        return np.array(rows)
+
+    with instance(frame, {"F_z": -15e3}) as opened:
+        opened.set(a_base=2.0)
+        opened.slave.doStep(0.0, 0.2)
+        state = opened.slave.getFMUstate()
+        first = push(opened)
+        opened.slave.setFMUstate(state)
+        assert np.array_equal(push(opened), first)
+        # The columns yield: the shear that comes with a drift differs by more than rounding between the ways there and back.
+        opened.slave.setFMUstate(state)
+        opened.slave.freeFMUstate(state)
+        assert np.array_equal(push(opened), first)
+        stiffness = first[:, 5] / first[:, 3]
+        assert stiffness.min() < 0.9 * stiffness.max()
+
+
+def test_the_iterated_exchange_converges_where_the_explicit_one_does_not(exchanges):
+    from roof import missing
+
+    for h in (0.02, 0.01):
+        run = exchanges[True, h]
+        assert not run.diverged
+        # Roof and block agree at the end of every step.
+        assert run["agreement"].max() < 1e-7
+        assert np.mean(run.iterations) < 6
+    assert exchanges[False, 0.02].diverged or missing(exchanges[False, 0.02]) > 1
+    coarse, fine = exchanges[True, 0.02]["theta"], exchanges[True, 0.01]["theta"][1::2]
+    assert np.abs(fine).max() > 0.1
+    assert np.abs(coarse - fine).max() < 0.05 * np.abs(fine).max()
+    explicit = exchanges[False, 0.02]["theta"]
+    assert np.abs(explicit - fine[: len(explicit)]).max() > 0.2 * np.abs(fine).max()
+
+
+def test_the_iterated_exchange_conserves_energy(exchanges):
+    from roof import missing
+
+    assert missing(exchanges[True, 0.02]) < 0.025
+    assert missing(exchanges[True, 0.01]) < 0.012
+    assert missing(exchanges[False, 0.01]) > 8 * missing(exchanges[True, 0.01])
+
+
+def test_the_blocks_derivatives_spare_iterations(frame):
+    from roof import couple
+
+    newton, plain = (couple(frame, 0.02, 1.0, True, derivatives=derivatives, most=60) for derivatives in (True, False))
+    assert max(newton["agreement"].max(), plain["agreement"].max()) < 1e-7
+    assert np.mean(newton.iterations) < 0.6 * np.mean(plain.iterations)
+    # Both find the same motion.
+    assert np.abs(newton["u_x"] - plain["u_x"]).max() < 1e-8
+
+
+def test_the_mass_that_moves_with_the_roof_at_once(fmu):
+    """In full contact a block on springs turns freely about the middle of its base: dH/da_gx = M I0/(I0 + M h^2)."""
+    from common import instance
+    from roof import EQUIPMENT, FORCES, MASS
+
+    with instance(fmu, EQUIPMENT) as block:
+        derivatives = block.derivatives(FORCES, ("a_gx", "a_gz"))
+    b, h = 0.3, 0.9
+    inertia = (b * b + h * h) / 3
+    expected = np.zeros((3, 2))
+    expected[0, 0] = MASS * inertia / (inertia + h * h)
+    assert np.allclose(derivatives, expected, rtol=1e-12, atol=1e-9)
+
+
+def test_what_an_impact_takes_does_not_reach_the_roof(frame):
+    """The README's warning: with epsilon = 0 the impulses of impacts are not in the sampled reactions."""
+    from roof import WEIGHT, couple
+
+    soft, hard = (couple(frame, 0.02, 5.0, True, start_values={"epsilon": epsilon}) for epsilon in (1.0, 0.0))
+    lost = [abs(run["lost_momentum"][-1][1]) / WEIGHT for run in (soft, hard)]
+    assert lost[0] < 0.02 and lost[1] > 0.05
+
+
+@pytest.fixture(scope="module")
+def bridge_parts(fmu, tmp_path_factory):
+    need("pythonfmu")
+    import bridge
+
+    return bridge.build_parts(tmp_path_factory.mktemp("bridge"))
+
+
+@pytest.mark.parametrize("package, master", [("libcosimpy", "run_libcosim"), ("ecospy", "run_ecos")])
+def test_the_bridge_runs_the_same_everywhere(bridge_parts, tmp_path, package, master):
+    """The masters take the SSP package as it is; what they do is written out in `run_fmpy`."""
+    need(package)
+    import bridge
+
+    ssp = bridge.build_ssp(tmp_path, bridge_parts)
+    result = getattr(bridge, master)(ssp, 0.002, 6.0)
+    expected = bridge.run_fmpy(bridge_parts, 0.002, 6.0)
+    for tower in ("tower_1", "tower_2"):
+        assert np.abs(expected[f"{tower}.theta"]).max() > 0.01
+        # They rock, and the deck's loads are in what the masters compare.
+        assert expected[f"{tower}.energy.impacts"][-1] > 100
+    for name, values in expected.items():
+        # The masters count time in another way, so that the last digits differ, and impacts magnify that.
+        assert np.abs(result[name] - values).max() < 1e-9 * np.abs(values).max()
+
+
+def test_the_bridges_interface_converges(bridge_parts):
+    from bridge import missing, run_fmpy
+
+    coarse, fine = (run_fmpy(bridge_parts, h, 6.0) for h in (0.004, 0.002))
+    assert 1.7 < missing(coarse) / missing(fine) < 2.6
+    assert missing(fine) < 0.06
+    change = np.abs(coarse["tower_1.theta"] - fine["tower_1.theta"][1::2]).max()
+    assert change < 0.1 * np.abs(fine["tower_1.theta"]).max()
+
+
+@pytest.mark.parametrize("master", ["libcosimpy", "ecospy", "fmi-sim"])
+def test_the_same_block_in_every_master(fmu, master):
+    if master == "fmi-sim":
+        if shutil.which(master) is None:
+            pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    else:
+        need(master)
+    import one_line
+
+    expected, theta = one_line.with_fmpy(), one_line.MASTERS[master]()
+    assert len(expected) == len(theta) == 1000
+    # It rocks: the rotation changes its sign, and the impacts leave less and less of it.
+    assert expected.min() < -0.05 and abs(expected[-1]) < 0.05
+    assert np.abs(theta - expected).max() < 1e-12
+
+
+def test_fmi_sim_takes_a_record(fmu, loma_prieta, tmp_path):
+    if shutil.which("fmi-sim") is None:
+        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    from fmpy import simulate_fmu
+
+    dt, record = loma_prieta
+    signal = np.array(list(zip(dt * np.arange(len(record)), record)), dtype=[("time", float), ("a_gx", float)])
+    np.savetxt(tmp_path / "record.csv", signal, delimiter=",", header="time,a_gx", comments="", fmt="%.17g")
+    subprocess.run(["fmi-sim", "--model", fmu, "-i", tmp_path / "record.csv", "-o", tmp_path / "out.csv", "co-simulation",
+                    f"--step={dt}", f"--output-interval={dt}", "-f14"], check=True, stdout=subprocess.DEVNULL)
+    theta = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True)["theta"]
+    expected = simulate_fmu(fmu, input=signal, stop_time=14.0, output_interval=dt, output=["theta"])["theta"]
+    assert np.abs(expected).max() > 0.02
+    assert np.abs(theta - expected).max() < 1e-10
+
+
+SEPARATING = {"initial.theta": 0.2, "initial.theta_dot": 1.0}
+
+
+@pytest.mark.parametrize("master, outcome", [("fmpy", "ends"), ("libcosimpy", "fails"), ("ecospy", "goes on"), ("fmi-sim", "ends")])
+def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
+    """What docs/importing.md says of complete separation, which comes at 0.067 s here."""
+    if master == "fmi-sim" and shutil.which(master) is None:
+        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    if master != "fmi-sim":
+        need(master)
+    import one_line
+
+    monkeypatch.setattr(one_line, "START", SEPARATING)
+    if outcome == "fails":
+        with pytest.raises(RuntimeError, match="libcosim stopped"):
+            one_line.MASTERS[master]()
+    else:
+        theta = one_line.MASTERS[master]()
+        assert len(theta) == (7 if outcome == "ends" else 1000)
+        assert abs(theta[-1] - 0.26700625) < 1e-7
+    if outcome == "ends":
+        # With Hold the run goes on; these masters know enumerations.
+        monkeypatch.setattr(one_line, "START", SEPARATING | {"on_separation": 2})
+        assert len(one_line.MASTERS[master]()) == 1000
+
+
+@pytest.fixture(scope="module")
+def loma_prieta():
+    from common import read_smc
+
+    dt, record = read_smc()
+    # As the record's header has it: 200 samples a second, 7183 of them, -222.5 cm/s2 at 7.55 s.
+    assert (dt, len(record)) == (0.005, 7183)
+    assert abs(record.min() + 2.2252) < 1e-9 and np.abs(record).argmax() * dt == pytest.approx(7.55)
+    return dt, 2 * record[:3000]
+
+
+def test_a_spectrum_is_the_same_on_a_cluster(fmu, loma_prieta):
+    """A small grid on two worker processes, to the last bit; and one of its blocks by another way."""
+    need("distributed")
+    from dask.distributed import Client, LocalCluster
+
+    import spectrum
+    from rocking import follow
+
+    dt, record = loma_prieta
+    work = Path(fmu).read_bytes(), dt, record, (0.15, 0.3), (2.0, 5.0, 8.0)
+    peaks, overturned = spectrum.spectrum(*work)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.upload_file(spectrum.__file__)
+        elsewhere = spectrum.spectrum(*work, client)
+        assert len(client.scheduler_info()["workers"]) == 2
+    assert np.array_equal(peaks, elsewhere[0]) and np.array_equal(overturned, elsewhere[1])
+    # The small and slender block falls over, the greater ones do not: size protects.
+    assert overturned[0, 0] and not overturned[:, 1:].any()
+    assert (np.diff(peaks, axis=1) < 0).all()
+    start = {"dimensionless.alpha": 0.15, "dimensionless.p": 2 * np.pi / 5}
+    _, rows = follow(fmu, dt, record, outputs=("theta", "peak.theta"), start_values=start)
+    assert rows[-1, 1] == peaks[0, 1]
+    assert 0 <= rows[-1, 1] - np.abs(rows[:, 0]).max() < 1e-4
+
+
+def test_the_script_with_cells(fmu, monkeypatch, capsys):
+    need("matplotlib")
+    import matplotlib
+
+    matplotlib.use("Agg")
+    monkeypatch.chdir(EXAMPLES.parent)
+    found = runpy.run_path(str(EXAMPLES / "python/record.py"))
+    assert "still standing" in capsys.readouterr().out
+    result = found["result"]
+    assert 0.02 < np.abs(result["theta"]).max() < 0.2
+    assert np.abs(result["energy.residual"]).max() < 1e-7 * np.abs(result["energy.total"]).max()
