@@ -251,7 +251,12 @@ pub fn history_rate(variable: Variable, samples: &PeakSamples, peaks: &Peaks) ->
         Variable::PeakFrictionDemand => (peaks.friction_demand, &samples[8..]),
         _ => return 0.0,
     };
-    candidates.iter().filter(|sample| sample.value >= AT_PEAK * peak).fold(0.0, |rate, sample| sample.rate.max(rate))
+    // `f64::max` of 0 and −0 is the one on x86 and the other on Arm.
+    let greater = |rate: f64, of: f64| if of > rate { of } else { rate };
+    candidates
+        .iter()
+        .filter(|sample| sample.value >= AT_PEAK * peak)
+        .fold(0.0, |rate, sample| greater(rate, sample.rate))
 }
 
 impl Variable {
