@@ -1,11 +1,13 @@
-//! A binary → the libraries and symbol versions that it needs, and whether any system of its kind has them.
+//! A binary → the libraries and symbol versions that it needs, whether any system of its kind has them, and what it
+//! exports.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
+use object::read::NameOrOrdinal;
 use object::read::elf::{Dyn, ElfFile64, SectionHeader};
 use object::read::pe::PeFile64;
-use object::{Endianness, elf};
+use object::{Endianness, Object, elf};
 
 /// The newest glibc whose symbols a Linux binary may need: that of the oldest systems still met.
 const GLIBC: Version = Version(2, 17);
@@ -33,6 +35,9 @@ const WINDOWS: [&str; 8] = [
     "api-ms-win-core-synch-l1-2-0.dll",
 ];
 
+/// How many functions the standard's headers declare; tests/abi/exports.rs has their names.
+const FUNCTIONS: usize = 44;
+
 /// A version of glibc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Version(u32, u32);
@@ -44,11 +49,17 @@ pub struct Needs {
     libraries: BTreeSet<String>,
     /// The names of all versions that symbols are asked for in.
     versions: BTreeSet<String>,
+    exports: BTreeSet<String>,
 }
 
 impl Needs {
-    /// The first thing that is needed and is not on every system.
+    /// The first thing that is needed and is not on every system, or is exported and not of the standard.
     pub fn check(&self) -> Result<(), String> {
+        let of_standard = self.exports.iter().filter(|name| name.starts_with("fmi2")).count();
+        if (of_standard, self.exports.len()) != (FUNCTIONS, FUNCTIONS) {
+            let exports = &self.exports;
+            return Err(format!("exports {exports:?}; expected the {FUNCTIONS} functions of the standard"));
+        }
         if let Some(library) = self.libraries.iter().find(|name| !self.allowed.contains(&name.to_lowercase().as_str()))
         {
             return Err(format!("needs {library}; expected no other libraries than {}", self.allowed.join(", ")));
@@ -110,7 +121,7 @@ fn of_elf(binary: &[u8]) -> object::Result<Needs> {
             }
         }
     }
-    Ok(Needs { allowed: &LINUX, libraries, versions })
+    Ok(Needs { allowed: &LINUX, libraries, versions, exports: exports(&file)? })
 }
 
 fn of_pe(binary: &[u8]) -> object::Result<Needs> {
@@ -130,7 +141,18 @@ fn of_pe(binary: &[u8]) -> object::Result<Needs> {
             insert(table.name(descriptor.dll_name_rva.get(object::LittleEndian))?);
         }
     }
-    Ok(Needs { allowed: &WINDOWS, libraries, versions: BTreeSet::new() })
+    Ok(Needs { allowed: &WINDOWS, libraries, versions: BTreeSet::new(), exports: exports(&file)? })
+}
+
+fn exports<'data>(file: &impl Object<'data>) -> object::Result<BTreeSet<String>> {
+    let mut names = BTreeSet::new();
+    for export in file.exports()? {
+        names.insert(match export?.name() {
+            NameOrOrdinal::Name(name) => String::from_utf8_lossy(name).into_owned(),
+            NameOrOrdinal::Ordinal(ordinal) => format!("ordinal {ordinal}"),
+        });
+    }
+    Ok(names)
 }
 
 #[cfg(test)]
@@ -139,7 +161,8 @@ mod tests {
 
     fn needs(libraries: &[&str], versions: &[&str]) -> Needs {
         let set = |names: &[&str]| names.iter().map(ToString::to_string).collect();
-        Needs { allowed: &LINUX, libraries: set(libraries), versions: set(versions) }
+        let exports = (0..FUNCTIONS).map(|i| format!("fmi2Function{i}")).collect();
+        Needs { allowed: &LINUX, libraries: set(libraries), versions: set(versions), exports }
     }
 
     #[test]
@@ -160,6 +183,14 @@ mod tests {
             let error = needs(libraries, &[versions]).check().unwrap_err();
             assert!(error.starts_with(expected), "{error}");
         }
+    }
+
+    #[test]
+    fn more_exports_than_the_standards_are_told() {
+        let mut needs = needs(&["libc.so.6"], &["GLIBC_2.17"]);
+        needs.exports.insert("rust_panic".into());
+        let error = needs.check().unwrap_err();
+        assert!(error.contains("\"rust_panic\""), "{error}");
     }
 
     /// This very program was linked by the system's linker, and needs libgcc_s or a newer glibc, or both.
