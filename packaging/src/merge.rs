@@ -52,7 +52,9 @@ fn united(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
 }
 
 fn unite_dependencies(known: &mut Value, other: &Value) {
-    if let (Some(known), Some(other)) = (known["dependsOn"].as_array_mut(), other["dependsOn"].as_array()) {
+    // Not `known["dependsOn"]`, which would put a null where there is none.
+    let known = known.get_mut("dependsOn").and_then(Value::as_array_mut);
+    if let (Some(known), Some(other)) = (known, other["dependsOn"].as_array()) {
         known.extend(other.iter().cloned());
         known.sort_by_key(|reference| reference.as_str().map(str::to_owned));
         known.dedup();
@@ -100,7 +102,8 @@ mod tests {
         };
         let both = united(bill("std@1").as_bytes(), bill("std@2").as_bytes()).unwrap();
         let both: Value = serde_json::from_slice(&both).unwrap();
-        assert_eq!(both["components"].as_array().unwrap().len(), 3);
+        let expected = serde_json::json!([{ "bom-ref": "a" }, { "bom-ref": "std@1" }, { "bom-ref": "std@2" }]);
+        assert_eq!(both["components"], expected);
         assert_eq!(both["dependencies"][0]["dependsOn"], serde_json::json!(["std@1", "std@2"]));
     }
 }
