@@ -5,12 +5,16 @@
 
 #[path = "build/archive.rs"]
 mod archive;
+#[path = "build/container.rs"]
+mod container;
 #[path = "build/description.rs"]
 mod description;
 #[path = "build/library.rs"]
 mod library;
 #[path = "build/licences.rs"]
 mod licences;
+#[path = "build/sbom.rs"]
+mod sbom;
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -62,7 +66,7 @@ fn run() -> Result<(), String> {
         };
     }
     let library = library::build(&out)?;
-    archive::pack(&fmu, &description, &library, &licences::collect()?)?;
+    archive::pack(&fmu, &description, &library, licences::collect()?)?;
     std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;
     // As old as the newest source: cargo takes what is newer than this script's beginning for changed.
     let newest = newest_source()?;

@@ -1,25 +1,21 @@
-//! Description, library, documentation and licences → the FMU, the same bytes from the same sources.
+//! Description, library, documentation, licences and bill of materials → the FMU, the same bytes from the same sources.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
-
 use crate::description::{Description, Variable};
-use crate::{library, read};
+use crate::{container, library, read};
 
-/// Packs the FMU and puts it in its place at once, so that no half of one is ever there.
+/// Packs the FMU.
 pub fn pack(
     fmu: &Path,
     description: &Description,
     binary: &Path,
-    licences: &BTreeMap<String, Vec<u8>>,
+    papers: BTreeMap<String, Vec<u8>>,
 ) -> Result<(), String> {
     let load = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
-    let mut files = BTreeMap::new();
+    let mut files = papers;
     files.insert("modelDescription.xml".to_string(), description.packed.clone().into_bytes());
     files.insert(library::place()?, load(binary)?);
     files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
@@ -27,35 +23,10 @@ pub fn pack(
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
-    for (name, text) in licences {
-        files.insert(format!("documentation/licenses/{name}"), text.clone());
-    }
     for path in crate::files(Path::new("documentation/licenses"))? {
         files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
-    let temporary = fmu.with_extension(format!("fmu.{}", std::process::id()));
-    let written = write(&temporary, &files)
-        .and_then(|()| std::fs::rename(&temporary, fmu).map_err(|e| format!("{}: {e}", fmu.display())));
-    if written.is_err() {
-        // The error that is told is the first one.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
-}
-
-fn write(path: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let mut archive = ZipWriter::new(std::fs::File::create(path).map_err(|e| failed(&e))?);
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .last_modified_time(DateTime::default());
-    for (name, content) in files {
-        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
-        archive.start_file(name.as_str(), options.unix_permissions(mode)).map_err(|e| failed(&e))?;
-        archive.write_all(content).map_err(|e| failed(&e))?;
-    }
-    archive.finish().map_err(|e| failed(&e))?;
-    Ok(())
+    container::write(fmu, &files)
 }
 
 /// The variables as tables of HTML, one for each causality.

@@ -60,7 +60,7 @@ pub fn place() -> Result<String, String> {
 
 /// Cargo without what the outer one, clippy or the like left in the environment, and with what the user has configured.
 pub fn inner_cargo() -> Result<Command, String> {
-    const KEPT: [&str; 8] = [
+    const KEPT: [&str; 9] = [
         "CARGO_HOME",
         "CARGO_NET_",
         "CARGO_HTTP_",
@@ -69,6 +69,7 @@ pub fn inner_cargo() -> Result<Command, String> {
         "CARGO_SOURCE_",
         "CARGO_TARGET_",
         "CARGO_MAKEFLAGS",
+        "CARGO_UNSTABLE_",
     ];
     const OTHERS: [&str; 5] =
         ["RUSTFLAGS", "RUSTDOCFLAGS", "RUSTC_WRAPPER", "RUSTC_WORKSPACE_WRAPPER", "CARGO_TARGET_DIR"];
@@ -84,7 +85,7 @@ pub fn inner_cargo() -> Result<Command, String> {
     Ok(command)
 }
 
-/// Flags that put names in the place of this machine's folders.
+/// Flags that put names in the place of this machine's folders, and no date into the library.
 fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR")?);
     let mut folders = vec![(manifest, "rocking-block"), (target_dir.to_path_buf(), "target")];
@@ -103,6 +104,9 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
         flags.push("--remap-path-prefix=");
         flags.push(folder);
         flags.push(format!("=/{name}"));
+    }
+    if variable("TARGET")?.ends_with("-windows-gnu") {
+        flags.push("\u{1f}-Clink-arg=-Wl,--no-insert-timestamp");
     }
     Ok(flags)
 }

@@ -1,4 +1,4 @@
-//! The crates that are linked into the library → their licences.
+//! The crates that are linked into the library → their licences and the bill of materials.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -7,22 +7,24 @@ use std::process::Command;
 
 use cargo_metadata::{Metadata, MetadataCommand, PackageId};
 
-use crate::library;
+use crate::{library, sbom};
 
-/// Files for `documentation/licenses`: path below it and content.
+/// Files for the FMU, by path: `documentation/licenses` and the bill of materials.
 pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
     let metadata = metadata()?;
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
-    let mut files = BTreeMap::new();
+    let linked = linked(&metadata)?;
+    let mut files = BTreeMap::from([(sbom::PLACE.to_string(), sbom::write(&metadata, &linked)?.into_bytes())]);
+    let place = |name: &str| format!("documentation/licenses/{name}");
     let mut index = String::from(
         "The FMU's binary holds code of these packages, under these licences, whose texts stand beside this file:\n\n\
          rust-standard-library: MIT OR Apache-2.0 https://github.com/rust-lang/rust\n",
     );
-    for id in linked(&metadata)? {
+    for id in linked {
         let package = &metadata[&id];
         if id == root {
             for name in ["LICENSE-APACHE", "LICENSE-MIT"] {
-                files.insert(name.to_string(), std::fs::read(name).map_err(|e| format!("{name}: {e}"))?);
+                files.insert(place(name), std::fs::read(name).map_err(|e| format!("{name}: {e}"))?);
             }
         }
         let folder = format!("{}-{}", package.name, package.version);
@@ -38,11 +40,11 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
                 ));
             }
             for (name, text) in texts {
-                files.insert(format!("{folder}/{name}"), text);
+                files.insert(place(&format!("{folder}/{name}")), text);
             }
         }
     }
-    files.insert("license.txt".into(), index.into_bytes());
+    files.insert(place("license.txt"), index.into_bytes());
     Ok(files)
 }
 

@@ -33,7 +33,7 @@ impl Peaks {
     pub fn include(&mut self, samples: &PeakSamples) {
         let slots = self.slots();
         for (sample, slot) in samples.iter().zip(SLOTS) {
-            *slots[slot] = slots[slot].max(sample.value);
+            *slots[slot] = greater(*slots[slot], sample.value);
         }
     }
 
@@ -50,10 +50,15 @@ impl Peaks {
         for (i, slot) in SLOTS.into_iter().enumerate() {
             let peak = &mut *slots[slot];
             if upper_bound(start[i], end[i], duration) > *peak {
-                *peak = peak.max(greatest(start[i], end[i], duration, |elapsed| inside(elapsed)[i]));
+                *peak = greater(*peak, greatest(start[i], end[i], duration, |elapsed| inside(elapsed)[i]));
             }
         }
     }
+}
+
+/// The greater value; of 0 and −0 the first, where `f64::max` takes one or the other by processor and compiler.
+pub fn greater(first: f64, second: f64) -> f64 {
+    if second > first { second } else { first }
 }
 
 /// To which peak each sample belongs.

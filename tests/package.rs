@@ -52,7 +52,9 @@ fn holds_what_the_standard_names_and_nothing_else() {
     let files = files();
     let (binary, _) = binary(&files);
     let found: Vec<_> = files.keys().filter(|path| !path.starts_with("documentation/licenses/")).collect();
-    assert_eq!(found, [binary, "documentation/index.html", "model.png", "modelDescription.xml"]);
+    let expected =
+        [binary, "documentation/index.html", "documentation/sbom.cdx.json", "model.png", "modelDescription.xml"];
+    assert_eq!(found, expected);
 
     let (folder, file) = binary["binaries/".len()..].split_once('/').unwrap();
     assert_eq!(file.split('.').next(), Some("rocking_block"));
@@ -79,6 +81,43 @@ fn holds_the_licence_of_every_crate_it_lists() {
     assert_eq!(top, ["LICENSE-APACHE", "LICENSE-MIT", "license.txt"]);
     let folders: BTreeSet<_> = folders.iter().map(|path| path.split('/').next().unwrap().to_owned()).collect();
     assert_eq!(folders, listed);
+}
+
+/// CycloneDX 1.6: what is linked, by the checksums of Cargo.lock, and nothing that another build would have otherwise.
+#[test]
+fn bill_of_materials_lists_the_crates_of_the_licences_with_their_checksums() {
+    let files = files();
+    let bill: serde_json::Value = serde_json::from_str(&text(&files, "documentation/sbom.cdx.json")).unwrap();
+    assert_eq!((&bill["bomFormat"], &bill["specVersion"]), (&"CycloneDX".into(), &"1.6".into()));
+    assert!(bill["serialNumber"].is_null() && bill["metadata"]["timestamp"].is_null(), "{bill}");
+    let word = |value: &serde_json::Value| value.as_str().unwrap_or_else(|| panic!("{value} in {bill}")).to_owned();
+
+    let lock = fs::read_to_string(Path::new(PACKAGE).join("Cargo.lock")).unwrap();
+    let mut named = BTreeSet::new();
+    let mut references = BTreeSet::from([word(&bill["metadata"]["component"]["bom-ref"])]);
+    for component in bill["components"].as_array().unwrap() {
+        let (name, version) = (word(&component["name"]), word(&component["version"]));
+        assert!(!word(&component["licenses"][0]["expression"]).contains('/'), "{name}");
+        assert!(references.insert(word(&component["bom-ref"])), "{name} {version} is there twice");
+        if name == "rust-standard-library" {
+            named.insert(name);
+            continue;
+        }
+        let locked = format!("name = \"{name}\"\nversion = \"{version}\"\n");
+        let entry = &lock[lock.find(&locked).unwrap_or_else(|| panic!("Cargo.lock has no {name} {version}"))..];
+        let entry = entry.split("[[package]]").next().unwrap();
+        assert!(entry.contains(&format!("checksum = \"{}\"", word(&component["hashes"][0]["content"]))), "{entry}");
+        named.insert(format!("{name}-{version}"));
+    }
+    let licences = files.keys().filter_map(|path| path.strip_prefix("documentation/licenses/")?.split_once('/'));
+    assert_eq!(named, licences.map(|(folder, _)| folder.to_owned()).collect());
+
+    for dependency in bill["dependencies"].as_array().unwrap() {
+        assert!(references.contains(&word(&dependency["ref"])), "{dependency}");
+        for needed in dependency["dependsOn"].as_array().unwrap() {
+            assert!(references.contains(&word(needed)), "{dependency}");
+        }
+    }
 }
 
 #[test]

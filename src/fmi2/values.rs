@@ -4,7 +4,7 @@ use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physica
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::fmi2::variables::{Causality, VARIABLES, Variable};
 use crate::outputs::Observation;
-use crate::peaks::{PeakSamples, Peaks};
+use crate::peaks::{PeakSamples, Peaks, greater};
 use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
 
 /// The inputs, in the order of their ramps.
@@ -251,7 +251,10 @@ pub fn history_rate(variable: Variable, samples: &PeakSamples, peaks: &Peaks) ->
         Variable::PeakFrictionDemand => (peaks.friction_demand, &samples[8..]),
         _ => return 0.0,
     };
-    candidates.iter().filter(|sample| sample.value >= AT_PEAK * peak).fold(0.0, |rate, sample| sample.rate.max(rate))
+    candidates
+        .iter()
+        .filter(|sample| sample.value >= AT_PEAK * peak)
+        .fold(0.0, |rate, sample| greater(rate, sample.rate))
 }
 
 impl Variable {

@@ -1,0 +1,106 @@
+//! The crates that are linked into the library → a software bill of materials, CycloneDX 1.6.
+//!
+//! It holds no date and no serial number: the same sources and the same compiler give the same bytes.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+use cargo_metadata::{Metadata, Package, PackageId};
+use serde_json::{Value, json};
+
+use crate::{read, variable};
+
+/// Where it stands in the FMU.
+pub const PLACE: &str = "documentation/sbom.cdx.json";
+
+/// The bill for the packages that are linked.
+pub fn write(metadata: &Metadata, linked: &BTreeSet<PackageId>) -> Result<String, String> {
+    let root = metadata.root_package().ok_or("cargo metadata has no root package")?;
+    let checksums = checksums(&read("Cargo.lock")?);
+    let (standard, standard_library) = standard_library()?;
+    let mut components = vec![standard_library];
+    let mut dependencies = Vec::new();
+    for id in linked {
+        let package = &metadata[id];
+        if *id != root.id {
+            let checksum = checksums.get(&(package.name.to_string(), package.version.to_string()));
+            components.push(component("library", package, checksum));
+        }
+        let node = metadata.resolve.as_ref().and_then(|resolve| resolve.nodes.iter().find(|node| node.id == *id));
+        let needed = node.map(|node| node.dependencies.as_slice()).unwrap_or_default().iter();
+        let mut needed: Vec<_> = needed.filter(|id| linked.contains(id)).map(|id| reference(&metadata[id])).collect();
+        needed.push(standard.clone());
+        needed.sort();
+        dependencies.push(json!({ "ref": reference(package), "dependsOn": needed }));
+    }
+    dependencies.push(json!({ "ref": standard, "dependsOn": [] }));
+    for list in [&mut components, &mut dependencies] {
+        list.sort_by_key(|entry| entry["bom-ref"].as_str().or(entry["ref"].as_str()).map(str::to_owned));
+    }
+    let bill = json!({
+        "bomFormat": "CycloneDX",
+        "specVersion": "1.6",
+        "version": 1,
+        "metadata": { "component": component("library", root, None) },
+        "components": components,
+        "dependencies": dependencies,
+    });
+    serde_json::to_string_pretty(&bill).map(|text| text + "\n").map_err(|e| format!("{PLACE}: {e}"))
+}
+
+fn component(kind: &str, package: &Package, checksum: Option<&String>) -> Value {
+    let mut component = json!({
+        "type": kind,
+        "bom-ref": reference(package),
+        "name": package.name.to_string(),
+        "version": package.version.to_string(),
+        "purl": reference(package),
+    });
+    if let Some(licence) = &package.license {
+        // Older manifests have a slash for OR.
+        component["licenses"] = json!([{ "expression": licence.replace('/', " OR ") }]);
+    }
+    if let Some(repository) = &package.repository {
+        component["externalReferences"] = json!([{ "type": "vcs", "url": repository }]);
+    }
+    if let Some(checksum) = checksum {
+        component["hashes"] = json!([{ "alg": "SHA-256", "content": checksum }]);
+    }
+    component
+}
+
+fn reference(package: &Package) -> String {
+    format!("pkg:cargo/{}@{}", package.name, package.version)
+}
+
+/// The part of the binary that no manifest names: its reference and its component.
+fn standard_library() -> Result<(String, Value), String> {
+    let output =
+        Command::new(variable("RUSTC")?).arg("-vV").output().map_err(|e| format!("rustc does not start: {e}"))?;
+    let told = String::from_utf8_lossy(&output.stdout);
+    let release = told.lines().find_map(|line| line.strip_prefix("release: "));
+    let release = release.ok_or_else(|| format!("rustc -vV tells no release, but {told:?}"))?;
+    let reference = format!("pkg:generic/rust-standard-library@{release}");
+    let component = json!({
+        "type": "library",
+        "bom-ref": reference,
+        "name": "rust-standard-library",
+        "version": release,
+        "purl": reference,
+        "licenses": [{ "expression": "MIT OR Apache-2.0" }],
+        "externalReferences": [{ "type": "vcs", "url": "https://github.com/rust-lang/rust" }],
+    });
+    Ok((reference, component))
+}
+
+/// Cargo.lock → the checksum of each package by name and version.
+fn checksums(lock: &str) -> BTreeMap<(String, String), String> {
+    let value = |block: &str, key: &str| {
+        let line = block.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "))?;
+        Some(line.trim_matches('"').to_string())
+    };
+    let packages = lock.split("[[package]]").skip(1);
+    packages
+        .filter_map(|block| Some(((value(block, "name")?, value(block, "version")?), value(block, "checksum")?)))
+        .collect()
+}

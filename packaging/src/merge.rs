@@ -1,0 +1,109 @@
+//! Two FMUs of one source → one with the binaries of both.
+
+use serde_json::Value;
+
+use crate::Files;
+
+const SBOM: &str = "documentation/sbom.cdx.json";
+
+/// Adds the binaries of `other`. All else has to be the same, but for the bill of materials: where two compilers were
+/// used, it lists the standard library of each.
+pub fn add(files: &mut Files, other: Files) -> Result<(), String> {
+    if let Some(missing) = files.keys().find(|path| !is_binary(path) && !other.contains_key(*path)) {
+        return Err(format!("{missing} is in one of them only"));
+    }
+    for (path, content) in other {
+        match files.get_mut(&path) {
+            None if is_binary(&path) => {
+                files.insert(path, content);
+            }
+            None => return Err(format!("{path} is in one of them only")),
+            Some(_) if is_binary(&path) => return Err(format!("both hold {path}")),
+            Some(known) if path == SBOM => *known = united(known, &content).map_err(|e| format!("{path}: {e}"))?,
+            Some(known) if *known != content => return Err(format!("{path} differs; expected the same sources")),
+            Some(_) => {}
+        }
+    }
+    Ok(())
+}
+
+fn is_binary(path: &str) -> bool {
+    path.starts_with("binaries/")
+}
+
+/// A bill with the components and dependencies of both.
+fn united(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
+    if one == other {
+        return Ok(one.to_vec());
+    }
+    let parse = |bytes| serde_json::from_slice::<Value>(bytes).map_err(|e| e.to_string());
+    let (mut bill, other) = (parse(one)?, parse(other)?);
+    for (list, key) in [("components", "bom-ref"), ("dependencies", "ref")] {
+        let entries = bill[list].as_array_mut().ok_or_else(|| format!("{list} is missing"))?;
+        for entry in other[list].as_array().ok_or_else(|| format!("{list} is missing"))? {
+            match entries.iter_mut().find(|known| known[key] == entry[key]) {
+                None => entries.push(entry.clone()),
+                Some(known) => unite_dependencies(known, entry),
+            }
+        }
+        entries.sort_by_key(|entry| entry[key].as_str().map(str::to_owned));
+    }
+    serde_json::to_string_pretty(&bill).map(|text| (text + "\n").into_bytes()).map_err(|e| e.to_string())
+}
+
+fn unite_dependencies(known: &mut Value, other: &Value) {
+    // Not `known["dependsOn"]`, which would put a null where there is none.
+    let known = known.get_mut("dependsOn").and_then(Value::as_array_mut);
+    if let (Some(known), Some(other)) = (known, other["dependsOn"].as_array()) {
+        known.extend(other.iter().cloned());
+        known.sort_by_key(|reference| reference.as_str().map(str::to_owned));
+        known.dedup();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fmu(files: &[(&str, &str)]) -> Files {
+        files.iter().map(|(path, content)| (path.to_string(), content.as_bytes().to_vec())).collect()
+    }
+
+    #[test]
+    fn binaries_are_added_to_what_is_the_same() {
+        let mut files = fmu(&[("binaries/linux64/a.so", "elf"), ("modelDescription.xml", "x")]);
+        add(&mut files, fmu(&[("binaries/win64/a.dll", "pe"), ("modelDescription.xml", "x")])).unwrap();
+        let expected =
+            [("binaries/linux64/a.so", "elf"), ("binaries/win64/a.dll", "pe"), ("modelDescription.xml", "x")];
+        assert_eq!(files, fmu(&expected));
+    }
+
+    #[test]
+    fn what_differs_is_refused_by_name() {
+        let linux = fmu(&[("binaries/linux64/a.so", "elf"), ("modelDescription.xml", "x")]);
+        for (other, expected) in [
+            (fmu(&[("modelDescription.xml", "y")]), "modelDescription.xml differs"),
+            (fmu(&[("binaries/win64/a.dll", "pe")]), "modelDescription.xml is in one"),
+            (fmu(&[("modelDescription.xml", "x"), ("model.png", "p")]), "model.png is in one"),
+            (linux.clone(), "both hold binaries/linux64/a.so"),
+        ] {
+            let error = add(&mut linux.clone(), other).unwrap_err();
+            assert!(error.starts_with(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn bills_of_two_compilers_name_both_standard_libraries() {
+        let bill = |std: &str| {
+            format!(
+                r#"{{"components": [{{"bom-ref": "a"}}, {{"bom-ref": "{std}"}}],
+                "dependencies": [{{"ref": "a", "dependsOn": ["{std}"]}}, {{"ref": "{std}", "dependsOn": []}}]}}"#
+            )
+        };
+        let both = united(bill("std@1").as_bytes(), bill("std@2").as_bytes()).unwrap();
+        let both: Value = serde_json::from_slice(&both).unwrap();
+        let expected = serde_json::json!([{ "bom-ref": "a" }, { "bom-ref": "std@1" }, { "bom-ref": "std@2" }]);
+        assert_eq!(both["components"], expected);
+        assert_eq!(both["dependencies"][0]["dependsOn"], serde_json::json!(["std@1", "std@2"]));
+    }
+}
