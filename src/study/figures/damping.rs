@@ -1,28 +1,59 @@
 //! Figure 9: least damping against complete separation in free vibration.
 
-use crate::block::{BlockError, Common, Dimensionless};
-use crate::simulation::Settings;
+use crate::block::BlockError;
+use crate::excitation::Pulse;
+use crate::simulation::{Initial, Settings};
 use crate::study::figures::page::{Chart, Curve, keys, page};
-use crate::study::figures::parameters::{DAMPING_ALPHA, DAMPING_EPSILON, Detail, ETA, GREATEST_XI_V, P, RATE};
+use crate::study::figures::parameters::{DAMPING_ALPHA, DAMPING_EPSILON, Detail, ETA, GREATEST_XI_V, P, RATE, block};
 use crate::study::figures::table::Table;
-use crate::study::figures::{Figure, FigureError, Work};
-use crate::study::history::End;
+use crate::study::figures::{Figure, FigureError, Work, end_of};
+use crate::study::ground::Ground;
+use crate::study::history::{End, Run};
 use crate::study::plot::short;
-use crate::study::search::{Scan, damping_against_separation};
+use crate::study::search::{self, Scan};
+use crate::study::spectrum::Base;
 
 /// Width to which ξ_v is closed in (1).
 const RESOLUTION: f64 = 1e-4;
 
+/// How long a block is followed, in 1/p: after some impacts it has lost so much that it does not separate any more.
+const DURATION: f64 = 30.0;
+
 const CURVES: usize = DAMPING_EPSILON.len() * ETA.len();
 
-/// The least ξ_v from which on a block does not separate in free vibration, up to the greatest that is looked at; nothing if
-/// it separates there.
-pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<Option<f64>, BlockError> {
+/// Damping that a block needs in free vibration (1); nothing where the greatest that is looked at does not do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Least {
+    /// The least ξ_v from which on it does not separate while |θ| < α.
+    pub against_separation: Option<f64>,
+    /// The least ξ_v from which on it does not overturn. A block that separates beyond |θ| = α is on its way down, and
+    /// counts as overturned.
+    pub against_overturning: Option<f64>,
+}
+
+/// Searches the damping that a block needs.
+pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<Least, BlockError> {
     let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
-    let block = Dimensionless { alpha, p: P, eta, xi_v: 0.0 };
-    let common = Common { epsilon, ..Common::default() };
-    let found = damping_against_separation(&block, &common, RATE, Settings::default(), &scan)?;
-    Ok(found.least_without(End::Separated))
+    let block = |xi_v| block(alpha, P, Base::Viscoelastic { eta, xi_v, epsilon });
+    // What is good at both ends of a range is good between.
+    block(scan.from).and(block(scan.to))?;
+    let found = search::changes(&scan, |xi_v| {
+        let Ok(block) = block(xi_v) else { return End::Failed };
+        let run = Run {
+            block,
+            settings: Settings::default(),
+            initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },
+            pulse: Pulse::NONE,
+            ground: Ground::default(),
+            duration: DURATION / P,
+            output_step: 0.01,
+        };
+        end_of(&run.outcome(), alpha)
+    });
+    Ok(Least {
+        against_separation: found.least_without(End::Separated),
+        against_overturning: found.least_without(End::Overturned),
+    })
 }
 
 /// How many searches the figure has.
@@ -45,21 +76,24 @@ pub fn figure(caption: &str, detail: &Detail, work: &mut Work) -> Result<Figure,
         least_damping(alpha, eta, epsilon, detail)
     });
     let lines = [format!(
-        "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}; `separated`: at {GREATEST_XI_V} still",
+        "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}, for {DURATION}/p; a word: at {GREATEST_XI_V} still",
         detail.dampings
     )];
-    let mut table = Table::new(9, caption, &lines, &["epsilon", "eta", "alpha", "least.xi_v"])?;
+    let mut table =
+        Table::new(9, caption, &lines, &["epsilon", "eta", "alpha", "least.xi_v", "least.xi_v.overturning"])?;
     let mut curves: Vec<Vec<Vec<(f64, f64)>>> = vec![vec![Vec::new()]; CURVES];
     for (task, least) in found.into_iter().enumerate() {
         let (epsilon, eta, alpha) = place(task as u64, detail);
         let least = least?;
         let pieces = &mut curves[task / detail.slendernesses as usize];
-        match (least, pieces.last_mut()) {
+        match (least.against_separation, pieces.last_mut()) {
             (Some(xi_v), Some(piece)) => piece.push((alpha, xi_v)),
             _ => pieces.push(Vec::new()),
         }
-        let least = least.map_or("separated".into(), |xi_v| xi_v.to_string());
-        table.push([epsilon.to_string(), eta.to_string(), alpha.to_string(), least])?;
+        let [separation, overturning] =
+            [(least.against_separation, "separated"), (least.against_overturning, "overturned")]
+                .map(|(least, word)| least.map_or(word.to_string(), |xi_v| xi_v.to_string()));
+        table.push([epsilon.to_string(), eta.to_string(), alpha.to_string(), separation, overturning])?;
     }
     let names: Vec<_> = ETA.iter().enumerate().map(|(look, eta)| (look, format!("η = {}", short(*eta)))).collect();
     let highest = curves.iter().flatten().flatten().fold(0.0_f64, |high, point| high.max(point.1));

@@ -26,7 +26,7 @@ pub fn page(
     [width, height]: [u32; 2],
     body: impl FnOnce(&Area, &Area) -> Drawn,
 ) -> Result<String, PictureError> {
-    let lines = wrapped(caption, width as usize / 15);
+    let lines = wrapped(caption, width as usize / 13 - 6);
     let head = 96 + LINE * lines.len() as u32;
     let mut svg = String::new();
     let draw = || -> Drawn {

@@ -79,6 +79,9 @@ pub const TOWER_ETA: [f64; 5] = [40.0, 60.0, 100.0, 305.0, 863.0];
 /// Damping ratio and restitution of the bridge tower (1). Chosen.
 pub const TOWER_SUPPORT: [f64; 2] = [0.1, 0.0];
 
+/// What counts as what.
+const FALLING: &str = "What separates beyond |θ| = α, on its way down, counts as overturned";
+
 /// How finely the figures are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
@@ -128,11 +131,11 @@ pub fn caption(number: u8) -> Option<String> {
         format!(
             "Peak rotation under a one-sine pulse of amplitude a_p = {amplitude} g tan α (chosen here) over ω_p/p, ω_p = \
              {PULSE_FREQUENCY} rad/s. A vertical line in the style of a curve stands at the greatest ω_p/p at which its \
-             block separates: the separation limit"
+             block separates: the separation limit. {FALLING}"
         )
     };
     let records = "Peak rotation under the records of Table I, or the pulse of Table I where the record is not at hand";
-    let record_blocks = format!("α = {ALPHA}, η = 60 (chosen here)");
+    let record_blocks = format!("α = {ALPHA}, η = 60 (chosen here). {FALLING}");
     Some(match number {
         3 => format!(
             "Housner's restitution e that a restitution ε of the landing corner amounts to, eq. (6), γ = 3, for α = {} rad",
@@ -150,7 +153,7 @@ pub fn caption(number: u8) -> Option<String> {
             list(&EPSILON)
         ),
         9 => format!(
-            "Least damping ratio ξ_v against complete separation in free vibration from θ̇(0) = {RATE} α p, for η = {etas}. No separation from this ξ_v to {GREATEST_XI_V}. ε = {} is chosen here",
+            "Least damping ratio ξ_v against complete separation in free vibration from θ̇(0) = {RATE} α p, for η = {etas}. No separation from this ξ_v to {GREATEST_XI_V}. {FALLING}. ε = {} is chosen here",
             list(&DAMPING_EPSILON)
         ),
         10 => pulses(SPECTRUM_AMPLITUDE[0]),

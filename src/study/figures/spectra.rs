@@ -10,8 +10,9 @@ use crate::study::figures::parameters::{
 };
 use crate::study::figures::sources::Source;
 use crate::study::figures::table::Table;
-use crate::study::figures::{Figure, FigureError, Work};
+use crate::study::figures::{Figure, FigureError, Work, end_of};
 use crate::study::ground::Ground;
+use crate::study::history::End;
 use crate::study::plot::LEFT;
 use crate::study::runner::Study;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
@@ -105,23 +106,25 @@ pub fn figure(
         .collect();
     // The ground motion of a panel has no other name than the panel's.
     let columns = std::iter::once("panel").chain(Spectrum::COLUMNS[1..].iter().copied());
-    let columns: Vec<&str> = columns.chain(["theta/alpha.until_end"]).collect();
+    let columns: Vec<&str> = columns.chain(["theta/alpha.until_end", "drawn"]).collect();
     let mut table = Table::new(number, caption, &lines, &columns)?;
     let (mut drawn, mut failed) = (Vec::new(), 0);
     for panel in &panels {
         let spectrum = &panel.spectrum;
         spectrum.check()?;
+        let [x, y] = over.columns();
         let mut rows = Vec::new();
         for (mut row, outcome) in work.make(spectrum.rows(), |number| spectrum.made(number)) {
             failed += u64::from(outcome.is_err());
+            let end = end_of(&outcome, spectrum.alpha);
+            let drawn = if end == End::Completed { row.fields[y].clone() } else { end.to_string() };
             let until_end = outcome.map_or(String::new(), |outcome| (outcome.peaks.theta / spectrum.alpha).to_string());
             row.fields[0] = panel.name.clone();
-            row.fields.push(until_end);
+            row.fields.extend([until_end, drawn]);
             rows.push(row.fields);
         }
-        let [x, y] = over.columns();
         // The program wrote these numbers itself.
-        let points = rows.iter().map(|row| Ok((row[x].parse().unwrap_or(f64::NAN), row[y].clone())));
+        let points = rows.iter().map(|row| Ok((row[x].parse().unwrap_or(f64::NAN), row[row.len() - 1].clone())));
         drawn.push(Curves::gather(spectrum, points).unwrap_or_else(|never: std::convert::Infallible| match never {}));
         rows.into_iter().try_for_each(|row| table.push(row))?;
     }
