@@ -31,6 +31,9 @@ const COLUMNS: [&str; 15] = [
     "end",
 ];
 
+/// What a chart shows of a run.
+type Value = fn(&Made, &Row) -> f64;
+
 /// A run, and what it did.
 struct Made {
     base: Base,
@@ -146,7 +149,7 @@ fn motions(number: u8, caption: &str, made: &[Made]) -> Result<String, FigureErr
     let Some((rigid, supports)) = made.split_first() else { return Err(FigureError::Number(number)) };
     let theta = |made: &Made, row: &Row| row.seen.theta / made.run.block.alpha;
     let height = |made: &Made, row: &Row| 1000.0 * row.seen.v / made.run.block.r0;
-    let spans = [theta, height].map(|value: fn(&Made, &Row) -> f64| {
+    let spans = [theta, height].map(|value: Value| {
         range(made.iter().flat_map(|made| made.history.rows.iter().map(move |row| value(made, row))))
     });
     let svg = page(number, caption, [2000, 56 + 380 * supports.len() as u32], |root, body| {
@@ -157,7 +160,7 @@ fn motions(number: u8, caption: &str, made: &[Made]) -> Result<String, FigureErr
             let title = format!("{}: peak |θ|/α = {:.4}, rigid base {:.4}", made.name(), made.peak(), rigid.peak());
             let ended = if made.history.ending.is_some() { made.end() } else { String::new() };
             let pairs = [
-                (left, title, "θ / α", theta as fn(&Made, &Row) -> f64, spans[0].clone()),
+                (left, title, "θ / α", theta as Value, spans[0].clone()),
                 (right, ended, "1000 v / R0", height, spans[1].clone()),
             ];
             for (area, title, name, value, span) in pairs {
@@ -181,7 +184,7 @@ fn energies(caption: &str, made: &[Made]) -> Result<String, FigureError> {
         let (key, body) = body.split_vertically(56);
         keys(&key, &names)?;
         let areas = body.split_evenly((2, 1));
-        let values: [(&str, fn(&Made, &Row) -> f64); 2] = [("energy", total), ("taken by dashpots and impacts", lost)];
+        let values: [(&str, Value); 2] = [("energy", total), ("taken by dashpots and impacts", lost)];
         for (area, (name, value)) in areas.iter().zip(values) {
             let span = range(made.iter().flat_map(|made| made.history.rows.iter().map(move |row| value(made, row))));
             let curves = made.iter().enumerate().map(|(look, made)| made.curve(look, |row| value(made, row))).collect();
