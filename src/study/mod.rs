@@ -1,4 +1,4 @@
-//! Runs of a block and what is made of them: histories, spectra, sweeps, searches, tables, pictures.
+//! Runs of a block and what is made of them: histories, spectra, sweeps, searches, the paper's figures, tables, pictures.
 
 pub mod figures;
 pub mod ground;
