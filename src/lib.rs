@@ -19,7 +19,7 @@
 //! | [`simulation`] | the loop: step → locate → apply → settle the regime → go on |
 //! | [`fmi2`] | all of it behind the C interface of FMI 2.0 |
 //! | [`records`] | accelerogram files → ground accelerations |
-//! | [`study`] | runs → histories, spectra, sweeps, searches, tables, pictures |
+//! | [`study`] | runs → histories, spectra, sweeps, searches, the paper's figures, tables, pictures |
 //! | [`cli`] | the command line |
 //!
 //! [`scalar`] has the numbers that the equations are written in: `f64`, and dual numbers for derivatives.

@@ -1,6 +1,7 @@
 //! The command line of the `rocking` program.
 
 mod excitation;
+mod figures;
 mod output;
 mod progress;
 mod run_options;
@@ -31,6 +32,8 @@ enum Command {
     Sweep(sweep::Options),
     /// Where the outcome changes: least damping against separation, minimum overturning amplitude
     Search(search::Options),
+    /// The figures of Palmeri and Makris (2008), computed anew: pictures with their tables
+    Figures(figures::Options),
 }
 
 /// Reads the command line and does what it says. The error is to be told on one line.
@@ -40,6 +43,7 @@ pub fn run() -> anyhow::Result<()> {
         Some(Command::Spectrum(options)) => spectrum::run(&options),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Search(options)) => search::run(&options),
+        Some(Command::Figures(options)) => figures::run(&options),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
 }

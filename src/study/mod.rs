@@ -1,8 +1,10 @@
-//! Runs of a block and what is made of them: histories, spectra, sweeps, searches, tables, pictures.
+//! Runs of a block and what is made of them: histories, spectra, sweeps, searches, the paper's figures, tables, pictures.
 
+pub mod figures;
 pub mod ground;
 pub mod history;
 pub mod intensity;
+mod look;
 pub mod parameters;
 pub mod picture;
 pub mod plot;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use crate::excitation::{Pulse, PulseShape};
-use crate::simulation::{Initial, Settings};
+use crate::simulation::{Initial, Settings, SimulationError};
 use crate::study::ground::Ground;
 use crate::study::history::{Outcome, Run, duration};
 use crate::study::resumable::Head;
@@ -192,6 +192,13 @@ impl Study for Spectrum {
     }
 
     fn row(&self, number: u64) -> StudyRow {
+        self.made(number).0
+    }
+}
+
+impl Spectrum {
+    /// A row, and what became of its run.
+    pub fn made(&self, number: u64) -> (StudyRow, Result<Outcome, SimulationError>) {
         let Place { motion, base, p } = self.place(number);
         let base = self.bases[base];
         let (foundation, eta, xi_v, epsilon) = match base {
@@ -216,6 +223,6 @@ impl Study for Spectrum {
         let run = self.run(number).unwrap_or_else(|error| unreachable!("{error}"));
         let outcome = run.outcome();
         fields.extend([run.duration.to_string(), Outcome::rotation(&outcome, &run.block), Outcome::end_time(&outcome)]);
-        StudyRow { fields, failure: outcome.err() }
+        (StudyRow { fields, failure: outcome.clone().err() }, outcome)
     }
 }

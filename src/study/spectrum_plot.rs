@@ -4,6 +4,7 @@ use std::io::Read;
 
 use plotters::prelude::*;
 
+use crate::study::look::Look;
 use crate::study::picture::{FONT_FAMILY, PictureError};
 use crate::study::plot::{GRID, INK, LEFT, short};
 use crate::study::runner::Study;
@@ -38,6 +39,17 @@ struct Stretch {
     failed: bool,
 }
 
+impl Abscissa {
+    /// Places of the abscissa and of the peak in the columns of a spectrum.
+    pub(super) fn columns(self) -> [usize; 2] {
+        let x = match self {
+            Abscissa::TwoOverP => "2/p",
+            Abscissa::PulseRatio => "omega_p/p",
+        };
+        [x, "peak.theta/alpha"].map(|name| Spectrum::COLUMNS.iter().position(|column| *column == name).unwrap_or(0))
+    }
+}
+
 impl Stretch {
     fn add(&mut self, x: f64, peak: &str) {
         self.to = x;
@@ -70,53 +82,84 @@ pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &s
     Ok(svg)
 }
 
-fn read(
-    spectrum: &Spectrum,
-    table: impl Read,
-    over: Abscissa,
-) -> Result<Vec<Vec<Stretch>>, Box<dyn std::error::Error>> {
+fn read(spectrum: &Spectrum, table: impl Read, over: Abscissa) -> Result<Curves, Box<dyn std::error::Error>> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
-    let place = |name: &str| Spectrum::COLUMNS.iter().position(|column| *column == name).map_or(0, |i| i + 1);
-    let (x, y) = match over {
-        Abscissa::TwoOverP => (place("2/p"), place("peak.theta/alpha")),
-        Abscissa::PulseRatio => (place("omega_p/p"), place("peak.theta/alpha")),
-    };
-    let count = spectrum.sizes.count;
-    let size = count.div_ceil(STRETCHES);
-    let mut curves = vec![Vec::new(); (spectrum.rows() / count) as usize];
-    for (row, record) in (0..spectrum.rows()).zip(reader.records()) {
-        let record = record?;
-        let x: f64 = record[x].parse()?;
-        let curve = &mut curves[(row / count) as usize];
-        if (row % count).is_multiple_of(size) {
-            curve.push(Stretch { from: x, to: x, ..Stretch::default() });
+    // The row's number stands first.
+    let [x, y] = over.columns().map(|column| column + 1);
+    Curves::gather(
+        spectrum,
+        reader.records().map(|record| {
+            let record = record?;
+            Ok((record[x].parse()?, record[y].to_string()))
+        }),
+    )
+}
+
+/// The curves of a spectrum, one for each ground motion and foundation.
+pub(super) struct Curves(Vec<Vec<Stretch>>);
+
+impl Curves {
+    /// Takes the abscissa and the peak of each row, in the order of the rows.
+    pub(super) fn gather<E>(
+        spectrum: &Spectrum,
+        rows: impl Iterator<Item = Result<(f64, String), E>>,
+    ) -> Result<Curves, E> {
+        let count = spectrum.sizes.count;
+        let size = count.div_ceil(STRETCHES);
+        let mut curves = vec![Vec::new(); (spectrum.rows() / count) as usize];
+        for (row, values) in (0..spectrum.rows()).zip(rows) {
+            let (x, peak) = values?;
+            let curve = &mut curves[(row / count) as usize];
+            if (row % count).is_multiple_of(size) {
+                curve.push(Stretch { from: x, to: x, ..Stretch::default() });
+            }
+            if let Some(stretch) = curve.last_mut() {
+                stretch.add(x, &peak);
+            }
         }
-        if let Some(stretch) = curve.last_mut() {
-            stretch.add(x, &record[y]);
-        }
+        Ok(Curves(curves))
     }
-    Ok(curves)
+
+    /// Height of the lanes under a chart (pixels).
+    pub(super) fn lanes(&self) -> u32 {
+        LANE * self.0.len() as u32 + 72
+    }
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn draw(
     spectrum: &Spectrum,
-    curves: &[Vec<Stretch>],
+    curves: &Curves,
     over: Abscissa,
     title: &str,
     svg: &mut String,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let lanes = LANE * curves.len() as u32 + 72;
-    let root = SVGBackend::with_string(svg, (WIDTH, HEAD + CHART + lanes)).into_drawing_area();
+    let root = SVGBackend::with_string(svg, (WIDTH, HEAD + CHART + curves.lanes())).into_drawing_area();
     root.fill(&WHITE)?;
     let (head, body) = root.split_vertically(HEAD);
-    let (chart, lanes) = body.split_vertically(CHART);
     let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
     head.draw_text(title, &text(34), (LEFT as i32 + 16, 24))?;
     let line = format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma));
     head.draw_text(&line, &text(26), (LEFT as i32 + 16, 72))?;
+    panel(spectrum, curves, over, &root, &body, false)?;
+    root.present()?;
+    Ok(())
+}
 
+/// Draws a chart with its lanes into an area of `root`. With `limits`, a vertical line stands where the blocks of a curve
+/// cease to separate: at the greatest abscissa at which one does.
+pub(super) fn panel(
+    spectrum: &Spectrum,
+    curves: &Curves,
+    over: Abscissa,
+    root: &Area,
+    area: &Area,
+    limits: bool,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let (chart, lanes) = area.split_vertically(area.dim_in_pixel().1 - curves.lanes());
+    let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
+    let curves = &curves.0;
     let stretches = || curves.iter().flatten();
     let (from, to) =
         stretches().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.from), high.max(s.to)));
@@ -160,12 +203,15 @@ fn draw(
         pixels.push(path);
         for path in pixels.into_iter().filter(|path| !path.is_empty()) {
             let at: Vec<(i32, i32)> = path.iter().map(|point| context.backend_coord(point)).collect();
-            look.draw(&root, &at)?;
+            look.draw(root, &at)?;
+        }
+        let separated = curve.iter().filter(|stretch| stretch.separated).map(|stretch| stretch.from.max(stretch.to));
+        if let Some(limit) = separated.reduce(f64::max).filter(|_| limits) {
+            let ends = [highest * 1.06, 0.0].map(|y| context.backend_coord(&(limit, y)));
+            look.draw(root, &ends)?;
         }
     }
-    outcomes(spectrum, curves, &root, &lanes, |x| context.backend_coord(&(x, 0.0)).0)?;
-    root.present()?;
-    Ok(())
+    outcomes(spectrum, curves, root, &lanes, |x| context.backend_coord(&(x, 0.0)).0)
 }
 
 /// A lane for each curve with its key and its name, and where along the abscissa its blocks have no peak rotation.
@@ -176,9 +222,9 @@ fn outcomes(
     area: &Area,
     pixel: impl Fn(f64) -> i32,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let top = area.get_base_pixel().1;
+    let (base, top) = area.get_base_pixel();
     let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
-    let left = LEFT as i32 + 16;
+    let left = base + LEFT as i32 + 16;
     let mut x = left;
     for (fill, name) in [(Fill::Grey, "complete separation"), (Fill::Black, "overturning"), (Fill::Cross, "run failed")]
     {
@@ -187,11 +233,11 @@ fn outcomes(
         }
         fill.draw(root, (x, top + 14), (x + 64, top + 36))?;
         root.draw_text(name, &text(24), (x + 76, top + 10))?;
-        x += 380;
+        x += 320;
     }
     for (i, curve) in curves.iter().enumerate() {
         let y = top + 72 + LANE as i32 * i as i32;
-        Look::of(i).draw(root, &[(16, y), (LEFT as i32 / 2 + 8, y), (LEFT as i32, y)])?;
+        Look::of(i).draw(root, &[(base + 16, y), (base + LEFT as i32 / 2 + 8, y), (base + LEFT as i32, y)])?;
         root.draw_text(&name(spectrum, i), &text(24), (left, y - 14))?;
         let ends = [curve.first(), curve.last()].map(|end| end.map_or(left, |end| pixel(end.to)));
         root.draw(&Rectangle::new([(ends[0], y + 20), (ends[1], y + 38)], INK.mix(0.5).stroke_width(1)))?;
@@ -247,81 +293,6 @@ impl Fill {
         if matches!(self, Fill::Cross) {
             area.draw(&PathElement::new(vec![from, to], INK.stroke_width(2)))?;
             area.draw(&PathElement::new(vec![(from.0, to.1), (to.0, from.1)], INK.stroke_width(2)))?;
-        }
-        Ok(())
-    }
-}
-
-/// How a curve looks: told from the others by dashes and markers, without colours.
-struct Look {
-    /// Length of dashes and gaps in pixels; none for a line without gaps.
-    dashes: Option<(i32, i32)>,
-    marker: Option<Marker>,
-    colour: RGBColor,
-}
-
-#[derive(Clone, Copy)]
-enum Marker {
-    Circle,
-    Triangle,
-    Cross,
-    Disc,
-}
-
-impl Look {
-    fn of(curve: usize) -> Look {
-        let dashes = [None, Some((20, 10)), Some((6, 8)), Some((40, 12))][curve % 4];
-        let markers = [None, Some(Marker::Circle), Some(Marker::Triangle), Some(Marker::Cross), Some(Marker::Disc)];
-        Look {
-            dashes,
-            marker: markers[curve % 5],
-            colour: [INK, RGBColor(85, 85, 85), RGBColor(120, 120, 120)][curve % 3],
-        }
-    }
-
-    /// Draws a line through these pixels, with some markers on it; a single point is a marker, or a dot.
-    fn draw(&self, area: &Area, at: &[(i32, i32)]) -> Result<(), Box<dyn std::error::Error>> {
-        let style = self.colour.stroke_width(4);
-        if let &[point] = at {
-            return match self.marker {
-                Some(marker) => self.mark(marker, area, point),
-                None => Ok(area.draw(&Circle::new(point, 4, self.colour.filled()))?),
-            };
-        }
-        match self.dashes {
-            None => area.draw(&PathElement::new(at.to_vec(), style))?,
-            Some((dash, gap)) => {
-                area.draw(&plotters::element::DashedPathElement::new(at.to_vec(), dash, gap, style))?;
-            }
-        }
-        let Some(marker) = self.marker else { return Ok(()) };
-        // The first marker stands a little inside, the others at even distances.
-        const APART: f64 = 110.0;
-        let (mut way, mut next) = (0.0, 0.3 * APART);
-        for pair in at.windows(2) {
-            let [a, b] = [pair[0], pair[1]].map(|(x, y)| (f64::from(x), f64::from(y)));
-            let length = (b.0 - a.0).hypot(b.1 - a.1);
-            while length > 0.0 && next <= way + length {
-                let part = (next - way) / length;
-                let place = ((a.0 + part * (b.0 - a.0)).round() as i32, (a.1 + part * (b.1 - a.1)).round() as i32);
-                self.mark(marker, area, place)?;
-                next += APART;
-            }
-            way += length;
-        }
-        Ok(())
-    }
-
-    fn mark(&self, marker: Marker, area: &Area, at: (i32, i32)) -> Result<(), Box<dyn std::error::Error>> {
-        let (open, full) = (self.colour.stroke_width(3), self.colour.filled());
-        match marker {
-            Marker::Circle => {
-                area.draw(&Circle::new(at, 8, WHITE.filled()))?;
-                area.draw(&Circle::new(at, 8, open))?;
-            }
-            Marker::Disc => area.draw(&Circle::new(at, 8, full))?,
-            Marker::Triangle => area.draw(&TriangleMarker::new(at, 11, full))?,
-            Marker::Cross => area.draw(&Cross::new(at, 9, open))?,
         }
         Ok(())
     }

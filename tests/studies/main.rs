@@ -2,6 +2,7 @@
 
 #![cfg(feature = "program")]
 
+mod figures;
 mod search;
 mod spectrum;
 mod sweep;
