@@ -1,7 +1,7 @@
 //! One run of a case, for `scripts/instructions` to count what it takes: `one_run sine | record | flight`.
 
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::excitation::{Inputs, Pulse, PulseShape};
+use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::records::{self, ReadOptions};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::study::ground::Ground;
