@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
 use crate::dynamics::{Footing, Instant, State, instant};
-use crate::excitation::Forcing;
+use crate::excitation::{Excitation, Forcing};
 use crate::impact::{self, Velocities};
 use crate::regime::{Corner, Regime};
 use crate::roots::Sample;
@@ -119,8 +119,8 @@ pub struct Moment<'a> {
     pub instant: &'a Instant<f64>,
     /// What drives the block.
     pub forcing: Forcing<f64>,
-    /// The rate of that, per second.
-    pub forcing_rate: Forcing<f64>,
+    /// Where that comes from, and its rate.
+    pub excitation: &'a Excitation,
     /// Heights of the supports that nothing touches.
     pub tops: [Sample; 2],
 }
@@ -150,7 +150,7 @@ impl Surface {
                 let rate = match block.foundation {
                     Foundation::Viscoelastic => reaction_rate(block, instant.corner_dot[i], instant.corner_ddot[i]),
                     Foundation::Rigid => {
-                        let Forcing { x, z, moment } = at.forcing_rate;
+                        let Forcing { x, z, moment } = at.excitation.rate_at(at.time);
                         0.5 * z + corner.sign() * (x * block.h - moment) * (0.5 / block.b)
                     }
                 };

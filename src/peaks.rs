@@ -37,6 +37,15 @@ impl Peaks {
         }
     }
 
+    /// Whether a value between two instants may be greater than those at both and than the greatest so far.
+    pub fn may_rise_inside(&self, start: &PeakSamples, end: &PeakSamples, duration: f64) -> bool {
+        let mut peaks = *self;
+        peaks.include(start);
+        peaks.include(end);
+        let slots = peaks.slots();
+        SLOTS.into_iter().enumerate().any(|(i, slot)| upper_bound(start[i], end[i], duration) > *slots[slot])
+    }
+
     /// Takes in what happens in a step of `duration` between two instants; `inside` gives the samples at a time after
     /// the first, and is asked only where a peak may be.
     pub fn include_step(

@@ -2,8 +2,8 @@
 
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::dynamics::{Footing, State, instant};
-use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
-use rocking_block::integrator::{Rate, Step};
+use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::integrator::{Rate, ShortStep, Step};
 use rocking_block::regime::Regime;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 
@@ -77,6 +77,59 @@ fn the_dense_output_is_of_order_seven() {
     let order = slope(&errors);
     // An error of order h^8 in one step, on top of the steps before it.
     assert!((7.0..9.0).contains(&order), "order {order} from {errors:?}");
+}
+
+/// Steps of order 5, and an estimate of order 4 of their error.
+#[test]
+fn short_steps_are_of_order_five() {
+    let block = block();
+    let f = |t: f64, x: &State| rate(&block, t, x);
+    let exact = run(400).0;
+    let run = |steps: u32| {
+        let size = 0.4 / f64::from(steps);
+        let weights = State::repeat(1.0);
+        (0..steps).fold((start(), 0.0_f64), |(x, estimate), i| {
+            let time = size * f64::from(i);
+            let step = ShortStep::attempt(time, size, x, f(time, &x), f);
+            (step.end, estimate.max(step.error(f(time + size, &step.end), &weights)))
+        })
+    };
+    let (errors, estimates): (Vec<_>, Vec<_>) = [40, 50, 64, 80, 100]
+        .into_iter()
+        .map(|steps| {
+            let (size, (end, estimate)) = (0.4 / f64::from(steps), run(steps));
+            ((size, (end - exact).norm()), (size, estimate))
+        })
+        .unzip();
+    let order = slope(&errors);
+    assert!((4.7..5.5).contains(&order), "order {order} from {errors:?}");
+    // Of one step, so one more than the order of the result that it is the error of.
+    let order = slope(&estimates);
+    assert!((4.7..5.5).contains(&order), "order {order} of the estimates {estimates:?}");
+}
+
+/// Where stops come every few milliseconds, most steps take six evaluations, and one more for the start after the stop.
+#[test]
+fn short_steps_lead_from_stop_to_stop() {
+    let block = block();
+    let push = |time: f64| Ramp { value: 4.0 * libm::sin(5.0 * time), rate: 20.0 * libm::cos(5.0 * time) };
+    let mut simulation = Simulation::new(
+        block,
+        Settings::default(),
+        Pulse::NONE,
+        &Initial::default(),
+        0.0,
+        &Inputs { a_gx: push(0.0), ..Inputs::default() },
+    );
+    let stops = 2000;
+    for k in 0..stops {
+        let (time, until) = (0.002 * f64::from(k), 0.002 * f64::from(k + 1));
+        let inputs = Inputs { time, a_gx: push(time), ..Inputs::default() };
+        simulation.advance(until, &inputs, &mut |_| ()).unwrap();
+    }
+    let counts = simulation.counts();
+    assert!(counts.impacts > 3, "{counts:?}");
+    assert!(counts.evaluations < 8 * stops as u64, "{counts:?}");
 }
 
 /// Over a run with impacts, the error follows the tolerance, and stays below it in units of α.

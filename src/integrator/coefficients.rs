@@ -1,5 +1,6 @@
-//! Coefficients of the pair DOP853: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I",
-//! 2nd ed., Springer 1993, section II.5, and their Fortran code dop853.f, rounded to double precision.
+//! Coefficients of the pairs, rounded to double precision: DOP853 of E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary
+//! Differential Equations I", 2nd ed., Springer 1993, section II.5, and their Fortran code dop853.f; and the pair 5(4) of
+//! C. Tsitouras, Comput. Math. Appl. 62 (2011) 770–775, doi:10.1016/j.camwa.2011.06.002.
 
 /// `Σ coefficient · k(stage)` over the coefficients that are not zero, written out.
 macro_rules! combine {
@@ -106,3 +107,38 @@ macro_rules! dense {
     };
 }
 pub(super) use dense;
+
+/// Nodes of the stages of the pair of order 5: 0–5, and the end of the step.
+pub(super) const SHORT_NODES: [f64; 6] = [0.0, 0.161, 0.327, 0.9, 0.9800255409045097, 1.0];
+
+/// `Σ a_ij k_j` of the stage `$i` of the pair of order 5; 6 is the result of the step.
+macro_rules! short_increment {
+    ($k:expr, 1) => {
+        combine!($k; 0: 0.161)
+    };
+    ($k:expr, 2) => {
+        combine!($k; 0: -0.008480655492356989, 1: 0.335480655492357)
+    };
+    ($k:expr, 3) => {
+        combine!($k; 0: 2.8971530571054935, 1: -6.359448489975075, 2: 4.3622954328695815)
+    };
+    ($k:expr, 4) => {
+        combine!($k; 0: 5.325864828439257, 1: -11.748883564062828, 2: 7.4955393428898365, 3: -0.09249506636175525)
+    };
+    ($k:expr, 5) => {
+        combine!($k; 0: 5.86145544294642, 1: -12.92096931784711, 2: 8.159367898576159, 3: -0.071584973281401, 4: -0.028269050394068383)
+    };
+    ($k:expr, 6) => {
+        combine!($k; 0: 0.09646076681806523, 1: 0.01, 2: 0.4798896504144996, 3: 1.379008574103742, 4: -3.290069515436081, 5: 2.324710524099774)
+    };
+}
+pub(super) use short_increment;
+
+/// Difference of its results of order 5 and 4; stage 6 is the end of the step.
+macro_rules! short_difference {
+    ($k:expr, $end:expr) => {
+        combine!($k; 0: -0.001780011052225777, 1: -0.0008164344596567469, 2: 0.007880878010261995, 3: -0.1447110071732629, 4: 0.5823571654525552, 5: -0.45808210592918697)
+            + $end * 0.015151515151515152
+    };
+}
+pub(super) use short_difference;

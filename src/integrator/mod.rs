@@ -1,14 +1,17 @@
 //! State, its rate and a step size → the state a step later, its error, and the motion inside the step.
 //!
 //! The pair is DOP853: order 8 with embedded results of order 5 and 3, and a dense output of order 7 that costs three
-//! more evaluations in the steps that ask for it. docs/integrator.md has the comparison that led to it.
+//! more evaluations in the steps that ask for it. Where a stop is so close that order 5 leads there as well, a
+//! [`ShortStep`] does with half the evaluations. docs/integrator.md has the comparison that led to both.
 
 mod coefficients;
+mod short;
 
 use nalgebra::SVector;
 
 use crate::dynamics::{Powers, State};
 use coefficients::{NODES, combine, dense, difference, increment};
+pub use short::ShortStep;
 
 /// Rate of the state, and the powers that are integrated along with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

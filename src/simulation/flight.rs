@@ -9,8 +9,8 @@ use crate::events::Surface;
 use crate::excitation::Excitation;
 use crate::impact;
 use crate::regime::{Corner, Regime};
+use crate::simulation::motion::Point;
 use crate::simulation::placement::Placement;
-use crate::simulation::stepping::Point;
 use crate::simulation::{OnSeparation, Simulation};
 
 impl Simulation {

@@ -2,6 +2,7 @@
 
 mod beginning;
 mod flight;
+mod motion;
 mod placement;
 mod report;
 mod stepping;
@@ -209,6 +210,7 @@ pub struct Simulation {
     creep: [Creep; 2],
     held: Option<Corner>,
     step_size: f64,
+    short_size: f64,
     ending: Option<(Ending, f64)>,
     sums: EnergySums,
     peaks: Peaks,
@@ -241,6 +243,7 @@ impl Simulation {
             creep: [Creep { depth: 0.0, since: time }; 2],
             held: None,
             step_size: f64::INFINITY,
+            short_size: f64::INFINITY,
             ending: None,
             sums: EnergySums::default(),
             peaks: Peaks::default(),
@@ -289,13 +292,16 @@ impl Simulation {
     /// Whether the numbers of a state that came from outside can be gone on from: all finite, and the tolerance one that
     /// is followed. The block is checked by whoever knows what it was made from.
     pub fn is_valid(&self) -> bool {
-        let Simulation { settings, pulse, time, state, footing, creep, step_size, sums, last_event, .. } = self;
+        let Simulation {
+            settings, pulse, time, state, footing, creep, step_size, short_size, sums, last_event, ..
+        } = self;
         let creep = creep.iter().flat_map(|creep| [creep.depth, creep.since]);
         let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts, sums.constraint];
         let others = [*time, *last_event, pulse.amplitude, pulse.period, pulse.start];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
             && *step_size > 0.0
+            && *short_size > 0.0
             && pulse.period > 0.0
             && footing.is_finite()
             && state.iter().copied().chain(creep).chain(sums).chain(others).all(f64::is_finite)

@@ -1,29 +1,16 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Footing, Instant, State, instant, instant_of};
-use crate::events::{Creep, Event, Moment, Surface, reaction_rate, surfaces};
-use crate::excitation::{Excitation, Forcing};
-use crate::integrator::{DenseOutput, EVALUATIONS_PER_STEP, Rate, Step};
+use crate::dynamics::State;
+use crate::events::{Event, Moment, Surface, reaction_rate, surfaces};
+use crate::excitation::Excitation;
+use crate::integrator::{DenseOutput, EVALUATIONS_PER_STEP, ShortStep, Step};
 use crate::outputs::View;
 use crate::peaks::{self, PeakSamples, Peaks};
 use crate::regime::{Corner, Regime};
 use crate::roots::{self, Sample};
+use crate::simulation::motion::{Motion, Point};
 use crate::simulation::{Simulation, SimulationError};
-
-/// State and all that follows from it at one time.
-#[derive(Clone, Copy)]
-pub(super) struct Point {
-    pub(super) time: f64,
-    pub(super) state: State,
-    pub(super) footing: Footing<f64>,
-    pub(super) rate: Rate,
-    pub(super) instant: Instant<f64>,
-    pub(super) forcing: Forcing<f64>,
-    /// Heights of the supports that nothing touches.
-    pub(super) tops: [Sample; 2],
-    pub(super) peaks: Option<PeakSamples>,
-}
 
 /// What a step may be.
 struct Limits {
@@ -57,11 +44,16 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let mut here = self.point(excitation);
+        let mut peaks_here = None;
         while self.time < stop && self.ending.is_none() {
+            let limits = self.limits(excitation.frequency());
+            if let Some(there) = self.short_step(stop, &here, &mut peaks_here, excitation, &limits) {
+                here = there;
+                continue;
+            }
             let block = self.block;
             let motion = Motion::of(self, &block);
             let rate = |time: f64, state: &State| motion.rate(time, state, excitation);
-            let limits = self.limits(excitation.frequency());
             let (step, mut there) = self.accepted_step(stop, &here, excitation, &limits)?;
             let mut dense: Option<DenseOutput> = None;
             let mut evaluations = 0;
@@ -83,7 +75,7 @@ impl Simulation {
                 None => (there.time - here.time, step.work),
             };
             let near = limits.near_a_peak(elapsed);
-            self.update_peaks(&mut here, &mut there, near, excitation, &mut inside);
+            peaks_here = self.update_peaks(&here, peaks_here, &there, near, excitation, &mut inside);
             self.counts.evaluations += evaluations;
             self.sums.input += work[0];
             self.sums.dashpots += work[1];
@@ -94,6 +86,7 @@ impl Simulation {
             here = match event {
                 Some((_, surface)) => {
                     self.apply(surface, &there, excitation, observer)?;
+                    peaks_here = None;
                     self.point(excitation)
                 }
                 None => there,
@@ -103,6 +96,80 @@ impl Simulation {
             }
         }
         Ok(())
+    }
+
+    /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way.
+    ///
+    /// Where stops come often, as under a record, the errors of more steps add up than the motion needs, and the energy
+    /// sums go without control. So a step may make a tenth of the error of others. `peaks_here` is what is known of the
+    /// peaks' samples where the motion is.
+    #[inline]
+    fn short_step(
+        &mut self,
+        stop: f64,
+        here: &Point,
+        peaks_here: &mut Option<PeakSamples>,
+        excitation: &Excitation,
+        limits: &Limits,
+    ) -> Option<Point> {
+        // Where a short step failed another is tried before long, since the motion may have become slower.
+        const GROWTH: f64 = 1.1;
+        const LEAST: f64 = 0.1;
+        const SHARE: f64 = 0.1;
+        let (block, size) = (self.block, stop - self.time);
+        if LONGEST * size > limits.longest || self.held.is_some() {
+            return None;
+        }
+        if size > self.short_size {
+            self.short_size *= GROWTH;
+            return None;
+        }
+        let motion = Motion::of(self, &block);
+        let step = motion.short_step(here, size, excitation);
+        let there = motion.point(stop, step.end, excitation);
+        self.counts.evaluations += ShortStep::EVALUATIONS + 1;
+        let error = step.error(there.rate, &limits.weights) / SHARE;
+        // The root of order 4 is two square roots, and less than that of order 5.
+        let factor = (1.0 / error.sqrt().sqrt()).max(LEAST);
+        if factor < 1.0 {
+            self.short_size = size * factor;
+            return None;
+        }
+        if self.may_hold_event(here, &there, excitation) {
+            return None;
+        }
+        if self.may_peak(here, &there, limits.near_a_peak(size)) {
+            let start = *peaks_here.get_or_insert_with(|| self.peak_samples(here, excitation));
+            let end = self.peak_samples(&there, excitation);
+            if self.peaks.may_rise_inside(&start, &end, size) {
+                return None;
+            }
+            self.peaks.include(&end);
+            *peaks_here = Some(end);
+        } else {
+            *peaks_here = None;
+        }
+        self.counts.steps += 1;
+        self.sums.input += step.work[0];
+        self.sums.dashpots += step.work[1];
+        self.events_in_this_instant = 0;
+        (self.time, self.state, self.footing) = (there.time, there.state, there.footing);
+        Some(there)
+    }
+
+    /// Whether a surface may be fallen through between two points.
+    fn may_hold_event(&self, here: &Point, there: &Point, excitation: &Excitation) -> bool {
+        let (first, last) = (self.moment(here, excitation), self.moment(there, excitation));
+        let may_fall = |surface: Surface| {
+            let rounding = surface.rounding(&self.block);
+            roots::may_fall(surface.sample(&first), surface.sample(&last), rounding, there.time - here.time)
+        };
+        self.surfaces().any(may_fall)
+    }
+
+    /// The surfaces that end the present regime.
+    fn surfaces(&self) -> impl Iterator<Item = Surface> {
+        surfaces(&self.block, self.regime, self.held, self.footing.grips()).into_iter().flatten()
     }
 
     /// A step within the tolerance, from `here` towards `stop`, and the point it leads to.
@@ -125,7 +192,7 @@ impl Simulation {
         let mut last = steps == 1.0;
         let mut grow = true;
         loop {
-            let step = Step::attempt(time, size, here.state, here.rate, |t, x| motion.rate(t, x, excitation));
+            let step = motion.step(here, size, excitation);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(&weights);
             let factor = Step::size_factor(error);
@@ -187,10 +254,10 @@ impl Simulation {
     ) -> Option<(f64, Surface)> {
         let mut first: Option<(f64, Surface)> = None;
         let duration = there.time - here.time;
-        for surface in surfaces(&self.block, self.regime, self.held, self.footing.grips()).into_iter().flatten() {
+        let (at_start, at_end) = (self.moment(here, excitation), self.moment(there, excitation));
+        for surface in self.surfaces() {
             let rounding = surface.rounding(&self.block);
-            let start = surface.sample(&self.moment(here, excitation));
-            let end = surface.sample(&self.moment(there, excitation));
+            let (start, end) = (surface.sample(&at_start), surface.sample(&at_end));
             if !roots::may_fall(start, end, rounding, duration) {
                 continue;
             }
@@ -209,28 +276,29 @@ impl Simulation {
     }
 
     /// Takes the step's peaks in. Their rates take dual numbers, so they are formed only where a peak is `near`, as a part
-    /// of that before.
+    /// of that before. `at_start` is what is known of the beginning; returns the same of the end.
     fn update_peaks(
         &mut self,
-        here: &mut Point,
-        there: &mut Point,
+        here: &Point,
+        at_start: Option<PeakSamples>,
+        there: &Point,
         near: f64,
         excitation: &Excitation,
         inside: &mut impl FnMut() -> DenseOutput,
-    ) {
+    ) -> Option<PeakSamples> {
         let elapsed = there.time - here.time;
         if elapsed <= 0.0 || !self.may_peak(here, there, near) {
-            return;
+            return None;
         }
-        let start = here.peaks.unwrap_or_else(|| self.peak_samples(here, excitation));
-        let end = there.peaks.unwrap_or_else(|| self.peak_samples(there, excitation));
-        (here.peaks, there.peaks) = (Some(start), Some(end));
+        let start = at_start.unwrap_or_else(|| self.peak_samples(here, excitation));
+        let end = self.peak_samples(there, excitation);
         let mut peaks = self.peaks;
         peaks.include_step(&start, &end, elapsed, |after| {
             let point = self.point_at(here.time + after, inside().state(after), excitation);
             self.peak_samples(&point, excitation)
         });
         self.peaks = peaks;
+        Some(end)
     }
 
     /// Whether a step may hold a new peak: by the tangents where the rates are at hand, and by how near the ends are to
@@ -292,7 +360,7 @@ impl Simulation {
         }
     }
 
-    pub(super) fn moment<'a>(&'a self, point: &'a Point, excitation: &Excitation) -> Moment<'a> {
+    pub(super) fn moment<'a>(&'a self, point: &'a Point, excitation: &'a Excitation) -> Moment<'a> {
         Moment {
             block: &self.block,
             time: point.time,
@@ -301,7 +369,7 @@ impl Simulation {
             footing: point.footing,
             instant: &point.instant,
             forcing: point.forcing,
-            forcing_rate: excitation.rate_at(point.time),
+            excitation,
             tops: point.tops,
         }
     }
@@ -314,62 +382,5 @@ impl Simulation {
     #[inline]
     pub(super) fn point_at(&self, time: f64, state: State, excitation: &Excitation) -> Point {
         Motion::of(self, &self.block).point(time, state, excitation)
-    }
-}
-
-/// A regime from a time on.
-struct Motion<'a> {
-    block: &'a Block,
-    regime: Regime,
-    since: f64,
-    footing: Footing<f64>,
-    creep: [Creep; 2],
-}
-
-impl Motion<'_> {
-    /// The motion of a simulation from its present time on, while the regime lasts.
-    #[inline]
-    fn of<'a>(simulation: &Simulation, block: &'a Block) -> Motion<'a> {
-        let Simulation { regime, time, footing, creep, .. } = *simulation;
-        Motion { block, regime, since: time, footing, creep }
-    }
-
-    #[inline]
-    fn point(&self, time: f64, state: State, excitation: &Excitation) -> Point {
-        let forcing = excitation.at(time);
-        let footing = self.footing_at(time, excitation);
-        let instant = instant(self.block, self.regime, state.into(), footing, forcing);
-        let rate = self.rate_of(&instant, forcing);
-        let tops = Corner::BOTH.map(|corner| match self.regime.touches(corner) {
-            true => Sample::default(),
-            false => self.creep[corner.index()].top(self.block, time),
-        });
-        Point { time, state, footing, rate, instant, forcing, tops, peaks: None }
-    }
-
-    fn rate(&self, time: f64, state: &State, excitation: &Excitation) -> Rate {
-        let forcing = excitation.at(time);
-        let footing = self.footing_at(time, excitation);
-        instant_of(self.block, self.regime, (*state).into(), footing, forcing, |x| self.rate_of(&x, forcing))
-    }
-
-    #[inline(always)]
-    fn rate_of(&self, x: &Instant<f64>, forcing: Forcing<f64>) -> Rate {
-        Rate {
-            state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
-            powers: x.powers(self.block, self.regime, forcing).into(),
-        }
-    }
-
-    /// What holds the block at `time`. Where nothing does, `ü = −a_gx` is integrated in closed form.
-    #[inline]
-    fn footing_at(&self, time: f64, excitation: &Excitation) -> Footing<f64> {
-        match self.footing {
-            grips @ Footing::Grips { .. } => grips,
-            Footing::Free { u, u_dot } => {
-                let (velocity, way) = excitation.horizontal_drift(self.since, time);
-                Footing::Free { u: u + u_dot * (time - self.since) - way, u_dot: u_dot - velocity }
-            }
-        }
     }
 }

@@ -6,8 +6,8 @@ use crate::events::{Creep, Event, EventKind, Surface, gap_opening, pressure_if_g
 use crate::excitation::Excitation;
 use crate::impact::{self, Velocities};
 use crate::regime::{Corner, Regime};
+use crate::simulation::motion::Point;
 use crate::simulation::placement::Placement;
-use crate::simulation::stepping::Point;
 use crate::simulation::{Ending, LiftOff, Simulation, SimulationError};
 
 impl Simulation {

@@ -1,0 +1,50 @@
+//! A step of order 5 to a stop close ahead: no dense output, so nothing may happen inside.
+
+use crate::dynamics::{Powers, State};
+use crate::integrator::Rate;
+use crate::integrator::coefficients::{SHORT_NODES, combine, short_difference, short_increment};
+
+/// A step of Tsitouras' pair 5(4).
+#[derive(Clone, Copy, Debug)]
+pub struct ShortStep {
+    /// State at its end.
+    pub end: State,
+    /// Work of excitation and dashpots over the step, per unit mass (m²/s²).
+    pub work: Powers,
+    size: f64,
+    stages: [State; 6],
+}
+
+impl ShortStep {
+    /// Number of evaluations of the right-hand side in a step, without those at its ends.
+    pub const EVALUATIONS: u64 = 5;
+
+    /// Takes a step of `size` from `start` with known rate there; `rate(t, x)` is the right-hand side.
+    #[inline]
+    pub fn attempt(
+        time: f64,
+        size: f64,
+        start: State,
+        first: Rate,
+        mut rate: impl FnMut(f64, &State) -> Rate,
+    ) -> ShortStep {
+        let mut k = [State::zeros(); 6];
+        let mut q = [Powers::zeros(); 6];
+        (k[0], q[0]) = (first.state, first.powers);
+        macro_rules! stages {
+            ($($i:tt)*) => {$({
+                let Rate { state, powers } =
+                    rate(time + SHORT_NODES[$i] * size, &(start + short_increment!(k, $i) * size));
+                (k[$i], q[$i]) = (state, powers);
+            })*};
+        }
+        stages!(1 2 3 4 5);
+        ShortStep { end: start + short_increment!(k, 6) * size, work: short_increment!(q, 6) * size, size, stages: k }
+    }
+
+    /// Estimated error of the step with this rate at its end; `weights` as in [`super::Step::error`].
+    #[inline]
+    pub fn error(&self, end: Rate, weights: &State) -> f64 {
+        self.size * short_difference!(self.stages, end.state).component_mul(weights).norm()
+    }
+}
