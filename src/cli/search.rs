@@ -1,12 +1,14 @@
 //! `rocking search`: a range of damping or of amplitude → where the outcome changes.
 
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::block::{Block, Common, Dimensionless, Foundation};
 use crate::cli::excitation::{Shape, finite};
 use crate::cli::output::Pending;
+use crate::cli::progress::Progress;
 use crate::cli::run_options::AtLiftOff;
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
@@ -135,7 +137,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 "xi_v",
                 "",
                 &scan,
-                || Ok(search::damping_against_separation(&block, &common, rate, settings, &scan)?),
+                |progress| Ok(search::damping_against_separation(&block, &common, rate, settings, &scan, progress)?),
                 |found| match found.least_without(End::Separated) {
                     Some(least) if found.changes.is_empty() => {
                         format!("none needed: no separation from xi_v = {least} on")
@@ -161,7 +163,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 "a_p",
                 " m/s2",
                 &scan,
-                || Ok(search::overturning(&block, pulse, settings, &scan)),
+                |progress| Ok(search::overturning(&block, pulse, settings, &scan, progress)),
                 |found| match found.least(End::Overturned) {
                     Some(least) => format!("overturning first at a_p = {least} m/s2"),
                     None => format!("no overturning from a_p = {from} to {to} m/s2"),
@@ -202,11 +204,21 @@ impl SearchOptions {
         name: &str,
         unit: &str,
         scan: &Scan,
-        search: impl FnOnce() -> anyhow::Result<Found<End>> + Send,
+        search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<Found<End>> + Send,
         answer: impl FnOnce(&Found<End>) -> String,
     ) -> anyhow::Result<()> {
         let file = self.csv.as_deref().map(Pending::new).transpose()?;
-        let found = runner::pool(self.threads.map(usize::from))?.install(search)?;
+        let bar = Mutex::new(Progress::new(scan.points, 0));
+        let show = |done, runs| {
+            if let Ok(mut bar) = bar.lock() {
+                bar.show_of(done, runs);
+            }
+        };
+        let found = runner::pool(self.threads.map(usize::from))?.install(|| search(&show));
+        if let Ok(bar) = bar.lock() {
+            bar.clear();
+        }
+        let found = found?;
         for (from, to, end) in found.stretches() {
             println!("{name} = {from} to {to}{unit}: {end}");
         }

@@ -20,7 +20,8 @@ fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
 #[test]
 fn damping_against_separation_brackets_the_change() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found = damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan).unwrap();
+    let found =
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
     assert!(!found.changes.is_empty());
     for change in &found.changes {
         assert!(change.above - change.below <= scan.resolution && change.below < change.above);
@@ -43,7 +44,7 @@ fn overturning_is_found_with_the_island_above_it() {
     let block = Block::from_dimensionless(&BLOCK, &common).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0 };
     let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
-    let found = overturning(&block, pulse, Settings::default(), &scan);
+    let found = overturning(&block, pulse, Settings::default(), &scan, |_, _| ());
     let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
     assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
     for change in &found.changes {
@@ -66,7 +67,7 @@ fn similar_blocks_overturn_at_the_same_amplitude() {
         let block = Block::from_dimensionless(&Dimensionless { p, ..BLOCK }, &common).unwrap();
         let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0 };
         let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
-        overturning(&block, pulse, Settings::default(), &scan).least(End::Overturned).unwrap()
+        overturning(&block, pulse, Settings::default(), &scan, |_, _| ()).least(End::Overturned).unwrap()
     };
     assert!((least(0.8) - least(2.4)).abs() < 3e-5, "{} and {}", least(0.8), least(2.4));
 }
@@ -79,7 +80,8 @@ fn the_program_tells_what_the_library_finds() {
     let two = made(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
     assert_eq!(one, two);
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found = damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan).unwrap();
+    let found =
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     assert!(one.contains(&format!("no separation from xi_v = {needed} on")), "{one}");
     assert!(one.contains("9 values, 0.05 apart") && one.contains("within 0.0001"), "{one}");
@@ -92,6 +94,21 @@ fn the_program_tells_what_the_library_finds() {
     }
     let told = made(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
     assert!(told.contains("separation at xi_v = 0.02 still"), "{told}");
+}
+
+/// The runs that are told are all that there are, and no more than is said.
+#[test]
+fn progress_ends_with_all_runs_done() {
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
+    let told = std::sync::Mutex::new(Vec::new());
+    let progress = |done, runs| told.lock().unwrap().push((done, runs));
+    damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, progress).unwrap();
+    let mut told = told.into_inner().unwrap();
+    told.sort_unstable();
+    assert!(told.iter().map(|run| run.0).eq(1..=told.len() as u64));
+    assert!(told[..9].iter().all(|run| run.1 == 9) && told.iter().all(|(done, runs)| done <= runs));
+    let (done, runs) = told[told.len() - 1];
+    assert_eq!(done, runs, "one change, halved as often as is known from its width");
 }
 
 #[test]
