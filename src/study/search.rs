@@ -153,6 +153,9 @@ fn bisect<K: PartialEq + Copy>(
 /// equilibrium: 1e-10 α from it, it takes 24/p to get there and as long to leave.
 const AFTERWARDS: f64 = 50.0;
 
+/// Time between two stops of a run without records (s), as in `rocking simulate`.
+const NO_RECORD: f64 = 0.01;
+
 /// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, for 50/p; the
 /// ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed against separation.
 pub fn damping_against_separation(
@@ -168,26 +171,52 @@ pub fn damping_against_separation(
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
     let duration = AFTERWARDS / block.p;
     let outcome = |xi_v| {
-        let block = of(xi_v);
-        end(block.map(|block| free(block, settings, initial, Pulse::NONE, duration)))
+        end(of(xi_v).map(|block| Run {
+            block,
+            settings,
+            initial,
+            pulse: Pulse::NONE,
+            ground: Ground::default(),
+            duration,
+            output_step: NO_RECORD,
+        }))
     };
     Ok(changes(scan, outcome, progress))
 }
 
-/// Outcomes of a block under a pulse over its amplitude a_p (m/s²), followed for 50/p after it; the amplitude of `pulse` is
-/// not read.
-/// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude.
+/// What moves the ground, up to the number that is searched for.
+#[derive(Clone, Debug)]
+pub enum Shaking {
+    /// A pulse over its amplitude a_p (m/s²); that which it has is not read.
+    Pulse(Pulse),
+    /// Records over the factor on them.
+    Records(Ground),
+}
+
+/// Outcomes of a block over the strength of the ground motion, followed for 50/p after it.
+/// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude, or factor.
 pub fn overturning(
     block: &Block,
-    pulse: Pulse,
+    shaking: &Shaking,
     settings: Settings,
     scan: &Scan,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Found<End> {
-    let outcome = |amplitude| {
-        let pulse = Pulse { amplitude, ..pulse };
-        let duration = pulse.end() + AFTERWARDS / block.p;
-        end(Ok(free(*block, settings, Initial::default(), pulse, duration)))
+    let outcome = |strength: f64| {
+        let (ground, pulse) = match shaking {
+            Shaking::Pulse(pulse) => (Ground::default(), Pulse { amplitude: strength, ..*pulse }),
+            Shaking::Records(ground) => (ground.clone().scaled(strength), Pulse::NONE),
+        };
+        let shaken = ground.end().map_or(pulse.end(), |end| end - ground.start());
+        end(Ok(Run {
+            block: *block,
+            settings,
+            initial: Initial::default(),
+            pulse,
+            output_step: ground.time_step().unwrap_or(NO_RECORD),
+            ground,
+            duration: shaken + AFTERWARDS / block.p,
+        }))
     };
     changes(scan, outcome, progress)
 }
@@ -195,11 +224,6 @@ pub fn overturning(
 /// A damping or a size that is good at both ends of a range is good between.
 fn both_ends(scan: &Scan, block: impl Fn(f64) -> Result<Block, BlockError>) -> Result<(), BlockError> {
     [scan.from, scan.to].into_iter().try_for_each(|value| block(value).map(|_| ()))
-}
-
-/// A run without records, with the stops of `rocking simulate`.
-fn free(block: Block, settings: Settings, initial: Initial, pulse: Pulse, duration: f64) -> Run {
-    Run { block, settings, initial, pulse, ground: Ground::default(), duration, output_step: 0.01 }
 }
 
 fn end(run: Result<Run, BlockError>) -> End {
