@@ -5,11 +5,13 @@
     python examples/python/spectrum.py --dask tcp://scheduler:8786   # a cluster that runs already
 
 The FMU's bytes go to the workers with the work, so that a cluster needs no common disk, only fmpy, and machines of the kind
-that the FMU was built on. Writes spectrum.png to the folder in which it is started.
+that the FMU was built on. Writes spectrum.png to the folder in which it is started. The numbers are those of
+`rocking spectrum` to the last bit: the same blocks, runs of the same duration, and steps that end at the same times.
 """
 
 import argparse
 import functools
+import math
 import sys
 import tempfile
 from itertools import product
@@ -19,7 +21,16 @@ import numpy as np
 
 EXAMPLES = Path(__file__).resolve().parents[1]
 SLENDERNESS = (0.15, 0.2, 0.3)  # rad
-PERIODS = np.linspace(2.0, 8.0, 25)  # s, 2 pi / p
+FOUNDATION = {"dimensionless.eta": 40.0, "dimensionless.xi_v": 0.1, "epsilon": 0.4}
+
+
+def sizes(least: float, greatest: float, count: int) -> np.ndarray:
+    """Frequency parameters p [rad/s], evenly spaced in 1/p from the greatest to the least, those of `rocking spectrum`."""
+    part = np.arange(count) / (count - 1)
+    p = 1 / ((1 - part) / greatest + part / least)
+    # Not only up to rounding.
+    p[0], p[-1] = greatest, least
+    return p
 
 
 @functools.lru_cache(maxsize=1)
@@ -33,9 +44,10 @@ def unpacked(fmu: bytes):
     return read_model_description(path), extract(path, folder / "unpacked")
 
 
-def run(fmu: bytes, dt: float, record: np.ndarray, alpha: float, period: float) -> tuple[float, bool]:
-    """The greatest rotation [rad] of a block of slenderness `alpha` [rad] and 2 pi/p = `period` [s] under a record [m/s2]
-    with a sample every `dt` [s], linear in between, and whether it overturns."""
+def run(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alpha: float, p: float) -> tuple[float, str]:
+    """The greatest rotation [rad] of a block of slenderness `alpha` [rad] and frequency parameter `p` [rad/s] under a
+    record [m/s2] with a sample every `dt` [s], linear in between, and how its run ends: completed, 20/p after the record,
+    or before that overturned or separated; with `fly`, a block that leaves the ground flies and lands."""
     from fmpy.fmi2 import FMU2Slave
 
     description, folder = unpacked(fmu)
@@ -44,37 +56,46 @@ def run(fmu: bytes, dt: float, record: np.ndarray, alpha: float, period: float) 
                       modelIdentifier=description.coSimulation.modelIdentifier)
     slave.instantiate()
     slave.setupExperiment(startTime=0.0)
-    slave.setReal([references["dimensionless.alpha"], references["dimensionless.p"]], [alpha, 2 * np.pi / period])
-    # A block that leaves the ground lands again; one that overturns stays down.
-    slave.setInteger([references["on_separation"], references["on_overturning"]], [3, 2])
+    start = FOUNDATION | {"dimensionless.alpha": alpha, "dimensionless.p": p, "a_gx": record[0]}
+    slave.setReal([references[name] for name in start], start.values())
+    # 3 is Fly; with Hold, 2, the block stays as it is when it separates or overturns, while time goes on.
+    slave.setInteger([references["on_separation"], references["on_overturning"]], [3 if fly else 2, 2])
     slave.enterInitializationMode()
     slave.exitInitializationMode()
-    ground, slopes = [references["a_gx"]], np.diff(record) / dt
-    for k, (value, slope) in enumerate(zip(record[:-1], slopes)):
+
+    # Steps end at the samples, and go on like that after the last one, with which the ground motion ends.
+    duration = (len(record) - 1) * dt + 20 / p
+    steps = math.ceil(duration / dt * (1 - 1e-12))
+    times = np.append(np.arange(steps) * dt, duration)
+    values, slopes = np.zeros((2, steps))
+    values[: len(record) - 1], slopes[: len(record) - 1] = record[:-1], np.diff(record) / dt
+    ground = [references["a_gx"]]
+    # The difference of two neighbouring times has no rounding error, and added to the first it gives the second; dt may not.
+    for time, step, value, slope in zip(times, np.diff(times), values, slopes):
         slave.setReal(ground, [value])
         slave.setRealInputDerivatives(ground, [1], [slope])
-        slave.doStep(k * dt, dt)
+        slave.doStep(time, step)
     (peak,) = slave.getReal([references["peak.theta"]])
-    (overturned,) = slave.getBoolean([references["overturned"]])
+    separated, overturned = slave.getBoolean([references["separated"], references["overturned"]])
     slave.terminate()
     slave.freeInstance()
-    return peak, bool(overturned)
+    return peak, "separated" if separated else "overturned" if overturned else "completed"
 
 
-def spectrum(fmu: bytes, dt: float, record: np.ndarray, alphas, periods, client=None) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest rotations [rad] and whether the block overturns, by slenderness and period; on the cluster of `client`, a
+def spectrum(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alphas, ps, client=None) -> tuple[np.ndarray, np.ndarray]:
+    """Greatest rotations [rad] and how the runs end, by slenderness and frequency parameter; on the cluster of `client`, a
     `dask.distributed.Client`, if there is one."""
-    alphas, periods = zip(*product(map(float, alphas), map(float, periods)))
+    blocks = list(product(map(float, alphas), map(float, ps)))
     if client is None:
-        found = [run(fmu, dt, record, *block) for block in zip(alphas, periods)]
+        found = [run(fmu, dt, record, fly, *block) for block in blocks]
     else:
         # Each worker gets FMU and record once.
         shared = client.scatter([fmu, record], broadcast=True)
-        futures = [client.submit(run, shared[0], dt, shared[1], *block, pure=False) for block in zip(alphas, periods)]
+        futures = [client.submit(run, shared[0], dt, shared[1], fly, *block, pure=False) for block in blocks]
         found = client.gather(futures)
-    shape = len(set(alphas)), -1
-    peaks, overturned = zip(*found)
-    return np.reshape(peaks, shape), np.reshape(overturned, shape)
+    shape = len(alphas), len(ps)
+    peaks, ends = zip(*found)
+    return np.reshape(peaks, shape), np.reshape(ends, shape)
 
 
 def main() -> None:
@@ -84,6 +105,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--record", default=RECORD, help="a record in SMC format")
     parser.add_argument("--scale", type=float, default=2.0, help="what the record is multiplied by")
+    parser.add_argument("--on-separation", choices=["end", "fly"], default="fly",
+                        help="what happens at complete separation")
     parser.add_argument("--dask", nargs="?", const="", metavar="ADDRESS",
                         help="use dask.distributed: at ADDRESS, or all cores here")
     options = parser.parse_args()
@@ -95,7 +118,9 @@ def main() -> None:
         client = Client(options.dask or LocalCluster(threads_per_worker=1, dashboard_address=None))
         # Workers elsewhere do not have this file.
         client.upload_file(__file__)
-    peaks, overturned = spectrum(BLOCK.read_bytes(), dt, options.scale * record, SLENDERNESS, PERIODS, client)
+    ps = sizes(0.8, 3.2, 25)
+    fly = options.on_separation == "fly"
+    peaks, ends = spectrum(BLOCK.read_bytes(), dt, options.scale * record, fly, SLENDERNESS, ps, client)
     if client is not None:
         client.close()
 
@@ -105,14 +130,18 @@ def main() -> None:
     import matplotlib.pyplot as plt
 
     _, axis = plt.subplots(figsize=(9, 5), layout="constrained")
-    for alpha, row, fallen in zip(SLENDERNESS, peaks, overturned):
-        line, = axis.plot(PERIODS, np.where(fallen, np.nan, row / alpha), "o-", ms=3, label=f"alpha = {alpha:g} rad")
-        axis.plot(PERIODS[fallen], np.full(fallen.sum(), 1.6), "x", color=line.get_color())
-    axis.set(xlabel="2π/p [s]", ylabel="greatest rotation / alpha", title="Rocking spectrum (crosses: overturned)")
+    for lane, (alpha, row, end) in enumerate(zip(SLENDERNESS, peaks, ends)):
+        completed = end == "completed"
+        line, = axis.plot(2 / ps, np.where(completed, row / alpha, np.nan), "o-", ms=3, label=f"alpha = {alpha:g} rad")
+        for word, mark in (("overturned", "x"), ("separated", "^")):
+            axis.plot(2 / ps[end == word], np.full((end == word).sum(), 1.6 - 0.07 * lane), mark, color=line.get_color())
+    axis.set(xlabel="2/p [s]", ylabel="greatest rotation / alpha",
+             title="Rocking spectrum (crosses: overturned" + (")" if fly else ", triangles: separated)"))
     axis.grid(alpha=0.3)
     axis.legend()
     plt.savefig("spectrum.png", dpi=90)
-    print(f"{overturned.sum()} of {overturned.size} blocks overturn; spectrum.png")
+    counts = ", ".join(f"{(ends == word).sum()} {word}" for word in ("completed", "separated", "overturned"))
+    print(f"{ends.size} blocks: {counts}; spectrum.png")
 
 
 if __name__ == "__main__":

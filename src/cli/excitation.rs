@@ -11,18 +11,8 @@ use crate::study::ground::Ground;
 /// Options that say what moves the ground.
 #[derive(Args)]
 pub struct Excitation {
-    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM
-    #[arg(long, value_name = "FILE")]
-    pub record: Option<PathBuf>,
-    /// Accelerogram of the vertical ground motion
-    #[arg(long, value_name = "FILE")]
-    pub vertical: Option<PathBuf>,
-    /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
-    #[arg(long)]
-    pub unit: Option<Unit>,
-    /// Time step of the accelerograms, where they do not say [s]
-    #[arg(long, value_name = "S")]
-    pub dt: Option<f64>,
+    #[command(flatten)]
+    pub accelerograms: Accelerograms,
     /// Factor on the accelerograms
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     pub scale: f64,
@@ -38,6 +28,23 @@ pub struct Excitation {
     /// Time at which the pulse begins [s]
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     pub start: f64,
+}
+
+/// Options that say which records there are.
+#[derive(Args)]
+pub struct Accelerograms {
+    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Accelerogram of the vertical ground motion
+    #[arg(long, value_name = "FILE")]
+    pub vertical: Option<PathBuf>,
+    /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
+    #[arg(long)]
+    pub unit: Option<Unit>,
+    /// Time step of the accelerograms, where they do not say [s]
+    #[arg(long, value_name = "S")]
+    pub dt: Option<f64>,
 }
 
 /// Shapes of pulses.
@@ -65,29 +72,43 @@ pub struct Motion {
     pub source: String,
 }
 
+impl Accelerograms {
+    /// Whether no record is named.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_none() && self.vertical.is_none()
+    }
+
+    /// Reads the records, with this gravity for those in g (m/s²).
+    pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
+        let options = ReadOptions { unit: self.unit, time_step: self.dt, gravity, ..ReadOptions::default() };
+        let load = |path: &Option<PathBuf>| -> anyhow::Result<Option<Record>> {
+            Ok(path.as_deref().map(|path| records::read(path, &options)).transpose()?)
+        };
+        Ok(Ground { horizontal: load(&self.record)?, vertical: load(&self.vertical)? })
+    }
+}
+
 impl Excitation {
     /// Whether nothing is asked for.
     pub fn is_empty(&self) -> bool {
-        self.record.is_none() && self.vertical.is_none() && self.pulse == Shape::None
+        self.accelerograms.is_empty() && self.pulse == Shape::None
     }
 
     /// Whether there is a pulse and no record.
     pub fn is_pulse_alone(&self) -> bool {
-        self.record.is_none() && self.vertical.is_none() && self.pulse != Shape::None
+        self.accelerograms.is_empty() && self.pulse != Shape::None
     }
 
     /// Reads the records, with this gravity for those in g (m/s²); `instead` stands for a horizontal one that is not
     /// named.
     pub fn read(&self, gravity: f64, instead: Option<Record>) -> anyhow::Result<Motion> {
         finite("scale", self.scale, |_| true, "a finite factor")?;
-        let options = ReadOptions { unit: self.unit, time_step: self.dt, gravity, ..ReadOptions::default() };
-        let load = |path: &Option<PathBuf>| -> anyhow::Result<Option<Record>> {
-            Ok(path.as_deref().map(|path| records::read(path, &options)).transpose()?)
-        };
-        let (horizontal, vertical) = (load(&self.record)?.or(instead), load(&self.vertical)?);
+        let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
+        let horizontal = horizontal.or(instead);
         let pulse = self.pulse()?;
         let mut words = Vec::new();
-        for (direction, record, path) in [("", &horizontal, &self.record), ("vertical ", &vertical, &self.vertical)] {
+        let Accelerograms { record: along, vertical: up, .. } = &self.accelerograms;
+        for (direction, record, path) in [("", &horizontal, along), ("vertical ", &vertical, up)] {
             if let Some(record) = record {
                 let pga = record.peak().acceleration.abs() * self.scale.abs() / gravity;
                 words.push(format!("{direction}{}, {pga:.3} g", title(record, path.as_deref())));

@@ -33,6 +33,12 @@ impl Progress {
         self.bar.set_position(done.saturating_sub(self.before));
     }
 
+    /// Shows how many parts are done where their number turns out on the way.
+    pub fn show_of(&mut self, done: u64, parts: u64) {
+        self.bar.set_length(parts.saturating_sub(self.before));
+        self.show(done);
+    }
+
     /// Takes the bar away.
     pub fn clear(&self) {
         self.bar.finish_and_clear();

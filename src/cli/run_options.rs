@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::excitation::finite;
 use crate::cli::progress::Progress;
-use crate::simulation::{LiftOff, Settings};
+use crate::simulation::{LiftOff, OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::resumable::Failures;
 use crate::study::runner::{self, Made, Study};
@@ -29,6 +29,24 @@ impl From<AtLiftOff> for LiftOff {
     }
 }
 
+/// What happens at complete separation.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum AtSeparation {
+    /// The run ends, as the paper's analysis does
+    End,
+    /// The block flies, lands and goes on
+    Fly,
+}
+
+impl From<AtSeparation> for OnSeparation {
+    fn from(separation: AtSeparation) -> OnSeparation {
+        match separation {
+            AtSeparation::End => OnSeparation::Terminate,
+            AtSeparation::Fly => OnSeparation::Fly,
+        }
+    }
+}
+
 /// How each run of a study is made.
 #[derive(Args)]
 #[command(next_help_heading = "Runs")]
@@ -39,6 +57,9 @@ pub struct RunOptions {
     /// What stays the same when a corner lifts from full contact
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
     lift_off: AtLiftOff,
+    /// What happens at complete separation
+    #[arg(long, value_enum, default_value_t = AtSeparation::End)]
+    on_separation: AtSeparation,
     /// Duration; without it until 20/p after the ground has come to rest [s]
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
@@ -51,7 +72,8 @@ impl RunOptions {
     /// How to integrate.
     pub fn settings(&self) -> anyhow::Result<Settings> {
         finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
-        Ok(Settings { tolerance: self.tolerance, lift_off: self.lift_off.into(), ..Settings::default() })
+        let (lift_off, on_separation) = (self.lift_off.into(), self.on_separation.into());
+        Ok(Settings { tolerance: self.tolerance, lift_off, on_separation, ..Settings::default() })
     }
 
     /// Duration (s), if it is given.

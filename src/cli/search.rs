@@ -1,18 +1,20 @@
 //! `rocking search`: a range of damping or of amplitude → where the outcome changes.
 
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::block::{Block, Common, Dimensionless, Foundation};
-use crate::cli::excitation::{Shape, finite};
+use crate::cli::excitation::{Accelerograms, Shape, finite};
 use crate::cli::output::Pending;
+use crate::cli::progress::Progress;
 use crate::cli::run_options::AtLiftOff;
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
 use crate::study::history::End;
 use crate::study::runner;
-use crate::study::search::{self, Found, Scan};
+use crate::study::search::{self, Found, Scan, Shaking};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -25,7 +27,7 @@ pub struct Options {
 enum What {
     /// Least damping xi_v against complete separation in free vibration from theta_dot(0) = 0.95 alpha p
     Damping(Damping),
-    /// Minimum amplitude of a pulse that overturns a block
+    /// Minimum amplitude of a pulse, or factor on a record, that overturns a block
     Overturning(Overturning),
 }
 
@@ -52,19 +54,21 @@ struct Damping {
 #[derive(Args)]
 struct Overturning {
     /// Shape of the pulse
-    #[arg(long, value_enum, default_value_t = Shape::OneSine)]
+    #[arg(long, value_enum, default_value_t = Shape::OneSine, conflicts_with = "record")]
     pulse: Shape,
     /// Period T_p of the pulse [s]
-    #[arg(long, value_name = "S")]
-    period: f64,
-    /// Least amplitude; without it g tan(alpha), which rocks no block on a rigid base [m/s2]
-    #[arg(long, value_name = "M/S2")]
+    #[arg(long, value_name = "S", required_unless_present = "record", conflicts_with = "record")]
+    period: Option<f64>,
+    #[command(flatten)]
+    accelerograms: Accelerograms,
+    /// Least amplitude [m/s2], or factor; without it a PGA of g tan(alpha), which rocks no block on a rigid base
+    #[arg(long, value_name = "A")]
     from: Option<f64>,
-    /// Greatest amplitude; without it 10 g tan(alpha) [m/s2]
-    #[arg(long, value_name = "M/S2")]
+    /// Greatest amplitude [m/s2], or factor; without it ten times as much
+    #[arg(long, value_name = "A")]
     to: Option<f64>,
-    /// Width to which a change is closed in [m/s2]
-    #[arg(long, value_name = "M/S2", default_value_t = 1e-6)]
+    /// Width to which a change is closed in, in the unit of the amplitude or factor
+    #[arg(long, value_name = "A", default_value_t = 1e-6)]
     resolution: f64,
     /// Vertical damping ratio xi_v
     #[arg(long, default_value_t = 0.1)]
@@ -135,7 +139,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 "xi_v",
                 "",
                 &scan,
-                || Ok(search::damping_against_separation(&block, &common, rate, settings, &scan)?),
+                |progress| Ok(search::damping_against_separation(&block, &common, rate, settings, &scan, progress)?),
                 |found| match found.least_without(End::Separated) {
                     Some(least) if found.changes.is_empty() => {
                         format!("none needed: no separation from xi_v = {least} on")
@@ -146,28 +150,43 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             )
         }
         What::Overturning(overturning) => {
-            let Overturning { pulse: shape, period, xi_v, rigid, resolution, .. } = *overturning;
-            finite("period", period, |x| x > 0.0, "a time > 0 s")?;
-            anyhow::ensure!(shape != Shape::None, "--pulse none overturns no block; expected a pulse");
+            let Overturning { xi_v, rigid, resolution, .. } = *overturning;
             let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
             let common = overturning.block.common(foundation);
             let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;
-            let least = common.gravity * libm::tan(block.alpha);
+            let (shaking, name, unit, pga) = overturning.shaking(common.gravity)?;
+            let least = common.gravity * libm::tan(block.alpha) / pga;
             let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(10.0 * least));
             let scan = overturning.search.scan(from, to, resolution)?;
             let settings = overturning.search.settings()?;
-            let pulse = Pulse { shape: shape.into(), amplitude: 0.0, period, start: 0.0 };
             overturning.search.search(
-                "a_p",
-                " m/s2",
+                name,
+                unit,
                 &scan,
-                || Ok(search::overturning(&block, pulse, settings, &scan)),
+                |progress| Ok(search::overturning(&block, &shaking, settings, &scan, progress)),
                 |found| match found.least(End::Overturned) {
-                    Some(least) => format!("overturning first at a_p = {least} m/s2"),
-                    None => format!("no overturning from a_p = {from} to {to} m/s2"),
+                    Some(least) => format!("overturning first at {name} = {least}{unit}"),
+                    None => format!("no overturning from {name} = {from} to {to}{unit}"),
                 },
             )
         }
+    }
+}
+
+impl Overturning {
+    /// What moves the ground, name and unit of the number that is searched for, and the PGA (m/s²) where it is 1.
+    fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str, f64)> {
+        let ground = self.accelerograms.read(gravity)?;
+        if let Some(record) = &ground.horizontal {
+            let pga = record.peak().acceleration.abs();
+            return Ok((Shaking::Records(ground), "scale", "", pga));
+        }
+        anyhow::ensure!(ground.vertical.is_none(), "--vertical without --record; expected both, or a pulse alone");
+        anyhow::ensure!(self.pulse != Shape::None, "--pulse none overturns no block; expected a pulse");
+        let period = self.period.unwrap_or_default();
+        finite("period", period, |x| x > 0.0, "a time > 0 s")?;
+        let pulse = Pulse { shape: self.pulse.into(), amplitude: 0.0, period, start: 0.0 };
+        Ok((Shaking::Pulse(pulse), "a_p", " m/s2", 1.0))
     }
 }
 
@@ -202,11 +221,21 @@ impl SearchOptions {
         name: &str,
         unit: &str,
         scan: &Scan,
-        search: impl FnOnce() -> anyhow::Result<Found<End>> + Send,
+        search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<Found<End>> + Send,
         answer: impl FnOnce(&Found<End>) -> String,
     ) -> anyhow::Result<()> {
         let file = self.csv.as_deref().map(Pending::new).transpose()?;
-        let found = runner::pool(self.threads.map(usize::from))?.install(search)?;
+        let bar = Mutex::new(Progress::new(scan.points, 0));
+        let show = |done, runs| {
+            if let Ok(mut bar) = bar.lock() {
+                bar.show_of(done, runs);
+            }
+        };
+        let found = runner::pool(self.threads.map(usize::from))?.install(|| search(&show));
+        if let Ok(bar) = bar.lock() {
+            bar.clear();
+        }
+        let found = found?;
         for (from, to, end) in found.stretches() {
             println!("{name} = {from} to {to}{unit}: {end}");
         }

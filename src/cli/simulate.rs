@@ -9,10 +9,10 @@ use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::excitation::{Excitation, Motion, finite};
 use crate::cli::output::Pending;
 use crate::cli::progress::Progress;
-use crate::cli::run_options::AtLiftOff;
+use crate::cli::run_options::{AtLiftOff, AtSeparation};
 use crate::excitation::PulseShape;
 use crate::records::{self, ReadOptions, Record};
-use crate::simulation::{Initial, OnSeparation, Settings};
+use crate::simulation::{Initial, Settings};
 use crate::study::history::{History, Run};
 use crate::study::picture::PictureFormat;
 use crate::study::{plot, table};
@@ -56,14 +56,6 @@ pub struct Options {
     /// No summary
     #[arg(long, help_heading = "Results")]
     quiet: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum AtSeparation {
-    /// The run ends, as the paper's analysis does
-    End,
-    /// The block flies, lands and goes on
-    Fly,
 }
 
 #[derive(Args)]
@@ -226,10 +218,7 @@ impl Options {
         let settings = Settings {
             tolerance: self.tolerance,
             lift_off: self.lift_off.into(),
-            on_separation: match self.on_separation {
-                AtSeparation::End => OnSeparation::Terminate,
-                AtSeparation::Fly => OnSeparation::Fly,
-            },
+            on_separation: self.on_separation.into(),
             ..Settings::default()
         };
         let initial = Initial { theta, theta_dot, vertical };

@@ -4,6 +4,8 @@
 //! every change that the scan sees is closed in by bisection. What lies between two scanned values of the same outcome is
 //! not seen; [`Found::spacing`] says how wide that can be.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::block::{Block, BlockError, Common, Dimensionless};
@@ -81,8 +83,21 @@ impl<K: PartialEq + Copy> Found<K> {
 }
 
 /// Looks for all changes of outcome in a range: scans it, and bisects every stretch whose ends differ. All is done on the
-/// threads of the rayon pool in which it is called, and does not depend on their number.
-pub fn changes<K: PartialEq + Copy + Send + Sync>(scan: &Scan, outcome: impl Fn(f64) -> K + Sync) -> Found<K> {
+/// threads of the rayon pool in which it is called, and does not depend on their number. `progress` is told after each
+/// run how many are done, and how many there are as far as is known: those of the scan, then those of the bisections too.
+pub fn changes<K: PartialEq + Copy + Send + Sync>(
+    scan: &Scan,
+    outcome: impl Fn(f64) -> K + Sync,
+    progress: impl Fn(u64, u64) + Sync,
+) -> Found<K> {
+    let (done, known) = (AtomicU64::new(0), AtomicU64::new(scan.points));
+    let outcome = |value: f64| {
+        let outcome = outcome(value);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress(done, known.load(Ordering::Relaxed).max(done));
+        outcome
+    };
+    let spacing = (scan.to - scan.from) / (scan.points - 1) as f64;
     let seen: Vec<(f64, K)> = (0..scan.points.max(2))
         .into_par_iter()
         .map(|number| {
@@ -92,6 +107,11 @@ pub fn changes<K: PartialEq + Copy + Send + Sync>(scan: &Scan, outcome: impl Fn(
         .collect();
     let pairs: Vec<[(f64, K); 2]> =
         seen.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[a, b]| a.1 != b.1).collect();
+    // A stretch in which a third outcome turns up takes more.
+    known.fetch_add(
+        pairs.len() as u64 * libm::log2(spacing / scan.resolution).ceil().max(0.0) as u64,
+        Ordering::Relaxed,
+    );
     let changes: Vec<Vec<Change<K>>> = pairs
         .par_iter()
         .map(|&[a, b]| {
@@ -100,12 +120,7 @@ pub fn changes<K: PartialEq + Copy + Send + Sync>(scan: &Scan, outcome: impl Fn(
             found
         })
         .collect();
-    Found {
-        first: seen[0],
-        last: seen[seen.len() - 1],
-        changes: changes.concat(),
-        spacing: (scan.to - scan.from) / (scan.points - 1) as f64,
-    }
+    Found { first: seen[0], last: seen[seen.len() - 1], changes: changes.concat(), spacing }
 }
 
 /// Needs two values of different outcomes, the lesser one first.
@@ -138,6 +153,9 @@ fn bisect<K: PartialEq + Copy>(
 /// equilibrium: 1e-10 α from it, it takes 24/p to get there and as long to leave.
 const AFTERWARDS: f64 = 50.0;
 
+/// Time between two stops of a run without records (s), as in `rocking simulate`.
+const NO_RECORD: f64 = 0.01;
+
 /// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, for 50/p; the
 /// ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed against separation.
 pub fn damping_against_separation(
@@ -146,36 +164,66 @@ pub fn damping_against_separation(
     rate: f64,
     settings: Settings,
     scan: &Scan,
+    progress: impl Fn(u64, u64) + Sync,
 ) -> Result<Found<End>, BlockError> {
     let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common);
     both_ends(scan, of)?;
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
     let duration = AFTERWARDS / block.p;
-    Ok(changes(scan, |xi_v| {
-        let block = of(xi_v);
-        end(block.map(|block| free(block, settings, initial, Pulse::NONE, duration)))
-    }))
+    let outcome = |xi_v| {
+        end(of(xi_v).map(|block| Run {
+            block,
+            settings,
+            initial,
+            pulse: Pulse::NONE,
+            ground: Ground::default(),
+            duration,
+            output_step: NO_RECORD,
+        }))
+    };
+    Ok(changes(scan, outcome, progress))
 }
 
-/// Outcomes of a block under a pulse over its amplitude a_p (m/s²), followed for 50/p after it; the amplitude of `pulse` is
-/// not read.
-/// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude.
-pub fn overturning(block: &Block, pulse: Pulse, settings: Settings, scan: &Scan) -> Found<End> {
-    changes(scan, |amplitude| {
-        let pulse = Pulse { amplitude, ..pulse };
-        let duration = pulse.end() + AFTERWARDS / block.p;
-        end(Ok(free(*block, settings, Initial::default(), pulse, duration)))
-    })
+/// What moves the ground, up to the number that is searched for.
+#[derive(Clone, Debug)]
+pub enum Shaking {
+    /// A pulse over its amplitude a_p (m/s²); that which it has is not read.
+    Pulse(Pulse),
+    /// Records over the factor on them.
+    Records(Ground),
+}
+
+/// Outcomes of a block over the strength of the ground motion, followed for 50/p after it.
+/// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude, or factor.
+pub fn overturning(
+    block: &Block,
+    shaking: &Shaking,
+    settings: Settings,
+    scan: &Scan,
+    progress: impl Fn(u64, u64) + Sync,
+) -> Found<End> {
+    let outcome = |strength: f64| {
+        let (ground, pulse) = match shaking {
+            Shaking::Pulse(pulse) => (Ground::default(), Pulse { amplitude: strength, ..*pulse }),
+            Shaking::Records(ground) => (ground.clone().scaled(strength), Pulse::NONE),
+        };
+        let shaken = ground.end().map_or(pulse.end(), |end| end - ground.start());
+        end(Ok(Run {
+            block: *block,
+            settings,
+            initial: Initial::default(),
+            pulse,
+            output_step: ground.time_step().unwrap_or(NO_RECORD),
+            ground,
+            duration: shaken + AFTERWARDS / block.p,
+        }))
+    };
+    changes(scan, outcome, progress)
 }
 
 /// A damping or a size that is good at both ends of a range is good between.
 fn both_ends(scan: &Scan, block: impl Fn(f64) -> Result<Block, BlockError>) -> Result<(), BlockError> {
     [scan.from, scan.to].into_iter().try_for_each(|value| block(value).map(|_| ()))
-}
-
-/// A run without records, with the stops of `rocking simulate`.
-fn free(block: Block, settings: Settings, initial: Initial, pulse: Pulse, duration: f64) -> Run {
-    Run { block, settings, initial, pulse, ground: Ground::default(), duration, output_step: 0.01 }
 }
 
 fn end(run: Result<Run, BlockError>) -> End {
@@ -202,7 +250,7 @@ mod tests {
             x if x <= 0.64 => 'a',
             _ => 'b',
         };
-        let found = changes(&scan(0.0, 1.0, 11), outcome);
+        let found = changes(&scan(0.0, 1.0, 11), outcome, |_, _| ());
         let edges: Vec<(char, char)> = found.changes.iter().map(|change| (change.from, change.to)).collect();
         assert_eq!(edges, [('a', 'b'), ('b', 'a'), ('a', 'c'), ('c', 'b')]);
         for (change, exact) in found.changes.iter().zip([0.2, 0.37, 0.64, 0.68]) {
@@ -222,7 +270,7 @@ mod tests {
     #[test]
     fn a_resolution_that_cannot_be_had_ends() {
         let outcome = |x: f64| x > std::f64::consts::FRAC_1_SQRT_2;
-        let found = changes(&Scan { resolution: 1e-300, ..scan(0.0, 1.0, 2) }, outcome);
+        let found = changes(&Scan { resolution: 1e-300, ..scan(0.0, 1.0, 2) }, outcome, |_, _| ());
         let [change] = found.changes.as_slice() else { panic!("{found:?}") };
         assert_eq!(change.below.next_up(), change.above);
     }

@@ -178,9 +178,10 @@ impl Study for Spectrum {
             study.push(format!("pulse {shape:?}, amplitude = {amplitude}, period = {period}, start = {start}"));
         }
         study.push(format!(
-            "tolerance = {:e}, lift_off = {:?}, duration = {}, step = {}",
+            "tolerance = {:e}, lift_off = {:?}, on_separation = {:?}, duration = {}, step = {}",
             self.settings.tolerance,
             self.settings.lift_off,
+            self.settings.on_separation,
             or_default(self.duration),
             or_default(self.step)
         ));

@@ -1,6 +1,7 @@
 """The examples: what their pages say of energy, convergence and outcomes holds. An example is skipped where one of its
 packages is missing."""
 
+import csv
 import importlib.util
 import runpy
 import shutil
@@ -230,29 +231,57 @@ def loma_prieta():
     return dt, 2 * record[:3000]
 
 
-def test_a_spectrum_is_the_same_on_a_cluster(fmu, loma_prieta):
-    """A small grid on two worker processes, to the last bit; and one of its blocks by another way."""
+# Slendernesses [rad], and the least and the greatest p [rad/s] and how many: few blocks that rock, fly and fall over.
+GRID = (0.15, 0.3), (0.8, 3.2, 5)
+
+
+def few_blocks(fmu, fly, **options):
+    import spectrum
+    from common import read_smc
+
+    alphas, ps = GRID[0], spectrum.sizes(*GRID[1])
+    dt, record = read_smc()
+    return spectrum.spectrum(Path(fmu).read_bytes(), dt, 2 * record, fly, alphas, ps, **options)
+
+
+@pytest.mark.parametrize("separation", ["end", "fly"])
+def test_a_spectrum_is_that_of_the_program(fmu, tmp_path, separation):
+    """To the last bit: the table's digits bring the program's numbers back exactly."""
+    import spectrum
+    from common import RECORD
+
+    peaks, ends = few_blocks(fmu, separation == "fly")
+    alphas, (least, greatest, count) = GRID
+    for alpha, row, end in zip(alphas, peaks, ends):
+        table = tmp_path / f"{alpha}.csv"
+        subprocess.run([EXAMPLES.parent / "target/release/rocking", "spectrum", "--record", RECORD, "--scale=2",
+                        f"--alpha={alpha}", "--foundation=40,0.1,0.4", f"--p-min={least}", f"--p-max={greatest}",
+                        f"--points={count}", f"--on-separation={separation}", "--csv", table],
+                       check=True, stdout=subprocess.DEVNULL)
+        lines = table.read_text().splitlines()
+        expected = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+        assert [float(block["p"]) for block in expected] == list(spectrum.sizes(*GRID[1]))
+        for block, peak, word in zip(expected, row, end):
+            told = block["peak.theta/alpha"]
+            assert float(told) == peak / alpha if word == "completed" else told == word
+    # Without blocks that fall, fly and rock, the test would not see what it is for; and size protects.
+    assert (ends[0, 0], ends[1, 1]) == ("overturned", "completed" if separation == "fly" else "separated")
+    assert (ends[:, 2:] == "completed").all() and (np.diff(peaks[:, 2:]) < 0).all()
+
+
+def test_a_spectrum_is_the_same_on_a_cluster(fmu):
+    """On two worker processes, to the last bit."""
     need("distributed")
     from dask.distributed import Client, LocalCluster
 
     import spectrum
-    from rocking import follow
 
-    dt, record = loma_prieta
-    work = Path(fmu).read_bytes(), dt, record, (0.15, 0.3), (2.0, 5.0, 8.0)
-    peaks, overturned = spectrum.spectrum(*work)
+    peaks, ends = few_blocks(fmu, True)
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.upload_file(spectrum.__file__)
-        elsewhere = spectrum.spectrum(*work, client)
+        elsewhere = few_blocks(fmu, True, client=client)
         assert len(client.scheduler_info()["workers"]) == 2
-    assert np.array_equal(peaks, elsewhere[0]) and np.array_equal(overturned, elsewhere[1])
-    # The small and slender block falls over, the greater ones do not: size protects.
-    assert overturned[0, 0] and not overturned[:, 1:].any()
-    assert (np.diff(peaks, axis=1) < 0).all()
-    start = {"dimensionless.alpha": 0.15, "dimensionless.p": 2 * np.pi / 5}
-    _, rows = follow(fmu, dt, record, outputs=("theta", "peak.theta"), start_values=start)
-    assert rows[-1, 1] == peaks[0, 1]
-    assert 0 <= rows[-1, 1] - np.abs(rows[:, 0]).max() < 1e-4
+    assert np.array_equal(peaks, elsewhere[0]) and np.array_equal(ends, elsewhere[1])
 
 
 def test_the_script_with_cells(fmu, monkeypatch, capsys):

@@ -5,9 +5,12 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings};
 use rocking_block::study::ground::Ground;
 use rocking_block::study::history::{End, Outcome, Run};
-use rocking_block::study::search::{Scan, damping_against_separation, overturning};
+use rocking_block::study::search::{Scan, Shaking, damping_against_separation, overturning};
 
 use crate::{Table, files, made, refused};
+
+/// A record that is here.
+const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/np01002p_4225a_a.smc");
 
 const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
 
@@ -20,7 +23,8 @@ fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
 #[test]
 fn damping_against_separation_brackets_the_change() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found = damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan).unwrap();
+    let found =
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
     assert!(!found.changes.is_empty());
     for change in &found.changes {
         assert!(change.above - change.below <= scan.resolution && change.below < change.above);
@@ -43,7 +47,7 @@ fn overturning_is_found_with_the_island_above_it() {
     let block = Block::from_dimensionless(&BLOCK, &common).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0 };
     let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
-    let found = overturning(&block, pulse, Settings::default(), &scan);
+    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, |_, _| ());
     let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
     assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
     for change in &found.changes {
@@ -66,7 +70,9 @@ fn similar_blocks_overturn_at_the_same_amplitude() {
         let block = Block::from_dimensionless(&Dimensionless { p, ..BLOCK }, &common).unwrap();
         let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0 };
         let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
-        overturning(&block, pulse, Settings::default(), &scan).least(End::Overturned).unwrap()
+        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, |_, _| ())
+            .least(End::Overturned)
+            .unwrap()
     };
     assert!((least(0.8) - least(2.4)).abs() < 3e-5, "{} and {}", least(0.8), least(2.4));
 }
@@ -79,7 +85,8 @@ fn the_program_tells_what_the_library_finds() {
     let two = made(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
     assert_eq!(one, two);
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
-    let found = damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan).unwrap();
+    let found =
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     assert!(one.contains(&format!("no separation from xi_v = {needed} on")), "{one}");
     assert!(one.contains("9 values, 0.05 apart") && one.contains("within 0.0001"), "{one}");
@@ -94,16 +101,59 @@ fn the_program_tells_what_the_library_finds() {
     assert!(told.contains("separation at xi_v = 0.02 still"), "{told}");
 }
 
+/// Under a record the number is the factor on it: on either side of each change `rocking simulate` tells the outcome.
+#[test]
+fn records_are_searched_over_their_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let block = ["--record", RECORD, "--vertical", RECORD, "--alpha", "0.15", "--p", "2"];
+    let range = ["--from", "1.5", "--to", "3.5", "--points", "5", "--resolution", "1e-3", "--csv", "o.csv"];
+    let told = made(folder.path(), &[&["search", "overturning"], &block[..], &range].concat());
+    let table = Table::read(&folder.path().join("o.csv"));
+    assert_eq!((table.number(0, "from"), table.get(0, "end")), (1.5, "completed"));
+    let row = (0..table.rows.len()).find(|&row| table.get(row, "end") == "overturned").unwrap();
+    assert!(told.contains(&format!("overturning first at scale = {}\n", table.get(row, "from"))), "{told}");
+    // The record is 35.91 s long.
+    let run = [&["simulate", "--duration", "60.91", "--csv", "x.csv"], &block[..]].concat();
+    for row in 0..table.rows.len() {
+        let words = match table.get(row, "end") {
+            "separated" => "complete separation",
+            "overturned" => "overturning",
+            word => word,
+        };
+        for scale in ["from", "to"].map(|column| table.get(row, column)) {
+            let told = made(folder.path(), &[&run[..], &["--scale", scale]].concat());
+            assert!(told.contains(words), "{words} at {scale}: {told}");
+        }
+    }
+}
+
+/// The runs that are told are all that there are, and no more than is said.
+#[test]
+fn progress_ends_with_all_runs_done() {
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
+    let told = std::sync::Mutex::new(Vec::new());
+    let progress = |done, runs| told.lock().unwrap().push((done, runs));
+    damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, progress).unwrap();
+    let mut told = told.into_inner().unwrap();
+    told.sort_unstable();
+    assert!(told.iter().map(|run| run.0).eq(1..=told.len() as u64));
+    assert!(told[..9].iter().all(|run| run.1 == 9) && told.iter().all(|(done, runs)| done <= runs));
+    let (done, runs) = told[told.len() - 1];
+    assert_eq!(done, runs, "one change, halved as often as is known from its width");
+}
+
 #[test]
 fn what_cannot_be_searched_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&[&str], &[&str]); 6] = [
+    let cases: [(&[&str], &[&str]); 8] = [
         (&["damping", "--from", "0.5", "--to", "0.1"], &["--to = 0.1", "--from = 0.5"]),
         (&["damping", "--from=-0.5"], &["xi_v = -0.5"]),
         (&["damping", "--eta", "0"], &["eta = 0"]),
         (&["damping", "--resolution", "0"], &["--resolution = 0"]),
         (&["overturning", "--period", "0"], &["--period = 0"]),
         (&["overturning", "--period", "1", "--pulse", "none"], &["--pulse none"]),
+        (&["overturning", "--record", "none.at2"], &["none.at2"]),
+        (&["overturning", "--period", "1", "--vertical", RECORD], &["--vertical without --record"]),
     ];
     for (arguments, words) in cases {
         refused(folder.path(), &[&["search"], arguments, &["--csv", "x.csv"]].concat(), words);

@@ -108,6 +108,33 @@ fn a_value_is_that_of_the_single_run() {
     assert!(words.iter().any(|word| word.parse::<f64>().is_ok()));
 }
 
+/// Blocks that fly have a peak where those that end have a word; the others are the same.
+#[test]
+fn blocks_that_separate_may_fly() {
+    let folder = tempfile::tempdir().unwrap();
+    let hard = ["--foundation", "60,0.1,0.4"];
+    made(folder.path(), &spectrum(&[&hard[..], &["--csv", "end.csv"]].concat()));
+    made(folder.path(), &spectrum(&[&hard[..], &["--csv", "fly.csv", "--on-separation", "fly"]].concat()));
+    let [end, fly] = ["end.csv", "fly.csv"].map(|name| Table::read(&folder.path().join(name)));
+    let mut landed = 0;
+    for row in 0..9 {
+        let peak = fly.get(row, "peak.theta/alpha");
+        if end.get(row, "peak.theta/alpha") != "separated" {
+            assert_eq!(fly.rows[row], end.rows[row]);
+            continue;
+        }
+        assert_ne!(peak, "separated");
+        let block = ["--eta", "60", "--epsilon", "0.4", "--p", fly.get(row, "p")];
+        let run = ["--duration", fly.get(row, "duration"), "--on-separation", "fly", "--csv", "x.csv"];
+        let told = made(folder.path(), &[&["simulate"], &PULSE[..], &block, &run].concat());
+        if let Ok(peak) = peak.parse::<f64>() {
+            landed += 1;
+            assert!(told.contains(&format!("|θ|/α = {peak:.4},")) && told.contains("completed"), "{peak}: {told}");
+        }
+    }
+    assert!(landed > 0);
+}
+
 /// A record whose vertical part counts, with and without it.
 fn records(folder: &Path) {
     let sample = |i: u32, a: f64, f: f64| a * (f * 0.02 * f64::from(i)).sin();
@@ -152,6 +179,7 @@ fn a_table_of_another_study_is_left_alone() {
     );
     refused(folder.path(), &go_on(&["--foundation", "40,0.2,0"]), &["s.csv:4:", "found `# foundation 40,0.1,0`"]);
     refused(folder.path(), &go_on(&["--tolerance", "1e-9"]), &["tolerance = 1e-8", "tolerance = 1e-9"]);
+    refused(folder.path(), &go_on(&["--on-separation", "fly"]), &["on_separation = Terminate", "on_separation = Fly"]);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
     // Of a study that still runs.
     let file = std::fs::File::open(&path).unwrap();

@@ -37,7 +37,7 @@ pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Res
     let block = |xi_v| block(alpha, P, Base::Viscoelastic { eta, xi_v, epsilon });
     // What is good at both ends of a range is good between.
     block(scan.from).and(block(scan.to))?;
-    let found = search::changes(&scan, |xi_v| {
+    let outcome = |xi_v| {
         let Ok(block) = block(xi_v) else { return End::Failed };
         let run = Run {
             block,
@@ -49,7 +49,8 @@ pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Res
             output_step: 0.01,
         };
         end_of(&run.outcome(), alpha)
-    });
+    };
+    let found = search::changes(&scan, outcome, |_, _| ());
     Ok(Least {
         against_separation: found.least_without(End::Separated),
         against_overturning: found.least_without(End::Overturned),
