@@ -11,7 +11,6 @@ that the FMU was built on. Writes spectrum.png to the folder in which it is star
 
 import argparse
 import functools
-import math
 import sys
 import tempfile
 from itertools import product
@@ -63,12 +62,9 @@ def run(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alpha: float, p: f
     slave.enterInitializationMode()
     slave.exitInitializationMode()
 
-    # Steps end at the samples, and go on like that after the last one, with which the ground motion ends.
-    duration = (len(record) - 1) * dt + 20 / p
-    steps = math.ceil(duration / dt * (1 - 1e-12))
-    times = np.append(np.arange(steps) * dt, duration)
-    values, slopes = np.zeros((2, steps))
-    values[: len(record) - 1], slopes[: len(record) - 1] = record[:-1], np.diff(record) / dt
+    # A step from each sample to the next, and one from the last, with which the ground motion ends, to the end of the run.
+    times = np.append(np.arange(len(record)) * dt, (len(record) - 1) * dt + 20 / p)
+    values, slopes = np.append(record[:-1], 0), np.append(np.diff(record) / dt, 0)
     ground = [references["a_gx"]]
     # The difference of two neighbouring times has no rounding error, and added to the first it gives the second; dt may not.
     for time, step, value, slope in zip(times, np.diff(times), values, slopes):

@@ -63,7 +63,7 @@ pub struct RunOptions {
     /// Duration; without it until 20/p after the ground has come to rest [s]
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
-    /// Longest time between two stops of a run; without it the record's time step or 0.01, as in simulate [s]
+    /// Longest time between two stops of a run; without it only a record's samples and a pulse's ends are [s]
     #[arg(long, value_name = "S")]
     step: Option<f64>,
 }

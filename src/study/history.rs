@@ -24,7 +24,8 @@ pub struct Run {
     pub ground: Ground,
     /// Duration (s).
     pub duration: f64,
-    /// Time between two rows of the history (s).
+    /// Time between two rows of the history (s), and so the longest between two stops; infinite for rows at the beginning
+    /// and the end alone.
     pub output_step: f64,
 }
 
@@ -168,7 +169,7 @@ impl Run {
         let mut simulation = Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs);
         row(0.0, &simulation, &inputs);
         // The last row is at the end of the run, however long the step before it.
-        let rows = (self.duration / self.output_step * (1.0 - 1e-12)).ceil() as u64;
+        let rows = ((self.duration / self.output_step * (1.0 - 1e-12)).ceil() as u64).max(1);
         for i in 1..=rows {
             let time = start + if i == rows { self.duration } else { i as f64 * self.output_step };
             let mut ended = false;

@@ -153,9 +153,6 @@ fn bisect<K: PartialEq + Copy>(
 /// equilibrium: 1e-10 α from it, it takes 24/p to get there and as long to leave.
 const AFTERWARDS: f64 = 50.0;
 
-/// Time between two stops of a run without records (s), as in `rocking simulate`.
-const NO_RECORD: f64 = 0.01;
-
 /// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, for 50/p; the
 /// ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed against separation.
 pub fn damping_against_separation(
@@ -178,7 +175,7 @@ pub fn damping_against_separation(
             pulse: Pulse::NONE,
             ground: Ground::default(),
             duration,
-            output_step: NO_RECORD,
+            output_step: f64::INFINITY,
         }))
     };
     Ok(changes(scan, outcome, progress))
@@ -213,7 +210,7 @@ pub fn overturning(
             settings,
             initial: Initial::default(),
             pulse,
-            output_step: ground.time_step().unwrap_or(NO_RECORD),
+            output_step: f64::INFINITY,
             ground,
             duration: shaken + AFTERWARDS / block.p,
         }))

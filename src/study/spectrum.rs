@@ -84,7 +84,7 @@ pub struct Spectrum {
     pub settings: Settings,
     /// Duration of each run (s); without it, that of [`duration`].
     pub duration: Option<f64>,
-    /// Longest time between two stops (s); without it the records' time step or 0.01 s, as in `rocking simulate`.
+    /// Longest time between two stops (s); without it only the records' samples and the pulse's ends are.
     pub step: Option<f64>,
 }
 
@@ -154,7 +154,7 @@ impl Spectrum {
             pulse: self.pulse,
             ground: ground.clone(),
             duration: self.duration.unwrap_or_else(|| duration(ground, &self.pulse, &block)),
-            output_step: self.step.or(ground.time_step()).unwrap_or(0.01),
+            output_step: self.step.unwrap_or(f64::INFINITY),
         })
     }
 }

@@ -99,7 +99,7 @@ pub struct Sweep {
     pub tolerance: f64,
     /// Duration of each run (s); without it that of [`duration`].
     pub duration: Option<f64>,
-    /// Longest time between two stops (s); without it the records' time step or 0.01 s.
+    /// Longest time between two stops (s); without it only the records' samples and the pulse's ends are.
     pub step: Option<f64>,
 }
 
@@ -169,7 +169,7 @@ impl Sweep {
             initial: values.initial(),
             pulse,
             duration: self.duration.unwrap_or_else(|| duration(&ground, &pulse, &block)),
-            output_step: self.step.or(ground.time_step()).unwrap_or(0.01),
+            output_step: self.step.unwrap_or(f64::INFINITY),
             ground,
         }
     }

@@ -111,7 +111,7 @@ fn a_grid_holds_the_single_runs() {
             pulse: Pulse::NONE,
             ground: Ground { horizontal: Some(h.clone()), vertical: vertical.then(|| v.clone()) }.scaled(scale),
             duration: table.number(row, "duration"),
-            output_step: 0.02,
+            output_step: f64::INFINITY,
         };
         assert!((run.duration - (99.0 * 0.02 + 20.0 / p)).abs() < 1e-12);
         let history = run.history(|_| ()).unwrap();
