@@ -16,7 +16,9 @@ const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_
 
 fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
     let (settings, ground) = (Settings::default(), Ground::default());
-    Outcome::end(&Run { block: *block, settings, initial, pulse, ground, duration, output_step: f64::INFINITY }.outcome())
+    Outcome::end(
+        &Run { block: *block, settings, initial, pulse, ground, duration, output_step: f64::INFINITY }.outcome(),
+    )
 }
 
 /// On either side of each change the block does what the search says, and with less damping than needed it separates.

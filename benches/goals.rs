@@ -1,0 +1,140 @@
+//! What the solver's surroundings cost, as ratios of times taken in turn: `cargo bench --bench goals [-- RECORD [BLOCKS]]`.
+//!
+//! RECORD is an accelerogram instead of the embedded one, BLOCKS the number of blocks of the spectrum.
+
+#[path = "../tests/common/fmu.rs"]
+#[allow(dead_code, reason = "the tests use the rest")]
+mod fmu;
+
+mod common;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
+use rocking_block::block::Foundation;
+use rocking_block::dynamics::State;
+use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
+use rocking_block::records::{self, ReadOptions};
+use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::study::ground::Ground;
+use rocking_block::study::runner;
+
+const ROUNDS: usize = 7;
+
+/// Least times (s) of the tasks, which take turns.
+fn least<const N: usize>(rounds: usize, mut tasks: [&mut dyn FnMut(); N]) -> [f64; N] {
+    let mut least = [f64::INFINITY; N];
+    for _ in 0..rounds {
+        for (least, task) in least.iter_mut().zip(&mut tasks) {
+            let start = Instant::now();
+            task();
+            *least = least.min(start.elapsed().as_secs_f64());
+        }
+    }
+    least
+}
+
+fn main() {
+    // cargo bench adds an argument of its own.
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let ground = arguments.first().map_or_else(loma_prieta, |path| {
+        let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let record = records::parse(path, &bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        Ground { horizontal: Some(record), vertical: None }
+    });
+    let blocks = arguments.get(1).map_or(1000, |text| text.parse().expect("BLOCKS, a number"));
+
+    record_through_the_fmu(&ground);
+    short_steps_of_the_fmu();
+    spectrum(ground, blocks);
+}
+
+fn record_through_the_fmu(ground: &Ground) {
+    let intervals = intervals(ground);
+    let [core, fmu] = least(
+        10 * ROUNDS,
+        [
+            &mut || {
+                black_box(run_record(&intervals));
+            },
+            &mut || drop(run_record_through_fmu(&intervals)),
+        ],
+    );
+    println!(
+        "one run of {} intervals: core {:.3} ms, through fmi2DoStep {:.3} ms",
+        intervals.len(),
+        1e3 * core,
+        1e3 * fmu
+    );
+    println!("    ratio {:.3}", fmu / core);
+}
+
+/// Steps of 0.1 ms while a corner is up, beside the right-hand side at the same place.
+fn short_steps_of_the_fmu() {
+    const STEPS: u32 = 10_000;
+    const STEP: f64 = 1e-4;
+    let block = block(Foundation::Viscoelastic);
+    let inputs = Inputs { a_gx: Ramp::held(4.0), ..Inputs::default() };
+    let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &Initial::default(), 0.0, &inputs);
+    for k in 1..=STEPS {
+        simulation.advance(f64::from(k) * STEP, &inputs, &mut |_| ()).expect("the run goes through");
+    }
+    let evaluations = simulation.counts().evaluations as f64 / f64::from(STEPS);
+    let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, &block);
+    let (regime, state) = (simulation.regime(), *simulation.state());
+    let mut rates = || {
+        for k in 0..STEPS {
+            let time = black_box(f64::from(k) * STEP);
+            black_box(right_hand_side(&block, regime, &excitation, time, black_box::<&State>(&state)));
+        }
+    };
+    let mut steps = || {
+        let mut fmu = instance(0.0, 4.0);
+        for k in 0..STEPS {
+            assert_eq!(fmu.step(f64::from(k) * STEP, STEP), fmu::OK);
+        }
+    };
+    let [rate, step] = least(ROUNDS, [&mut rates, &mut steps]).map(|time| time / f64::from(STEPS));
+    println!(
+        "fmi2DoStep of 0.1 ms: {:.0} ns, of {evaluations:.2} evaluations; one right-hand side {:.1} ns",
+        1e9 * step,
+        1e9 * rate
+    );
+    println!("    ratio of the step to its evaluations {:.2}", step / (evaluations * rate));
+}
+
+fn spectrum(ground: Ground, blocks: u64) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("spectrum.csv");
+    let made = |blocks: u64, threads: usize| {
+        let spectrum = common::spectrum(ground.clone(), blocks);
+        let pool = runner::pool(Some(threads)).expect("threads");
+        runner::run(&spectrum, &pool, &path, false, |_, _| ()).expect("the spectrum is made");
+    };
+    made(blocks / 10, 2);
+    let before = most_memory();
+    made(blocks, 2);
+    let after = most_memory();
+    let single = common::spectrum(ground.clone(), blocks);
+    let rounds = if blocks > 2000 { 2 } else { 3 };
+    let [alone, one, two] = least(
+        rounds,
+        [
+            &mut || (0..blocks).for_each(|row| drop(black_box(single.run(row).expect("a block").outcome()))),
+            &mut || made(blocks, 1),
+            &mut || made(blocks, 2),
+        ],
+    );
+    println!("a spectrum of {blocks} blocks: single runs {alone:.2} s, on one thread {one:.2} s, on two {two:.2} s");
+    println!("    ratio of two threads to one {:.3}, of one to the single runs {:.3}", one / two, one / alone);
+    if let (Some(before), Some(after)) = (before, after) {
+        println!("    most memory: {before} kB with {} blocks, {after} kB with {blocks}", blocks / 10);
+    }
+}
+
+/// Most memory that this process had so far (kB), where the system tells it.
+fn most_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix(" kB")?.trim().parse().ok()
+}
