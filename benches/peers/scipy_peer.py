@@ -268,11 +268,16 @@ class Run:
             self.steps += len(solution.t) - 1
             if self.trace:
                 self.take_rows(t, solution.t[-1], solution.sol)
-            if len(solution.t) > 2:
-                first_step = float(solution.t[-2] - solution.t[-3])
+            if self.method == "DOP853":
+                # Where one or two steps were enough, a longer one may be.
+                longest = float(np.diff(solution.t).max())
+                first_step = 2.0 * longest if len(solution.t) < 4 else longest
             t, y = float(solution.t[-1]), solution.y[:, -1].tolist()
             if solution.status == 1:
                 self.events += 1
+                if self.method == "DOP853" and not block.rigid:
+                    # A gap that opens may close again soon: a short step sees it open.
+                    first_step = 0.05 / block.omega_v
                 self.apply(solution.t_events, t, y, ground)
             else:
                 sample += 1

@@ -1,0 +1,217 @@
+"""The same cases through this project's core and through what engineers would use instead: `run` calls this.
+
+Prints what an error costs each solver, and writes every point to docs/peers.csv and the work-precision diagram to
+docs/peers.png. See README.md beside this file for what is compared, and how.
+"""
+
+import argparse
+import csv
+import json
+import math
+import subprocess
+import sys
+from dataclasses import asdict, fields
+from pathlib import Path
+
+import cases
+import diagram
+from work import Point, cheapest
+
+HERE = Path(__file__).resolve().parent
+BUILT = cases.ROOT / "target" / "peers"
+
+OURS = "this project"
+# What runs a solver, and its methods for pulses and for records, where "restart" starts anew at each sample, "stop" stops
+# there and goes on, and "through" goes over the kinks.
+SOLVERS = {
+    OURS: ([BUILT / "release" / "ours"], ["dop853"], ["dop853"]),
+    "CVODE Adams": (
+        [BUILT / "cvode"],
+        ["adams-fixed", "adams-newton"],
+        [f"adams-{by}-{at}" for by in ("fixed", "newton") for at in ("restart", "stop", "through")],
+    ),
+    "CVODE BDF": ([BUILT / "cvode"], ["bdf-newton"], [f"bdf-newton-{at}" for at in ("restart", "stop", "through")]),
+    "differential-equations": (
+        [BUILT / "release" / "differential_equations"],
+        ["dop853", "verner76", "verner98"],
+        [f"{name}-{at}" for name in ("dop853", "verner76", "verner98") for at in ("restart", "through")],
+    ),
+    "SciPy DOP853": (
+        [sys.executable, HERE / "scipy_peer.py"], ["DOP853"], ["DOP853-restart", "DOP853-through"]
+    ),
+    "SciPy LSODA": ([sys.executable, HERE / "scipy_peer.py"], ["LSODA"], ["LSODA-restart", "LSODA-through"]),
+}
+SLOW = {"SciPy DOP853", "SciPy LSODA"}
+SHOWN = ["sine_eta40", cases.RECORD]
+ERRORS = [10.0**-digit for digit in range(6, 12)]
+
+
+def tolerances(solver, case, quick):
+    """The tolerances that a solver is run at."""
+    if quick:
+        return [1e-5, 1e-8, 1e-11]
+    if case == cases.RECORD and solver in SLOW:
+        return [1e-6, 1e-8, 1e-10, 1e-12, 1e-13]
+    # Half decades where the diagram is drawn; SciPy allows no less than 1e-13.
+    halves = 2 if case in SHOWN and solver not in SLOW else 1
+    return [10.0 ** (-exponent / halves) for exponent in range(3 * halves, 13 * halves + 1)]
+
+
+def call(command, *arguments):
+    """What a solver says; None and a line to the user if it failed."""
+    command = [str(word) for word in (*command, *arguments)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    try:
+        said = json.loads(done.stdout)
+    except json.JSONDecodeError:
+        lines = done.stderr.strip().splitlines()
+        said = {"error": lines[-1] if lines else "it said nothing"}
+    if "error" in said:
+        print(f"  {' '.join(Path(word).name for word in command)}: {said['error']}", file=sys.stderr)
+        return None
+    return said
+
+
+def measure(case, folder, records, arguments):
+    """All points of a case."""
+    values, samples = cases.numbers(case, records)
+    path = folder / f"{case}.case"
+    cases.write(path, values, samples)
+    reference = cases.rotations(case)
+    points = {}
+    runs = []
+    for solver in arguments.solvers:
+        command, pulses, for_records = SOLVERS[solver]
+        for tolerance in tolerances(solver, case, arguments.quick):
+            for method in for_records if samples else pulses:
+                said = call(command, path, method, tolerance, "trace")
+                if said is not None:
+                    error = cases.error(said["theta"], reference, values["alpha"])
+                    points[solver, method, tolerance] = Point(
+                        case, solver, method, tolerance, error, 0, 0, 0, math.inf
+                    )
+                    runs.append((tolerance, solver, method, command))
+    # In turn, so that what else the machine does meets all alike; the least time is what the solver needs.
+    runs.sort(key=lambda run: -run[0])
+    for _ in range(arguments.rounds):
+        for tolerance, solver, method, command in runs:
+            said = call(command, path, method, tolerance, "time", arguments.seconds)
+            if said is not None:
+                point = points[solver, method, tolerance]
+                point.rhs, point.steps, point.events = said["rhs"], said["steps"], said["events"]
+                point.cpu = min(point.cpu, said["cpu"])
+    return [point for point in points.values() if math.isfinite(point.cpu)]
+
+
+def summary(points, names, error):
+    """What each solver takes for an error, and how many times what we take."""
+    for case in names:
+        here = [point for point in points if point.case == case]
+        if not here:
+            continue
+        print(f"\n{case}, at an error of {error:g} alpha")
+        print(f"{'solver':24} {'CPU time':>12} {'x ours':>8}  {'method':22} {'calls':>9} {'x ours':>8}  method")
+        ours = {
+            quantity: cheapest([point for point in here if point.solver == OURS], error, quantity)[0]
+            for quantity in ("cpu", "rhs")
+        }
+        for solver in SOLVERS:
+            mine = [point for point in here if point.solver == solver]
+            if not mine:
+                continue
+            cpu, by_cpu = cheapest(mine, error, "cpu")
+            rhs, by_rhs = cheapest(mine, error, "rhs")
+            if cpu is None:
+                least = min(point.error for point in mine)
+                print(f"{solver:24} never reaches it: its least error is {least:.1e} alpha")
+                continue
+            cpu_ratio, rhs_ratio = (
+                f"{value / ours[quantity]:.2f}" if ours[quantity] else "-"
+                for value, quantity in ((cpu, "cpu"), (rhs, "rhs"))
+            )
+            print(
+                f"{solver:24} {1e6 * cpu:9.0f} us {cpu_ratio:>8}  {by_cpu:22} {rhs:9.0f} {rhs_ratio:>8}  {by_rhs}"
+            )
+
+
+def fewest_calls(points):
+    """Which solver takes the fewest calls at each error on the pulse cases, and ours beside it."""
+    print("\nRight-hand-side calls on pulses: the fewest, and ours")
+    for case in cases.PULSES:
+        here = [point for point in points if point.case == case]
+        if not here:
+            continue
+        print(case)
+        for error in ERRORS:
+            rivals = {}
+            for solver in SOLVERS:
+                rhs, method = cheapest([point for point in here if point.solver == solver], error, "rhs")
+                if rhs is not None:
+                    rivals[solver] = rhs, method
+            others = {solver: value for solver, value in rivals.items() if solver != OURS}
+            first = min(others, key=lambda solver: others[solver][0], default=None)
+            best = f"{first} ({others[first][1]}) {others[first][0]:.0f}" if first else "no peer reaches it"
+            ours = f"{rivals[OURS][0]:.0f}" if OURS in rivals else "not reached"
+            won = OURS in rivals and (first is None or rivals[OURS][0] <= others[first][0])
+            print(f"  {error:.0e} alpha: {best:46} ours {ours:>6}{'  ours is the fewest' if won else ''}")
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="three tolerances, one round, two cases; writes nothing")
+    parser.add_argument("--rounds", type=int, default=3, help="how often each run is timed (3)")
+    parser.add_argument("--seconds", type=float, default=0.03, help="least CPU time of one timing (0.03)")
+    parser.add_argument("--records", type=Path, default=cases.ROOT.parent / "shared" / "records")
+    parser.add_argument("--cases", nargs="*", default=None, help="only these cases")
+    parser.add_argument("--without", nargs="*", default=[], help="not these solvers")
+    parser.add_argument("--read", action="store_true", help="no runs: tables and diagram from docs/peers.csv")
+    arguments = parser.parse_args()
+    if arguments.quick:
+        arguments.rounds = 1
+    names = SHOWN if arguments.quick else [*cases.PULSES, cases.RECORD]
+    arguments.cases = arguments.cases or names
+    arguments.solvers = [solver for solver in SOLVERS if solver not in arguments.without]
+    return arguments
+
+
+def read(path):
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+    return [Point(**{field.name: field.type(row[field.name]) for field in fields(Point)}) for row in rows]
+
+
+def write(path, points):
+    with path.open("w", newline="") as file:
+        table = csv.DictWriter(file, [field.name for field in fields(Point)], lineterminator="\n")
+        table.writeheader()
+        for point in points:
+            table.writerow({**asdict(point), "error": f"{point.error:.3e}", "cpu": f"{point.cpu:.4e}"})
+
+
+def main():
+    arguments = parse()
+    table = cases.ROOT / "docs" / "peers.csv"
+    if arguments.read:
+        points = read(table)
+    else:
+        folder = BUILT / "cases"
+        folder.mkdir(parents=True, exist_ok=True)
+        points = []
+        for case in arguments.cases:
+            print(case, flush=True)
+            try:
+                points += measure(case, folder, arguments.records, arguments)
+            except cases.MissingRecord as missing:
+                print(f"  left out: {missing}; the record may not be redistributed")
+    summary(points, arguments.cases, 1e-8)
+    fewest_calls(points)
+    if arguments.quick:
+        print("\n--quick: nothing written")
+        return
+    if not arguments.read:
+        write(table, points)
+    diagram.draw(points, SHOWN, cases.ROOT / "docs" / "peers.png")
+
+
+if __name__ == "__main__":
+    main()
