@@ -41,6 +41,11 @@ SOLVERS = {
     ),
     "SciPy LSODA": ([sys.executable, HERE / "scipy_peer.py"], ["LSODA"], ["LSODA-restart", "LSODA-through"]),
 }
+OPENSEES = "OpenSees"
+# Integrator, penalty of the contacts, their horizontal stiffness: both over the stiffness of a support.
+OPENSEES_METHODS = [f"trbdf2-{penalty}-{grip}" for penalty in ("1e2", "1e3", "1e4") for grip in (3, 10, 30)]
+OPENSEES_METHODS += ["newmark-1e3-10", "hht-1e3-10"]
+OPENSEES_STEPS = [1e-3, 5e-4, 2.5e-4, 1e-4]
 SLOW = {"SciPy DOP853", "SciPy LSODA"}
 SHOWN = ["sine_eta40", cases.RECORD]
 ERRORS = [10.0**-digit for digit in range(6, 12)]
@@ -55,6 +60,19 @@ def tolerances(solver, case, quick):
     # Half decades where the diagram is drawn; SciPy allows no less than 1e-13.
     halves = 2 if case in SHOWN and solver not in SLOW else 1
     return [10.0 ** (-exponent / halves) for exponent in range(3 * halves, 13 * halves + 1)]
+
+
+def elastic_runs(arguments):
+    """What is run of the case for OpenSees; the step stands for the tolerance."""
+    command = [sys.executable, HERE / "opensees_peer.py"]
+    methods, steps = OPENSEES_METHODS, OPENSEES_STEPS
+    if arguments.quick:
+        methods, steps = ["trbdf2-1e3-10"], [2.5e-4]
+    ours = SOLVERS[OURS][0]
+    runs = [(tolerance, OURS, "dop853", ours) for tolerance in (1e-2, 1e-4, 1e-6, 1e-8)]
+    if OPENSEES in arguments.without:
+        return runs
+    return runs + [(step, OPENSEES, method, command) for step in steps for method in methods]
 
 
 def call(command, *arguments):
@@ -77,20 +95,25 @@ def measure(case, folder, records, arguments):
     values, samples = cases.numbers(case, records)
     path = folder / f"{case}.case"
     cases.write(path, values, samples)
-    reference = cases.rotations(case)
-    points = {}
-    runs = []
-    for solver in arguments.solvers:
-        command, pulses, for_records = SOLVERS[solver]
-        for tolerance in tolerances(solver, case, arguments.quick):
-            for method in for_records if samples else pulses:
-                said = call(command, path, method, tolerance, "trace")
-                if said is not None:
-                    error = cases.error(said["theta"], reference, values["alpha"])
-                    points[solver, method, tolerance] = Point(
-                        case, solver, method, tolerance, error, 0, 0, 0, math.inf
-                    )
-                    runs.append((tolerance, solver, method, command))
+    points, runs = {}, []
+    if case == cases.ELASTIC:
+        reference = call(SOLVERS[OURS][0], path, "dop853", 1e-12, "trace")["theta"]
+        planned = elastic_runs(arguments)
+    else:
+        reference = cases.rotations(case)
+        planned = [
+            (tolerance, solver, method, SOLVERS[solver][0])
+            for solver in arguments.solvers
+            for tolerance in tolerances(solver, case, arguments.quick)
+            for method in SOLVERS[solver][2 if samples else 1]
+        ]
+    for run in planned:
+        tolerance, solver, method, command = run
+        said = call(command, path, method, tolerance, "trace")
+        if said is not None:
+            error = cases.error(said["theta"], reference, values["alpha"])
+            points[solver, method, tolerance] = Point(case, solver, method, tolerance, error, 0, 0, 0, math.inf)
+            runs.append(run)
     # In turn, so that what else the machine does meets all alike; the least time is what the solver needs.
     runs.sort(key=lambda run: -run[0])
     for _ in range(arguments.rounds):
@@ -134,6 +157,24 @@ def summary(points, names, error):
             )
 
 
+def elastic(points):
+    """How near OpenSees comes, and what it takes."""
+    here = [point for point in points if point.case == cases.ELASTIC]
+    if not here:
+        return
+    print(f"\n{cases.ELASTIC}: epsilon = 1, against our core at 1e-12")
+    print(f"{'solver':14} {'method':16} {'step or tolerance':>18} {'error':>10} {'CPU time':>12}")
+    for point in here:
+        error = f"{point.error:.1e} alpha"
+        print(f"{point.solver:14} {point.method:16} {point.tolerance:18.1e} {error} {1e6 * point.cpu:9.0f} us")
+    theirs = [point for point in here if point.solver == OPENSEES]
+    if theirs:
+        nearest = min(theirs, key=lambda point: point.error)
+        ours, _ = cheapest([point for point in here if point.solver == OURS], nearest.error, "cpu")
+        print(f"OpenSees at its nearest: {nearest.error:.1e} alpha with {nearest.method}, a step of "
+              f"{nearest.tolerance:g} s and {nearest.cpu:.2f} s of CPU time, {nearest.cpu / ours:.0f} times ours for that")
+
+
 def fewest_calls(points):
     """Which solver takes the fewest calls at each error on the pulse cases, and ours beside it."""
     print("\nRight-hand-side calls on pulses: the fewest, and ours")
@@ -158,7 +199,7 @@ def fewest_calls(points):
 
 def parse():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="three tolerances, one round, two cases; writes nothing")
+    parser.add_argument("--quick", action="store_true", help="three tolerances, one round, three cases; writes nothing")
     parser.add_argument("--rounds", type=int, default=3, help="how often each run is timed (3)")
     parser.add_argument("--seconds", type=float, default=0.03, help="least CPU time of one timing (0.03)")
     parser.add_argument("--records", type=Path, default=cases.ROOT.parent / "shared" / "records")
@@ -168,7 +209,7 @@ def parse():
     arguments = parser.parse_args()
     if arguments.quick:
         arguments.rounds = 1
-    names = SHOWN if arguments.quick else [*cases.PULSES, cases.RECORD]
+    names = [*(SHOWN if arguments.quick else [*cases.PULSES, cases.RECORD]), cases.ELASTIC]
     arguments.cases = arguments.cases or names
     arguments.solvers = [solver for solver in SOLVERS if solver not in arguments.without]
     return arguments
@@ -203,7 +244,8 @@ def main():
                 points += measure(case, folder, arguments.records, arguments)
             except cases.MissingRecord as missing:
                 print(f"  left out: {missing}; the record may not be redistributed")
-    summary(points, arguments.cases, 1e-8)
+    summary(points, [case for case in arguments.cases if case != cases.ELASTIC], 1e-8)
+    elastic(points)
     fewest_calls(points)
     if arguments.quick:
         print("\n--quick: nothing written")
