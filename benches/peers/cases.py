@@ -77,7 +77,7 @@ def write(path, values, samples):
 def read(path):
     """What `write` wrote."""
     lines = path.read_text().splitlines()
-    values = {key: float(line.split()[1]) for key, line in zip(KEYS, lines)}
+    values = {key: float(line.split()[1]) for key, line in zip(KEYS, lines, strict=False)}
     return values, [float(line) for line in lines[len(KEYS):]]
 
 

@@ -5,7 +5,6 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
-
 from work import best, cheapest
 
 # To be told apart without colour: marker, fill, line and shade.
@@ -34,8 +33,8 @@ def draw(points, names, path):
     if not names:
         return
     figure, axes = plt.subplots(len(names), 2, figsize=(11.5, 4.6 * len(names)), squeeze=False, layout="constrained")
-    for row, name in zip(axes, names):
-        for panel, (quantity, label) in zip(row, QUANTITIES.items()):
+    for row, name in zip(axes, names, strict=True):
+        for panel, (quantity, label) in zip(row, QUANTITIES.items(), strict=True):
             for solver, style in STYLES.items():
                 mine = [point for point in points if point.case == name and point.solver == solver]
                 if not mine:

@@ -19,9 +19,8 @@ import sys
 import time
 from pathlib import Path
 
-import openseespy.opensees as ops
-
 import cases
+import openseespy.opensees as ops
 
 CENTRE, LEFT, RIGHT = 1, 2, 3
 INTEGRATORS = {"newmark": ("Newmark", 0.5, 0.25), "hht": ("HHT", 0.9), "trbdf2": ("TRBDF2",)}

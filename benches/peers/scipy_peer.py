@@ -15,10 +15,9 @@ from math import asin, cos, exp, pi, sin, tan
 from pathlib import Path
 from types import SimpleNamespace
 
+import cases
 import numpy as np
 from scipy.integrate import solve_ivp
-
-import cases
 
 SIGNS = (1.0, -1.0)  # of L and R
 

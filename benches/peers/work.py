@@ -1,5 +1,6 @@
 """Work-precision points -> what an error costs."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -29,14 +30,16 @@ def best(points, quantity):
 
 
 def cost(points, error, quantity):
-    """The work that one method takes for an error, interpolated between the logarithms of its best points; None if it is never
-    that accurate. Where all are more accurate, what the cheapest takes."""
+    """The work that one method takes for an error, interpolated between the logarithms of its best points.
+
+    None if it is never that accurate; where all points are more accurate, what the cheapest takes.
+    """
     kept = best(points, quantity)
     if not kept or kept[-1].error > error:
         return None
     if kept[0].error <= error:
         return float(getattr(kept[0], quantity))
-    for worse, better in zip(kept, kept[1:]):
+    for worse, better in itertools.pairwise(kept):
         if better.error <= error:
             part = math.log(worse.error / error) / math.log(worse.error / better.error)
             low, high = getattr(worse, quantity), getattr(better, quantity)
