@@ -8,6 +8,7 @@ import argparse
 import csv
 import json
 import math
+import os
 import subprocess
 import sys
 from dataclasses import asdict, fields
@@ -78,11 +79,12 @@ def elastic_runs(arguments):
 def call(command, *arguments):
     """What a solver says; None and a line to the user if it failed."""
     command = [str(word) for word in (*command, *arguments)]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    environment = {**os.environ, "RUST_BACKTRACE": "0"}
+    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment)
     try:
         said = json.loads(done.stdout)
     except json.JSONDecodeError:
-        lines = done.stderr.strip().splitlines()
+        lines = [line for line in done.stderr.strip().splitlines() if not line.startswith("note:")]
         said = {"error": lines[-1] if lines else "it said nothing"}
     if "error" in said:
         print(f"  {' '.join(Path(word).name for word in command)}: {said['error']}", file=sys.stderr)
@@ -206,7 +208,7 @@ def parse():
     parser.add_argument("--seconds", type=float, default=0.03, help="least CPU time of one timing (0.03)")
     parser.add_argument("--records", type=Path, default=cases.ROOT.parent / "shared" / "records")
     parser.add_argument("--cases", nargs="*", default=None, help="only these cases; the rest of docs/peers.csv stays")
-    parser.add_argument("--without", nargs="*", default=[], help="not these solvers")
+    parser.add_argument("--without", nargs="*", action="extend", default=[], help="not these solvers")
     parser.add_argument("--read", action="store_true", help="no runs: tables and diagram from docs/peers.csv")
     arguments = parser.parse_args()
     if arguments.quick:
@@ -227,7 +229,8 @@ def write(path, points):
         table = csv.DictWriter(file, [field.name for field in fields(Point)], lineterminator="\n")
         table.writeheader()
         for point in points:
-            table.writerow({**asdict(point), "error": f"{point.error:.3e}", "cpu": f"{point.cpu:.4e}"})
+            numbers = {"tolerance": f"{point.tolerance:.2e}", "error": f"{point.error:.3e}", "cpu": f"{point.cpu:.4e}"}
+            table.writerow({**asdict(point), **numbers})
 
 
 def main():

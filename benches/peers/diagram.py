@@ -32,7 +32,7 @@ def draw(points, names, path):
     names = [name for name in names if any(point.case == name for point in points)]
     if not names:
         return
-    figure, axes = plt.subplots(len(names), 2, figsize=(11.5, 4.6 * len(names)), squeeze=False, layout="constrained")
+    figure, axes = plt.subplots(len(names), 2, figsize=(11.5, 5.2 * len(names)), squeeze=False, layout="constrained")
     for row, name in zip(axes, names, strict=True):
         for panel, (quantity, label) in zip(row, QUANTITIES.items(), strict=True):
             for solver, style in STYLES.items():
@@ -47,6 +47,9 @@ def draw(points, names, path):
             panel.axhline(1e-8, color="0.7", linewidth=0.8, zorder=0)
             panel.set(xlabel=label, title=name)
             panel.grid(True, which="major", color="0.9", linewidth=0.6)
-            panel.legend(fontsize=7.5, loc="best", framealpha=0.9, handlelength=4)
+            # Below, where no line is.
+            panel.legend(
+                fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False, handlelength=4
+            )
         row[0].set_ylabel("greatest error of θ / α")
     figure.savefig(path, dpi=130)

@@ -270,7 +270,7 @@ class Run:
             if self.method == "DOP853":
                 # Where one or two steps were enough, a longer one may be.
                 longest = float(np.diff(solution.t).max())
-                first_step = 2.0 * longest if len(solution.t) < 4 else longest
+                first_step = (2.0 * longest if len(solution.t) < 4 else longest) or None
             t, y = float(solution.t[-1]), solution.y[:, -1].tolist()
             if solution.status == 1:
                 self.events += 1

@@ -237,7 +237,8 @@ impl Watch<'_> {
         inside: &mut I,
     ) -> Option<(f64, f64)> {
         const LOOKS: u32 = 16;
-        let rounding = 1e-12 * self.equations.block.delta_s;
+        let block = &self.equations.block;
+        let rounding = if block.rigid { 0.0 } else { 1e-12 * block.delta_s };
         if g > rounding || self.contact.touching[i] {
             return (g > 0.0).then_some((start, g));
         }
