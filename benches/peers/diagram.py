@@ -1,0 +1,55 @@
+"""The work-precision diagram: error against CPU time and against right-hand-side calls."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+from work import best, cheapest
+
+# To be told apart without colour: marker, fill, line and shade.
+STYLES = {
+    "this project": {"marker": "o", "linestyle": "-", "color": "black", "linewidth": 2.2, "markersize": 6},
+    "CVODE Adams": {"marker": "s", "linestyle": "--", "color": "0.25", "markerfacecolor": "white"},
+    "CVODE BDF": {"marker": "D", "linestyle": ":", "color": "0.25", "markerfacecolor": "white"},
+    "differential-equations": {"marker": "^", "linestyle": "-", "color": "0.5"},
+    "SciPy DOP853": {"marker": "x", "linestyle": "-.", "color": "0.25"},
+    "SciPy LSODA": {"marker": "+", "linestyle": (0, (1, 3)), "color": "0.25", "markersize": 9},
+}
+QUANTITIES = {"cpu": "CPU time of a run (s)", "rhs": "calls of the right-hand side"}
+
+
+def line_of(points, quantity):
+    """The method of a solver that takes least for 1e-8, or for its own least error if it never reaches that."""
+    _, method = cheapest(points, 1e-8, quantity)
+    if method is None:
+        method = min(points, key=lambda point: point.error).method
+    return method, best([point for point in points if point.method == method], quantity)
+
+
+def draw(points, names, path):
+    """Two panels for each case at hand."""
+    names = [name for name in names if any(point.case == name for point in points)]
+    if not names:
+        return
+    figure, axes = plt.subplots(len(names), 2, figsize=(11.5, 5.2 * len(names)), squeeze=False, layout="constrained")
+    for row, name in zip(axes, names, strict=True):
+        for panel, (quantity, label) in zip(row, QUANTITIES.items(), strict=True):
+            for solver, style in STYLES.items():
+                mine = [point for point in points if point.case == name and point.solver == solver]
+                if not mine:
+                    continue
+                method, kept = line_of(mine, quantity)
+                panel.loglog(
+                    [getattr(point, quantity) for point in kept], [point.error for point in kept],
+                    label=f"{solver} ({method})", **{"markersize": 5, "linewidth": 1.3, **style},
+                )
+            panel.axhline(1e-8, color="0.7", linewidth=0.8, zorder=0)
+            panel.set(xlabel=label, title=name)
+            panel.grid(True, which="major", color="0.9", linewidth=0.6)
+            # Below, where no line is.
+            panel.legend(
+                fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False, handlelength=4
+            )
+        row[0].set_ylabel("greatest error of θ / α")
+    figure.savefig(path, dpi=130)
