@@ -105,9 +105,9 @@ fn short_steps_of_the_fmu() {
 }
 
 fn spectrum(ground: Ground, blocks: u64) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("spectrum.csv");
     let made = |blocks: u64, threads: usize| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("spectrum.csv");
         let spectrum = common::spectrum(ground.clone(), blocks);
         let pool = runner::pool(Some(threads)).expect("threads");
         runner::run(&spectrum, &pool, &path, false, |_, _| ()).expect("the spectrum is made");

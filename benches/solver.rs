@@ -87,11 +87,14 @@ fn spectra(c: &mut Criterion) {
     let mut group = c.benchmark_group("spectrum of 100 blocks");
     group.sample_size(10);
     let spectrum = common::spectrum(loma_prieta(), 100);
-    let folder = tempfile::tempdir().expect("a folder");
     for threads in [1, 2] {
         let pool = runner::pool(Some(threads)).expect("threads");
         group.bench_function(format!("threads: {threads}"), |b| {
-            b.iter(|| runner::run(&spectrum, &pool, &folder.path().join("spectrum.csv"), false, |_, _| ()));
+            b.iter(|| {
+                let folder = tempfile::tempdir().expect("a folder");
+                runner::run(&spectrum, &pool, &folder.path().join("spectrum.csv"), false, |_, _| ())
+                    .expect("a spectrum");
+            });
         });
     }
 }

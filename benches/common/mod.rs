@@ -39,9 +39,13 @@ pub fn right_hand_side(block: &Block, regime: Regime, excitation: &Excitation, t
 /// Inputs of each interval of a record with their ends, so that reading a record is not measured.
 pub fn intervals(ground: &Ground) -> Vec<(Inputs, f64)> {
     let end = ground.end().expect("a record");
-    std::iter::successors(Some(ground.inputs_from(ground.start())), |&(_, until)| Some(ground.inputs_from(until)))
-        .take_while(|&(inputs, _)| inputs.time < end)
-        .collect()
+    let (mut time, mut intervals) = (ground.start(), Vec::new());
+    while time < end {
+        let interval = ground.inputs_from(time);
+        time = interval.1;
+        intervals.push(interval);
+    }
+    intervals
 }
 
 /// A run under a record, from sample to sample.
