@@ -4,7 +4,6 @@ use num_dual::Dual64;
 
 use crate::block::Block;
 use crate::dynamics::{Footing, Instant, State, instant};
-use crate::events::Creep;
 use crate::excitation::Forcing;
 use crate::regime::{Corner, Regime};
 use crate::roots::Sample;
@@ -96,27 +95,22 @@ pub struct View<'a> {
     pub block: &'a Block,
     /// Its regime.
     pub regime: Regime,
-    /// Time (s).
-    pub time: f64,
     /// Its state.
     pub state: &'a State,
     /// What holds it horizontally.
     pub footing: Footing<f64>,
-    /// The lifted supports.
-    pub creep: &'a [Creep; 2],
     /// What drives the block.
     pub forcing: Forcing<f64>,
+    /// The equations of motion at it.
+    pub instant: &'a Instant<f64>,
+    /// Heights of the supports that nothing touches; of the others anything.
+    pub tops: [Sample; 2],
 }
 
 impl View<'_> {
-    /// The equations of motion.
-    pub fn instant(&self) -> Instant<f64> {
-        instant(self.block, self.regime, (*self.state).into(), self.footing, self.forcing)
-    }
-
     /// The equations of motion with rates of change along the motion in the dual parts.
     pub fn along(&self, forcing_rate: Forcing<f64>) -> Instant<Dual64> {
-        let x = self.instant();
+        let x = self.instant;
         let state = [
             Dual64::new(x.theta, x.theta_dot),
             Dual64::new(x.theta_dot, x.theta_ddot),
@@ -134,13 +128,13 @@ impl View<'_> {
 
     /// The observation.
     pub fn observe(&self) -> Observation<f64> {
-        observe(self.block, self.regime, &self.instant(), self.tops().map(|top| top.value))
+        observe(self.block, self.regime, self.instant, self.tops.map(|top| top.value))
     }
 
     /// The observation and, in the dual parts, its exact rate of change along the motion, while the forcing changes at
     /// `forcing_rate`.
     pub fn observe_rates(&self, forcing_rate: Forcing<f64>) -> Observation<Dual64> {
-        let tops = self.tops().map(|Sample { value, rate }| Dual64::new(value, rate));
+        let tops = self.tops.map(|Sample { value, rate }| Dual64::new(value, rate));
         observe(self.block, self.regime, &self.along(forcing_rate), tops)
     }
 
@@ -149,11 +143,7 @@ impl View<'_> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
         let footing = self.footing.map(Dual64::from);
         let x = instant(self.block, self.regime, state, footing, self.forcing.with_derivative(direction));
-        observe(self.block, self.regime, &x, self.tops().map(|top| Dual64::from(top.value)))
-    }
-
-    fn tops(&self) -> [Sample; 2] {
-        self.creep.map(|creep| creep.top(self.block, self.time))
+        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)))
     }
 }
 

@@ -37,13 +37,14 @@ impl Peaks {
         }
     }
 
-    /// Whether a value between two instants may be greater than those at both and than the greatest so far.
+    /// Whether a value may rise to a new peak between two instants, above those at both.
     pub fn may_rise_inside(&self, start: &PeakSamples, end: &PeakSamples, duration: f64) -> bool {
-        let mut peaks = *self;
-        peaks.include(start);
-        peaks.include(end);
-        let slots = peaks.slots();
-        SLOTS.into_iter().enumerate().any(|(i, slot)| upper_bound(start[i], end[i], duration) > *slots[slot])
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand } = *self;
+        let peaks = [theta, reaction, horizontal, uplift, friction_demand];
+        SLOTS.into_iter().enumerate().any(|(i, slot)| {
+            let turns = start[i].rate > 0.0 && end[i].rate < 0.0;
+            turns && upper_bound(start[i], end[i], duration) > peaks[slot]
+        })
     }
 
     /// Takes in what happens in a step of `duration` between two instants; `inside` gives the samples at a time after

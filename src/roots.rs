@@ -11,7 +11,8 @@ pub struct Sample {
 }
 
 impl Sample {
-    fn negated(self) -> Sample {
+    /// The sample of the function with the other sign.
+    pub fn negated(self) -> Sample {
         Sample { value: -self.value, rate: -self.rate }
     }
 }

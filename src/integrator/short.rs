@@ -13,6 +13,7 @@ pub struct ShortStep {
     pub work: Powers,
     size: f64,
     stages: [State; 6],
+    powers: [Powers; 6],
 }
 
 impl ShortStep {
@@ -39,12 +40,21 @@ impl ShortStep {
             })*};
         }
         stages!(1 2 3 4 5);
-        ShortStep { end: start + short_increment!(k, 6) * size, work: short_increment!(q, 6) * size, size, stages: k }
+        ShortStep {
+            end: start + short_increment!(k, 6) * size,
+            work: short_increment!(q, 6) * size,
+            size,
+            stages: k,
+            powers: q,
+        }
     }
 
-    /// Estimated error of the step with this rate at its end; `weights` as in [`super::Step::error`].
+    /// Estimated error of the step with this rate at its end, in units of what is allowed; `weights` as in
+    /// [`super::Step::error`], `work_weight` the same of the works.
     #[inline]
-    pub fn error(&self, end: Rate, weights: &State) -> f64 {
-        self.size * short_difference!(self.stages, end.state).component_mul(weights).norm()
+    pub fn error(&self, end: Rate, weights: &State, work_weight: f64) -> f64 {
+        let state = short_difference!(self.stages, end.state).component_mul(weights);
+        let work = short_difference!(self.powers, end.powers) * work_weight;
+        self.size * (state.norm_squared() + work.norm_squared()).sqrt()
     }
 }

@@ -45,11 +45,15 @@ impl Motion<'_> {
         let footing = self.footing_at(time, excitation);
         let instant = instant(self.block, self.regime, state.into(), footing, forcing);
         let rate = self.rate_of(&instant, forcing);
-        let tops = Corner::BOTH.map(|corner| match self.regime.touches(corner) {
+        Point { time, state, footing, rate, instant, forcing, tops: self.tops(time) }
+    }
+
+    /// Heights of the supports that nothing touches.
+    pub(super) fn tops(&self, time: f64) -> [Sample; 2] {
+        Corner::BOTH.map(|corner| match self.regime.touches(corner) {
             true => Sample::default(),
             false => self.creep[corner.index()].top(self.block, time),
-        });
-        Point { time, state, footing, rate, instant, forcing, tops }
+        })
     }
 
     /// An attempted step of `size` from a point.

@@ -5,6 +5,7 @@ use num_dual::Dual64;
 use crate::dynamics::energy;
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::outputs::{Observation, View};
+use crate::simulation::motion::Motion;
 use crate::simulation::{Ending, Energies, EnergySums, OnOverturning, OnSeparation, Simulation};
 
 impl Simulation {
@@ -39,17 +40,13 @@ impl Simulation {
 
     fn with_view<R>(&self, inputs: &Inputs, look: impl FnOnce(View, Forcing<f64>) -> R) -> R {
         let excitation = Excitation::from_time(self.time, inputs, &self.pulse, &self.block);
-        let view = View {
-            block: &self.block,
-            regime: self.regime,
+        let motion = Motion::of(self, &self.block);
+        let mut point = motion.point(self.time, self.state, &excitation);
+        if let Some((_, ended)) = self.ending {
             // Under a block that is held the supports are, too.
-            time: self.ending.map_or(self.time, |(_, ended)| ended),
-            state: &self.state,
-            footing: self.footing,
-            creep: &self.creep,
-            forcing: excitation.at(self.time),
-        };
-        look(view, excitation.rate_at(self.time))
+            point.tops = motion.tops(ended);
+        }
+        look(self.view(&point), excitation.rate_at(self.time))
     }
 
     /// Energies and their sums now (J).
@@ -82,7 +79,7 @@ impl Simulation {
             let x = view.along(Forcing::default());
             let (kinetic, potential) = energy(block, self.regime, &x);
             let forcing = view.forcing;
-            let [input, dashpots] = view.instant().powers(block, self.regime, forcing);
+            let [input, dashpots] = view.instant.powers(block, self.regime, forcing);
             let [kinetic, potential, input, dashpots] =
                 [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
             let total = kinetic + potential;

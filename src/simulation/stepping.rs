@@ -16,6 +16,8 @@ use crate::simulation::{Simulation, SimulationError};
 struct Limits {
     /// Reciprocals of the errors that a step may make in each component of the state.
     weights: State,
+    /// The reciprocal of the error that a step may make in each of the works.
+    work_weight: f64,
     /// The longest step (s).
     longest: f64,
 }
@@ -44,10 +46,9 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let mut here = self.point(excitation);
-        let mut peaks_here = None;
         while self.time < stop && self.ending.is_none() {
             let limits = self.limits(excitation.frequency());
-            if let Some(there) = self.short_step(stop, &here, &mut peaks_here, excitation, &limits) {
+            if let Some(there) = self.short_step(stop, &here, excitation, &limits) {
                 here = there;
                 continue;
             }
@@ -75,7 +76,7 @@ impl Simulation {
                 None => (there.time - here.time, step.work),
             };
             let near = limits.near_a_peak(elapsed);
-            peaks_here = self.update_peaks(&here, peaks_here, &there, near, excitation, &mut inside);
+            self.update_peaks(&here, &there, near, excitation, &mut inside);
             self.counts.evaluations += evaluations;
             self.sums.input += work[0];
             self.sums.dashpots += work[1];
@@ -86,7 +87,6 @@ impl Simulation {
             here = match event {
                 Some((_, surface)) => {
                     self.apply(surface, &there, excitation, observer)?;
-                    peaks_here = None;
                     self.point(excitation)
                 }
                 None => there,
@@ -101,17 +101,9 @@ impl Simulation {
     /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way.
     ///
     /// Where stops come often, as under a record, the errors of more steps add up than the motion needs, and the energy
-    /// sums go without control. So a step may make a tenth of the error of others. `peaks_here` is what is known of the
-    /// peaks' samples where the motion is.
+    /// sums go without control. So a step may make a tenth of the error of others.
     #[inline]
-    fn short_step(
-        &mut self,
-        stop: f64,
-        here: &Point,
-        peaks_here: &mut Option<PeakSamples>,
-        excitation: &Excitation,
-        limits: &Limits,
-    ) -> Option<Point> {
+    fn short_step(&mut self, stop: f64, here: &Point, excitation: &Excitation, limits: &Limits) -> Option<Point> {
         // Where a short step failed another is tried before long, since the motion may have become slower.
         const GROWTH: f64 = 1.1;
         const LEAST: f64 = 0.1;
@@ -128,7 +120,7 @@ impl Simulation {
         let step = motion.short_step(here, size, excitation);
         let there = motion.point(stop, step.end, excitation);
         self.counts.evaluations += ShortStep::EVALUATIONS + 1;
-        let error = step.error(there.rate, &limits.weights) / SHARE;
+        let error = step.error(there.rate, &limits.weights, limits.work_weight) / SHARE;
         // The root of order 4 is two square roots, and less than that of order 5.
         let factor = (1.0 / error.sqrt().sqrt()).max(LEAST);
         if factor < 1.0 {
@@ -138,17 +130,11 @@ impl Simulation {
         if self.may_hold_event(here, &there, excitation) {
             return None;
         }
-        if self.may_peak(here, &there, limits.near_a_peak(size)) {
-            let start = *peaks_here.get_or_insert_with(|| self.peak_samples(here, excitation));
-            let end = self.peak_samples(&there, excitation);
-            if self.peaks.may_rise_inside(&start, &end, size) {
-                return None;
-            }
-            self.peaks.include(&end);
-            *peaks_here = Some(end);
-        } else {
-            *peaks_here = None;
+        let [start, end] = self.samples_at_ends(here, &there, limits.near_a_peak(size), excitation);
+        if self.peaks.may_rise_inside(&start, &end, size) {
+            return None;
         }
+        self.peaks.include(&end);
         self.counts.steps += 1;
         self.sums.input += step.work[0];
         self.sums.dashpots += step.work[1];
@@ -179,7 +165,7 @@ impl Simulation {
         stop: f64,
         here: &Point,
         excitation: &Excitation,
-        &Limits { weights, longest }: &Limits,
+        &Limits { weights, longest, .. }: &Limits,
     ) -> Result<(Step, Point), SimulationError> {
         let (block, time) = (self.block, self.time);
         let motion = Motion::of(self, &block);
@@ -241,7 +227,9 @@ impl Simulation {
         let most = (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v);
         let upright = 1.0 / (self.settings.tolerance * most);
         let weights = State::new(rocking * allowed, allowed, vertical * upright, upright);
-        Limits { weights, longest: LONGEST / rocking.max(vertical).max(pulse_frequency) }
+        let longest = LONGEST / rocking.max(vertical).max(pulse_frequency);
+        // The energy of a block that rocks with the velocity of which the rest is a part.
+        Limits { weights, work_weight: allowed / ((i0 + r0 * r0) * alpha * p), longest }
     }
 
     /// The first surface through which the motion falls between two points, and when, in seconds after the first.
@@ -275,73 +263,65 @@ impl Simulation {
         first
     }
 
-    /// Takes the step's peaks in. Their rates take dual numbers, so they are formed only where a peak is `near`, as a part
-    /// of that before. `at_start` is what is known of the beginning; returns the same of the end.
+    /// Takes the step's peaks in.
     fn update_peaks(
         &mut self,
         here: &Point,
-        at_start: Option<PeakSamples>,
         there: &Point,
         near: f64,
         excitation: &Excitation,
         inside: &mut impl FnMut() -> DenseOutput,
-    ) -> Option<PeakSamples> {
-        let elapsed = there.time - here.time;
-        if elapsed <= 0.0 || !self.may_peak(here, there, near) {
-            return None;
+    ) {
+        let duration = there.time - here.time;
+        if duration <= 0.0 {
+            return;
         }
-        let start = at_start.unwrap_or_else(|| self.peak_samples(here, excitation));
-        let end = self.peak_samples(there, excitation);
+        let [start, end] = self.samples_at_ends(here, there, near, excitation);
         let mut peaks = self.peaks;
-        peaks.include_step(&start, &end, elapsed, |after| {
+        peaks.include_step(&start, &end, duration, |after| {
             let point = self.point_at(here.time + after, inside().state(after), excitation);
             self.peak_samples(&point, excitation)
         });
         self.peaks = peaks;
-        Some(end)
     }
 
-    /// Whether a step may hold a new peak: by the tangents where the rates are at hand, and by how near the ends are to
-    /// a peak where they are not (H and the friction demand).
-    fn may_peak(&self, here: &Point, there: &Point, near: f64) -> bool {
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand } = self.peaks;
-        let block = &self.block;
-        let duration = there.time - here.time;
-        let rises = |of: &dyn Fn(&Point) -> Sample, peak: f64| roots::upper_bound(of(here), of(there), duration) > peak;
+    /// What the peaks are compared with at both ends of a step. The rates of H and of the friction demand, and those of the
+    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
+    /// part of that, and are zero elsewhere.
+    fn samples_at_ends(&self, here: &Point, there: &Point, near: f64, excitation: &Excitation) -> [PeakSamples; 2] {
+        let Block { mass, foundation, .. } = self.block;
+        let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
         let close = |point: &Point| {
             let [left, right] = point.instant.reaction;
-            let shear = block.mass * point.instant.horizontal.abs();
-            shear > near * horizontal || shear > near * friction_demand * block.mass * (left + right)
+            let shear = mass * point.instant.horizontal.abs();
+            shear > near * horizontal
+                || shear > near * friction_demand * mass * (left + right)
+                || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
         };
-        let corner_rises = |corner: Corner| {
-            let i = corner.index();
-            if self.regime.touches(corner) {
-                let force = |point: &Point| {
-                    let x = &point.instant;
-                    let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
-                    Sample { value: block.mass * x.reaction[i], rate: block.mass * rate }
-                };
-                rises(&force, reaction)
-            } else {
-                let gap = |point: &Point| {
-                    let (x, top) = (&point.instant, point.tops[i]);
-                    Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate }
-                };
-                rises(&gap, uplift)
-            }
-        };
-        let rotation = |sign: f64| {
-            move |point: &Point| {
-                let x = &point.instant;
-                Sample { value: sign * x.theta, rate: sign * x.theta_dot }
-            }
-        };
-        close(here)
-            || close(there)
-            || corner_rises(Corner::Left)
-            || corner_rises(Corner::Right)
-            || rises(&rotation(1.0), theta)
-            || rises(&rotation(-1.0), theta)
+        if close(here) || close(there) {
+            return [here, there].map(|point| self.peak_samples(point, excitation));
+        }
+        [here, there].map(|point| {
+            let (x, none) = (&point.instant, Sample::default());
+            let reaction = |corner: Corner| {
+                let i = corner.index();
+                let rate = reaction_rate(&self.block, x.corner_dot[i], x.corner_ddot[i]);
+                match self.regime.touches(corner) {
+                    true => Sample { value: mass * x.reaction[i], rate: mass * rate },
+                    false => none,
+                }
+            };
+            let uplift = |corner: Corner| {
+                let (i, top) = (corner.index(), point.tops[corner.index()]);
+                match self.regime.touches(corner) {
+                    true => none,
+                    false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
+                }
+            };
+            let theta = Sample { value: x.theta, rate: x.theta_dot };
+            let [left, right] = Corner::BOTH;
+            [theta, theta.negated(), reaction(left), reaction(right), none, none, uplift(left), uplift(right), none]
+        })
     }
 
     pub(super) fn peak_samples(&self, point: &Point, excitation: &Excitation) -> PeakSamples {
@@ -352,11 +332,11 @@ impl Simulation {
         View {
             block: &self.block,
             regime: self.regime,
-            time: point.time,
             state: &point.state,
             footing: point.footing,
-            creep: &self.creep,
             forcing: point.forcing,
+            instant: &point.instant,
+            tops: point.tops,
         }
     }
 
