@@ -100,8 +100,8 @@ impl Simulation {
 
     /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way.
     ///
-    /// Where stops come often, as under a record, the errors of more steps add up than the motion needs, and the energy
-    /// sums go without control. So a step may make a tenth of the error of others.
+    /// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a step may make
+    /// a tenth of the error of others, in the motion and in the works.
     #[inline]
     fn short_step(&mut self, stop: f64, here: &Point, excitation: &Excitation, limits: &Limits) -> Option<Point> {
         // Where a short step failed another is tried before long, since the motion may have become slower.
