@@ -6,6 +6,7 @@ use rocking_block::events::{Event, EventKind};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::impact;
 use rocking_block::outputs::Observation;
+use rocking_block::peaks::Peaks;
 use rocking_block::regime::{Corner, Regime};
 use rocking_block::simulation::{Ending, Initial, LiftOff, Progress, Settings, Simulation};
 
@@ -340,6 +341,32 @@ fn peaks_come_from_inside_the_steps() {
     {
         let excess = peak / sampled - 1.0;
         assert!((-1e-9..1e-5).contains(&excess), "{name}: peak {peak}, from samples {sampled}");
+    }
+}
+
+/// Nor do they depend on stops so close that most steps are short ones.
+#[test]
+fn peaks_come_from_between_the_stops() {
+    let pulse = one_sine(5.0, 1.25);
+    for block in [block(0.25, 1.0, 20.0, 0.05, 0.1), rigid(0.25, 1.0)] {
+        let peaks = |stop: f64, tolerance: f64| {
+            let mut simulation = start(block, pulse, Initial::default(), tolerance);
+            let mut time = 0.0;
+            while time < 5.0 {
+                time += stop;
+                go(&mut simulation, f64::min(time, 5.0));
+            }
+            let Peaks { theta, reaction, horizontal, uplift, friction_demand } = simulation.peaks();
+            [theta, reaction, horizontal, uplift, friction_demand]
+        };
+        let exact = peaks(5.0, 1e-12);
+        for stop in [0.011, 0.017, 0.023, 0.029] {
+            for (name, (found, exact)) in
+                ["theta", "N", "H", "uplift", "friction demand"].iter().zip(peaks(stop, 1e-6).into_iter().zip(exact))
+            {
+                assert!((found / exact - 1.0).abs() < 1e-4, "{name}: {found} with stops every {stop} s, exact {exact}");
+            }
+        }
     }
 }
 
