@@ -91,7 +91,7 @@ fn run(case: &Case, tolerance: f64) -> Option<Outcome> {
     let end = match ended {
         None => "completed",
         Some((Ending::Separated, _)) => "separated",
-        Some((Ending::Overturned, _)) => "overturned",
+        Some((Ending::Toppled | Ending::Overturned, _)) => "overturned",
     };
     Some(Outcome {
         theta_error,

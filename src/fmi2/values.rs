@@ -221,7 +221,7 @@ pub fn real_output(
 pub fn history(variable: Variable, simulation: &Simulation) -> f64 {
     let peaks = simulation.peaks();
     let counts = simulation.counts();
-    let ended_by = |ending| f64::from(u8::from(simulation.ending().is_some_and(|(end, _)| end == ending)));
+    let ended_by = |is: fn(Ending) -> bool| f64::from(u8::from(simulation.ending().is_some_and(|(end, _)| is(end))));
     match variable {
         Variable::PeakTheta => peaks.theta,
         Variable::PeakN => peaks.reaction,
@@ -232,8 +232,8 @@ pub fn history(variable: Variable, simulation: &Simulation) -> f64 {
         Variable::EventsImpacts => f64::from(counts.impacts),
         Variable::EventsLiftoffs => f64::from(counts.liftoffs),
         Variable::Regime => f64::from(simulation.regime().number()),
-        Variable::Separated => ended_by(Ending::Separated),
-        Variable::Overturned => ended_by(Ending::Overturned),
+        Variable::Separated => ended_by(Ending::is_separation),
+        Variable::Overturned => ended_by(Ending::is_overturning),
         _ => 0.0,
     }
 }

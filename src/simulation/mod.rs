@@ -93,16 +93,44 @@ pub struct Initial {
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// The last touching corner lifted.
+    /// The last touching corner lifted from a block that may still come down on its base.
     Separated,
+    /// The last touching corner lifted from a block that is on its way over, |θ| ≥ α and θ θ̇ > 0: both separated and
+    /// overturned. On supports a block that topples leaves them before it lies on its side.
+    Toppled,
     /// The block reached a quarter turn.
     Overturned,
+}
+
+impl Ending {
+    /// How the run of a block of slenderness α (rad) ends that leaves its last support at the rotation θ (rad) and the
+    /// rate θ̇ (rad/s). How often this takes a block for overturned that would have come back is in docs/model.md.
+    pub fn at_separation(alpha: f64, theta: f64, theta_dot: f64) -> Ending {
+        if theta.abs() >= alpha && theta * theta_dot > 0.0 { Ending::Toppled } else { Ending::Separated }
+    }
+
+    /// Whether the block left its supports.
+    pub fn is_separation(self) -> bool {
+        match self {
+            Ending::Separated | Ending::Toppled => true,
+            Ending::Overturned => false,
+        }
+    }
+
+    /// Whether the block overturned or is bound to.
+    pub fn is_overturning(self) -> bool {
+        match self {
+            Ending::Overturned | Ending::Toppled => true,
+            Ending::Separated => false,
+        }
+    }
 }
 
 impl std::fmt::Display for Ending {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Ending::Separated => "complete separation",
+            Ending::Toppled => "overturning, with complete separation",
             Ending::Overturned => "overturning",
         })
     }

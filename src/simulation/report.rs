@@ -13,7 +13,7 @@ impl Simulation {
     pub fn is_frozen(&self) -> bool {
         match self.ending {
             None => false,
-            Some((Ending::Separated, _)) => self.settings.on_separation == OnSeparation::Hold,
+            Some((Ending::Separated | Ending::Toppled, _)) => self.settings.on_separation == OnSeparation::Hold,
             Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
         }
     }

@@ -239,7 +239,7 @@ impl Simulation {
 
     pub(super) fn end_if_separated(&mut self) {
         if self.regime == Regime::Separated && !self.flies() {
-            self.end(Ending::Separated);
+            self.end(Ending::at_separation(self.block.alpha, self.state[0], self.state[1]));
         }
     }
 

@@ -102,7 +102,7 @@ impl Outcome {
             Err(_) => End::Failed,
             Ok(Outcome { ending: None, .. }) => End::Completed,
             Ok(Outcome { ending: Some((Ending::Separated, _)), .. }) => End::Separated,
-            Ok(Outcome { ending: Some((Ending::Overturned, _)), .. }) => End::Overturned,
+            Ok(Outcome { ending: Some((Ending::Toppled | Ending::Overturned, _)), .. }) => End::Overturned,
         }
     }
 

@@ -126,7 +126,7 @@ impl Made {
         match self.history.ending {
             None => "completed".into(),
             Some((Ending::Separated, time)) => format!("separated at {time:.3} s"),
-            Some((Ending::Overturned, time)) => format!("overturned at {time:.3} s"),
+            Some((Ending::Toppled | Ending::Overturned, time)) => format!("overturned at {time:.3} s"),
         }
     }
 
