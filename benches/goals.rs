@@ -129,7 +129,11 @@ fn spectrum(ground: Ground, blocks: u64) {
     let [alone, one, two] = least(
         rounds,
         [
-            &mut || (0..blocks).for_each(|row| drop(black_box(single.run(row).expect("a block").outcome()))),
+            &mut || {
+                (0..blocks).for_each(|row| {
+                    black_box(single.run(row).expect("a block").outcome());
+                })
+            },
             &mut || made(blocks, 1),
             &mut || made(blocks, 2),
         ],

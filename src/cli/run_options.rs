@@ -32,8 +32,8 @@ impl From<AtLiftOff> for LiftOff {
 /// What happens at complete separation.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum AtSeparation {
-    /// The run ends, as the paper's analysis does
-    End,
+    /// The run ends, as in the paper's analysis
+    Terminate,
     /// The block flies, lands and goes on
     Fly,
 }
@@ -41,7 +41,7 @@ pub enum AtSeparation {
 impl From<AtSeparation> for OnSeparation {
     fn from(separation: AtSeparation) -> OnSeparation {
         match separation {
-            AtSeparation::End => OnSeparation::Terminate,
+            AtSeparation::Terminate => OnSeparation::Terminate,
             AtSeparation::Fly => OnSeparation::Fly,
         }
     }
@@ -58,9 +58,9 @@ pub struct RunOptions {
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
     lift_off: AtLiftOff,
     /// What happens at complete separation
-    #[arg(long, value_enum, default_value_t = AtSeparation::End)]
+    #[arg(long, value_enum, default_value_t = AtSeparation::Fly)]
     on_separation: AtSeparation,
-    /// Duration; without it until 20/p after the ground has come to rest [s]
+    /// Duration; without it each run goes on until the ground has come to rest and the block has come down [s]
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     /// Longest time between two stops of a run; without it only a record's samples and a pulse's ends are [s]

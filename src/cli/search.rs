@@ -12,7 +12,7 @@ use crate::cli::progress::Progress;
 use crate::cli::run_options::AtLiftOff;
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
-use crate::study::history::End;
+use crate::study::outcome::End;
 use crate::study::runner;
 use crate::study::search::{self, Found, Scan, Shaking};
 

@@ -10,9 +10,8 @@ use crate::cli::excitation::{Excitation, Motion, finite};
 use crate::cli::output::Pending;
 use crate::cli::progress::Progress;
 use crate::cli::run_options::{AtLiftOff, AtSeparation};
-use crate::excitation::PulseShape;
 use crate::records::{self, ReadOptions, Record};
-use crate::simulation::{Initial, Settings};
+use crate::simulation::{Ending, Initial, Settings};
 use crate::study::history::{History, Run};
 use crate::study::picture::PictureFormat;
 use crate::study::{plot, table};
@@ -36,9 +35,9 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates, help_heading = "Run")]
     lift_off: AtLiftOff,
     /// What happens at complete separation
-    #[arg(long, value_enum, default_value_t = AtSeparation::End, help_heading = "Run")]
+    #[arg(long, value_enum, default_value_t = AtSeparation::Terminate, help_heading = "Run")]
     on_separation: AtSeparation,
-    /// Duration; without it the record's, or five periods of the pulse, with time to come to rest [s]
+    /// Duration; without it the run goes on until the ground has come to rest and the block has come down [s]
     #[arg(long, value_name = "S", help_heading = "Run")]
     duration: Option<f64>,
     /// Time between rows of the table; without it the record's time step or 0.01 [s]
@@ -206,15 +205,9 @@ impl Options {
         }
         let output_step = self.step.or(ground.time_step()).unwrap_or(0.01);
         finite("step", output_step, |x| x > 0.0, "a time > 0 s")?;
-        let of_pulse = (pulse.shape != PulseShape::None).then(|| pulse.end() + 4.0 * pulse.period);
-        let of_record = ground.end().map(|end| end - ground.start());
-        let duration = self.duration.or(of_record.into_iter().chain(of_pulse).reduce(f64::max)).unwrap_or(10.0);
-        finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
-        let rows = duration / output_step;
-        anyhow::ensure!(
-            rows < 1e8,
-            "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
-        );
+        if let Some(duration) = self.duration {
+            finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
+        }
         let settings = Settings {
             tolerance: self.tolerance,
             lift_off: self.lift_off.into(),
@@ -222,7 +215,14 @@ impl Options {
             ..Settings::default()
         };
         let initial = Initial { theta, theta_dot, vertical };
-        Ok((Run { block, settings, initial, pulse, ground, duration, output_step }, source))
+        let run = Run { block, settings, initial, pulse, ground, duration: self.duration, output_step };
+        let duration = run.longest_duration();
+        let rows = duration / output_step;
+        anyhow::ensure!(
+            rows < 1e8,
+            "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
+        );
+        Ok((run, source))
     }
 
     /// The record that is run when none is named.
@@ -266,8 +266,12 @@ fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> Str
     let weight = block.mass * block.gravity;
     let last = history.rows.last().map_or(0.0, |row| row.time);
     let end = match ending {
+        Some((ending @ Ending::Separated, time)) => {
+            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
+        }
         Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
-        None => format!("completed at t = {last:.4} s"),
+        None if history.has_come_down => format!("completed at t = {last:.4} s: the block stands"),
+        None => format!("completed at t = {last:.4} s, before the block has come down"),
     };
     let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
     let largest = history.greatest_energy();

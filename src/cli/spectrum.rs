@@ -33,16 +33,16 @@ pub struct Options {
     /// Picture of the spectrum, SVG or PNG by its ending
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     plot: Option<PathBuf>,
-    /// What the sizes are drawn over; without it omega_p/p for a pulse, 2/p for a record
+    /// What the sizes are drawn over; without it omega_p/p for a pulse, 2pi/p for a record
     #[arg(long, value_enum, requires = "plot", help_heading = "Results")]
     over: Option<Over>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Over {
-    /// 2/p in seconds
-    #[value(name = "2/p")]
-    TwoOverP,
+    /// 2 pi/p in seconds
+    #[value(name = "2pi/p")]
+    TwoPiOverP,
     /// Frequency ratio of pulse and block
     #[value(name = "omega_p/p")]
     PulseRatio,
@@ -96,13 +96,13 @@ fn base(text: &str) -> anyhow::Result<Base> {
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let (spectrum, source) = options.spectrum()?;
     let over = match options.over {
-        Some(Over::TwoOverP) => Abscissa::TwoOverP,
+        Some(Over::TwoPiOverP) => Abscissa::TwoPiOverP,
         Some(Over::PulseRatio) => Abscissa::PulseRatio,
         None if spectrum.pulse.shape != PulseShape::None && options.excitation.is_pulse_alone() => Abscissa::PulseRatio,
-        None => Abscissa::TwoOverP,
+        None => Abscissa::TwoPiOverP,
     };
     let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
-    anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2/p");
+    anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2pi/p");
     let format = options.plot.as_deref().map(PictureFormat::of).transpose()?;
     let mut picture = options.plot.as_deref().map(Pending::new).transpose()?;
     let made = options.study.run(&spectrum)?;

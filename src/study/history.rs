@@ -6,8 +6,10 @@ use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::outputs::Observation;
 use crate::peaks::Peaks;
 use crate::regime::Regime;
-use crate::simulation::{Counts, Ending, Energies, Initial, Progress, Settings, Simulation, SimulationError};
+use crate::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError};
+use crate::study::coming_down::{ComingDown, part_of_barrier};
 use crate::study::ground::Ground;
+use crate::study::outcome::{Flights, Outcome};
 
 /// A run to be made.
 #[derive(Clone, Debug)]
@@ -22,8 +24,9 @@ pub struct Run {
     pub pulse: Pulse,
     /// Records.
     pub ground: Ground,
-    /// Duration (s).
-    pub duration: f64,
+    /// Duration (s); without one the run goes on until the ground has come to rest and the block has come down, see
+    /// [`coming_down`](crate::study::coming_down).
+    pub duration: Option<f64>,
     /// Time between two rows of the history (s), and so the longest between two stops; infinite for rows at the beginning
     /// and the end alone.
     pub output_step: f64,
@@ -57,69 +60,8 @@ pub struct History {
     pub counts: Counts,
     /// Why and when the run ended, if before its time.
     pub ending: Option<(Ending, f64)>,
-}
-
-/// What a block did, without its history.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
-    /// Greatest values until the end of the run.
-    pub peaks: Peaks,
-    /// Counters.
-    pub counts: Counts,
-    /// Why and when (s) the run ended, if before its time.
-    pub ending: Option<(Ending, f64)>,
-}
-
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// It came to its end.
-    Completed,
-    /// At complete separation.
-    Separated,
-    /// At overturning.
-    Overturned,
-    /// It could not go on.
-    Failed,
-}
-
-/// The word that stands in tables.
-impl std::fmt::Display for End {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            End::Completed => "completed",
-            End::Separated => "separated",
-            End::Overturned => "overturned",
-            End::Failed => "failed",
-        })
-    }
-}
-
-impl Outcome {
-    /// How the run ended.
-    pub fn end(outcome: &Result<Outcome, SimulationError>) -> End {
-        match outcome {
-            Err(_) => End::Failed,
-            Ok(Outcome { ending: None, .. }) => End::Completed,
-            Ok(Outcome { ending: Some((Ending::Separated, _)), .. }) => End::Separated,
-            Ok(Outcome { ending: Some((Ending::Toppled | Ending::Overturned, _)), .. }) => End::Overturned,
-        }
-    }
-
-    /// Peak rotation |θ|/α in digits that bring it back exactly; where the run did not complete there is none, and the
-    /// word of [`Outcome::end`] stands instead.
-    pub fn rotation(outcome: &Result<Outcome, SimulationError>, block: &Block) -> String {
-        match outcome {
-            Ok(Outcome { peaks, ending: None, .. }) => (peaks.theta / block.alpha).to_string(),
-            _ => Outcome::end(outcome).to_string(),
-        }
-    }
-
-    /// Time (s) at which the run ended before its time; nothing if it did not.
-    pub fn end_time(outcome: &Result<Outcome, SimulationError>) -> String {
-        let ending = outcome.as_ref().ok().and_then(|outcome| outcome.ending);
-        ending.map(|(_, time)| time.to_string()).unwrap_or_default()
-    }
+    /// Whether, at the end of the run, the ground has come to rest and the block is bound to.
+    pub has_come_down: bool,
 }
 
 /// Longest duration of a run of a study (s), and shortest time between two of its stops (s): what lies outside is a slip
@@ -128,64 +70,97 @@ pub const LONGEST: f64 = 1e6;
 /// See [`LONGEST`].
 pub const SHORTEST: f64 = 1e-6;
 
-/// Duration of a run of a study (s): until 20/p after the ground has come to rest, in which a block that is on its way
-/// rocks to its greatest rotation or falls over. (A block takes 9.9/p to rise to 0.9999 α, and as long to come down or to
-/// fall.)
-pub fn duration(ground: &Ground, pulse: &Pulse, block: &Block) -> f64 {
-    let start = ground.start();
-    let records = ground.end().map_or(0.0, |end| end - start);
-    let pulse = if pulse.shape == PulseShape::None { 0.0 } else { pulse.end() - start };
-    records.max(pulse) + 20.0 / block.p
-}
-
 impl Run {
     /// Makes the run; `progress` is told the part that is done, 0 to 1.
     pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<History, SimulationError> {
         let (mut rows, mut events) = (Vec::new(), Vec::new());
-        let simulation = self.drive(&mut |event| events.push(*event), |part, simulation, inputs| {
+        let mut simulation = self.begin();
+        self.drive(&mut simulation, &mut |event| events.push(*event), |part, simulation, inputs| {
             rows.push(self.row(simulation, inputs));
             progress(part);
         })?;
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
-        Ok(History { rows, events, peaks, counts, ending })
+        let at_rest = simulation.time() >= self.ground_at_rest();
+        let has_come_down = at_rest && ending.is_none() && part_of_barrier(&simulation).is_some();
+        Ok(History { rows, events, peaks, counts, ending, has_come_down })
     }
 
     /// Makes the run without keeping its rows. Its stops are those of [`Run::history`], so that its numbers are the same
     /// to the last bit.
-    pub fn outcome(&self) -> Result<Outcome, SimulationError> {
-        let simulation = self.drive(&mut |_| (), |_, _, _| ())?;
-        Ok(Outcome { peaks: simulation.peaks(), counts: simulation.counts(), ending: simulation.ending() })
+    pub fn outcome(&self) -> Outcome {
+        let mut flights = Flights::default();
+        let mut failure = None;
+        let mut simulation = self.begin();
+        flights.begin(&simulation);
+        if let Err(error) = self.drive(&mut simulation, &mut |event| flights.see(event), |_, _, _| ()) {
+            failure = Some(error);
+        }
+        Outcome::new(&simulation, flights, failure)
+    }
+
+    fn begin(&self) -> Simulation {
+        let start = self.ground.start();
+        let (inputs, _) = self.ground.inputs_from(start);
+        Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs)
+    }
+
+    /// Time from which the ground is at rest (s).
+    fn ground_at_rest(&self) -> f64 {
+        let start = self.ground.start();
+        let pulse = if self.pulse.shape == PulseShape::None { start } else { self.pulse.end() };
+        self.ground.end().unwrap_or(start).max(pulse).max(start)
+    }
+
+    /// Longest duration that the run may have (s).
+    pub fn longest_duration(&self) -> f64 {
+        let coming_down = || ComingDown::new(self.ground_at_rest()).end(&self.block) - self.ground.start();
+        self.duration.unwrap_or_else(coming_down)
     }
 
     /// Makes the run, and shows each event and, at the beginning and at each row, the part that is done, the block and
-    /// the inputs.
+    /// the inputs. An error leaves the simulation at the last good step.
     fn drive(
         &self,
+        simulation: &mut Simulation,
         events: &mut dyn FnMut(&Event),
         mut row: impl FnMut(f64, &Simulation, &Inputs),
-    ) -> Result<Simulation, SimulationError> {
-        let start = self.ground.start();
+    ) -> Result<(), SimulationError> {
+        let (start, block) = (simulation.time(), &self.block);
         let (mut inputs, mut until) = self.ground.inputs_from(start);
-        let mut simulation = Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs);
-        row(0.0, &simulation, &inputs);
-        // The last row is at the end of the run, however long the step before it.
-        let rows = ((self.duration / self.output_step * (1.0 - 1e-12)).ceil() as u64).max(1);
-        for i in 1..=rows {
-            let time = start + if i == rows { self.duration } else { i as f64 * self.output_step };
-            let mut ended = false;
-            while simulation.time() < time && !ended {
-                let stop = until.min(time);
-                ended = matches!(simulation.advance(stop, &inputs, events)?, Progress::Ended(..));
-                if !ended && stop == until {
-                    (inputs, until) = self.ground.inputs_from(stop);
-                }
+        let mut coming_down = self.duration.is_none().then(|| ComingDown::new(self.ground_at_rest()));
+        let end_of = |coming_down: &Option<ComingDown>| match (self.duration, coming_down) {
+            (Some(duration), _) => start + duration,
+            (None, Some(coming_down)) => coming_down.end(block),
+            (None, None) => start,
+        };
+        let look = |coming_down: &mut Option<ComingDown>, simulation: &Simulation| {
+            if let Some(coming_down) = coming_down.as_mut().filter(|c| c.next_look(block) <= simulation.time()) {
+                coming_down.look(simulation);
             }
-            row(i as f64 / rows as f64, &simulation, &inputs);
-            if ended {
-                break;
+        };
+        row(0.0, simulation, &inputs);
+        look(&mut coming_down, simulation);
+        let mut rows = 0;
+        while simulation.time() < end_of(&coming_down) && simulation.ending().is_none() {
+            let end = end_of(&coming_down);
+            let next = start + (rows + 1) as f64 * self.output_step;
+            let next_look = coming_down.map_or(f64::INFINITY, |coming_down| coming_down.next_look(block));
+            let stop = until.min(next).min(next_look).min(end);
+            simulation.advance(stop, &inputs, events)?;
+            let ended = simulation.ending().is_some();
+            if !ended && stop == until {
+                (inputs, until) = self.ground.inputs_from(stop);
+            }
+            look(&mut coming_down, simulation);
+            let end = end_of(&coming_down);
+            // The last row is at the end of the run, however short or long the step before it.
+            let is_row = stop == next && next < end - 1e-12 * (end - start);
+            if is_row || ended || stop >= end {
+                rows += 1;
+                row(((simulation.time() - start) / (end - start)).min(1.0), simulation, &inputs);
             }
         }
-        Ok(simulation)
+        Ok(())
     }
 
     fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {

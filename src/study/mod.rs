@@ -1,10 +1,12 @@
 //! Runs of a block and what is made of them: histories, spectra, sweeps, searches, the paper's figures, tables, pictures.
 
+pub mod coming_down;
 pub mod figures;
 pub mod ground;
 pub mod history;
 pub mod intensity;
 mod look;
+pub mod outcome;
 pub mod parameters;
 pub mod picture;
 pub mod plot;

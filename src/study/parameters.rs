@@ -1,6 +1,6 @@
 //! Names and values of a study file → the variables of modelDescription.xml.
 
-use roxmltree::Document;
+use roxmltree::{Document, Node};
 
 use crate::fmi2::variables::{Causality, Kind, Metadata, VARIABLES};
 
@@ -46,6 +46,15 @@ impl Parameter {
         }
     }
 
+    /// Name and unit, as they stand over a column: `dimensionless.p [rad/s]`. A choice has no unit.
+    pub fn heading(&self) -> String {
+        let name = self.metadata.name;
+        match self.metadata.kind {
+            Kind::Real => format!("{name} [{}]", unit(name).unwrap_or_default()),
+            Kind::Integer | Kind::Boolean | Kind::Enumeration | Kind::String => name.into(),
+        }
+    }
+
     /// The number of an item.
     pub fn item(&self, name: &str) -> Result<f64, String> {
         match self.items.iter().find(|item| item.0 == name) {
@@ -82,14 +91,23 @@ fn similar(name: &str) -> String {
     if same.is_empty() { names().collect::<Vec<_>>().join(", ") } else { same.join(", ") }
 }
 
+/// The unit of a Real variable.
+fn unit(name: &str) -> Option<String> {
+    let document = Document::parse(DESCRIPTION).ok()?;
+    named(&document, "ScalarVariable", name)?.children().find_map(|node| node.attribute("unit")).map(String::from)
+}
+
 fn items(name: &str) -> Option<Vec<(String, f64)>> {
     let document = Document::parse(DESCRIPTION).ok()?;
-    let find = |tag: &str, name: &str| {
-        document.descendants().find(|node| node.has_tag_name(tag) && node.attribute("name") == Some(name))
-    };
-    let declared = find("ScalarVariable", name)?.children().find_map(|node| node.attribute("declaredType"))?;
-    let items = find("SimpleType", declared)?.descendants().filter(|node| node.has_tag_name("Item"));
+    let variable = named(&document, "ScalarVariable", name)?;
+    let declared = variable.children().find_map(|node| node.attribute("declaredType"))?;
+    let items = named(&document, "SimpleType", declared)?.descendants().filter(|node| node.has_tag_name("Item"));
     items.map(|item| Some((item.attribute("name")?.to_string(), item.attribute("value")?.parse().ok()?))).collect()
+}
+
+/// The element of this kind and name.
+fn named<'a>(document: &'a Document<'a>, tag: &str, name: &str) -> Option<Node<'a, 'a>> {
+    document.descendants().find(|node| node.has_tag_name(tag) && node.attribute("name") == Some(name))
 }
 
 #[cfg(test)]
@@ -106,5 +124,8 @@ mod tests {
         }
         assert_eq!(Parameter::named("pulse.shape").unwrap().item("OneCosine"), Ok(3.0));
         assert_eq!(Parameter::named("foundation").unwrap().display(2.0), "Rigid");
+        let headings =
+            ["dimensionless.p", "epsilon", "foundation"].map(|name| Parameter::named(name).unwrap().heading());
+        assert_eq!(headings, ["dimensionless.p [rad/s]", "epsilon [1]", "foundation"]);
     }
 }

@@ -12,7 +12,8 @@ use crate::block::{Block, BlockError, Common, Dimensionless};
 use crate::excitation::Pulse;
 use crate::simulation::{Initial, Settings};
 use crate::study::ground::Ground;
-use crate::study::history::{End, Outcome, Run};
+use crate::study::history::Run;
+use crate::study::outcome::End;
 use crate::study::sweep::Levels;
 
 /// The values at which outcomes are looked at, and how closely their changes are found.
@@ -149,12 +150,9 @@ fn bisect<K: PartialEq + Copy>(
     found.push(Change { below: below.0, above: above.0, from: below.1, to: above.1 });
 }
 
-/// Times 1/p that a block is followed after the ground has come to rest. Close to a change it lingers near its unstable
-/// equilibrium: 1e-10 α from it, it takes 24/p to get there and as long to leave.
-const AFTERWARDS: f64 = 50.0;
-
-/// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, for 50/p; the
-/// ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed against separation.
+/// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, until the block
+/// has come down; the ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed
+/// against separation while the block may still stand.
 pub fn damping_against_separation(
     block: &Dimensionless,
     common: &Common,
@@ -166,7 +164,6 @@ pub fn damping_against_separation(
     let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common);
     both_ends(scan, of)?;
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
-    let duration = AFTERWARDS / block.p;
     let outcome = |xi_v| {
         end(of(xi_v).map(|block| Run {
             block,
@@ -174,7 +171,7 @@ pub fn damping_against_separation(
             initial,
             pulse: Pulse::NONE,
             ground: Ground::default(),
-            duration,
+            duration: None,
             output_step: f64::INFINITY,
         }))
     };
@@ -190,7 +187,7 @@ pub enum Shaking {
     Records(Ground),
 }
 
-/// Outcomes of a block over the strength of the ground motion, followed for 50/p after it.
+/// Outcomes of a block over the strength of the ground motion, followed until it has come down.
 /// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude, or factor.
 pub fn overturning(
     block: &Block,
@@ -204,7 +201,6 @@ pub fn overturning(
             Shaking::Pulse(pulse) => (Ground::default(), Pulse { amplitude: strength, ..*pulse }),
             Shaking::Records(ground) => (ground.clone().scaled(strength), Pulse::NONE),
         };
-        let shaken = ground.end().map_or(pulse.end(), |end| end - ground.start());
         end(Ok(Run {
             block: *block,
             settings,
@@ -212,7 +208,7 @@ pub fn overturning(
             pulse,
             output_step: f64::INFINITY,
             ground,
-            duration: shaken + AFTERWARDS / block.p,
+            duration: None,
         }))
     };
     changes(scan, outcome, progress)
@@ -224,7 +220,7 @@ fn both_ends(scan: &Scan, block: impl Fn(f64) -> Result<Block, BlockError>) -> R
 }
 
 fn end(run: Result<Run, BlockError>) -> End {
-    run.map_or(End::Failed, |run| Outcome::end(&run.outcome()))
+    run.map_or(End::Failed, |run| run.outcome().end)
 }
 
 #[cfg(test)]

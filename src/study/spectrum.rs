@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use crate::excitation::{Pulse, PulseShape};
-use crate::simulation::{Initial, Settings, SimulationError};
+use crate::simulation::{Initial, Settings};
 use crate::study::ground::Ground;
-use crate::study::history::{Outcome, Run, duration};
+use crate::study::history::Run;
+use crate::study::outcome::Outcome;
 use crate::study::resumable::Head;
 use crate::study::runner::{Study, StudyRow};
 
@@ -82,7 +83,7 @@ pub struct Spectrum {
     pub pulse: Pulse,
     /// How to integrate.
     pub settings: Settings,
-    /// Duration of each run (s); without it, that of [`duration`].
+    /// Duration of each run (s); without it, until the block has come down.
     pub duration: Option<f64>,
     /// Longest time between two stops (s); without it only the records' samples and the pulse's ends are.
     pub step: Option<f64>,
@@ -100,20 +101,19 @@ pub struct Place {
 }
 
 impl Spectrum {
-    /// Names of the columns after the row's number.
-    pub const COLUMNS: [&'static str; 11] = [
-        "motion",
-        "foundation",
-        "eta",
-        "xi_v",
-        "epsilon",
-        "p",
-        "2/p",
-        "omega_p/p",
-        "duration",
-        "peak.theta/alpha",
-        "end_time",
-    ];
+    /// Names and units of the columns that say which block a row is about, after the row's number.
+    const BLOCK_COLUMNS: [&'static str; 8] =
+        ["motion", "foundation", "eta [1]", "xi_v [1]", "epsilon [1]", "p [rad/s]", "2pi/p [s]", "omega_p/p [1]"];
+
+    /// Names and units of the columns after the row's number.
+    pub fn columns() -> impl Iterator<Item = &'static str> {
+        Spectrum::BLOCK_COLUMNS.into_iter().chain(Outcome::COLUMNS)
+    }
+
+    /// The place of a column of this name.
+    pub fn column(name: &str) -> Option<usize> {
+        Spectrum::columns().position(|column| column == name)
+    }
 
     /// Refuses what makes no block, before anything runs.
     pub fn check(&self) -> Result<(), BlockError> {
@@ -153,7 +153,7 @@ impl Spectrum {
             initial: Initial::default(),
             pulse: self.pulse,
             ground: ground.clone(),
-            duration: self.duration.unwrap_or_else(|| duration(ground, &self.pulse, &block)),
+            duration: self.duration,
             output_step: self.step.unwrap_or(f64::INFINITY),
         })
     }
@@ -163,7 +163,6 @@ impl Study for Spectrum {
     fn head(&self) -> Head {
         let Common { mass, gamma, gravity, .. } = self.common;
         let Sizes { least, greatest, count } = self.sizes;
-        let or_default = |value: Option<f64>| value.map_or("default".into(), |value| value.to_string());
         let mut study = vec![
             concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " spectrum").to_string(),
             format!("alpha = {}, mass = {mass}, gamma = {gamma}, g = {gravity}", self.alpha),
@@ -182,10 +181,10 @@ impl Study for Spectrum {
             self.settings.tolerance,
             self.settings.lift_off,
             self.settings.on_separation,
-            or_default(self.duration),
-            or_default(self.step)
+            self.duration.map_or("until the block has come down".into(), |value| value.to_string()),
+            self.step.map_or("none".into(), |value| value.to_string())
         ));
-        Head { study, columns: Spectrum::COLUMNS.map(String::from).to_vec() }
+        Head { study, columns: Spectrum::columns().map(String::from).collect() }
     }
 
     fn rows(&self) -> u64 {
@@ -199,7 +198,7 @@ impl Study for Spectrum {
 
 impl Spectrum {
     /// A row, and what became of its run.
-    pub fn made(&self, number: u64) -> (StudyRow, Result<Outcome, SimulationError>) {
+    pub fn made(&self, number: u64) -> (StudyRow, Outcome) {
         let Place { motion, base, p } = self.place(number);
         let base = self.bases[base];
         let (foundation, eta, xi_v, epsilon) = match base {
@@ -217,13 +216,13 @@ impl Spectrum {
             xi_v,
             epsilon.to_string(),
             p.to_string(),
-            (2.0 / p).to_string(),
+            (TAU / p).to_string(),
             ratio,
         ];
         // `check` has seen that all of them make blocks.
         let run = self.run(number).unwrap_or_else(|error| unreachable!("{error}"));
         let outcome = run.outcome();
-        fields.extend([run.duration.to_string(), Outcome::rotation(&outcome, &run.block), Outcome::end_time(&outcome)]);
-        (StudyRow { fields, failure: outcome.clone().err() }, outcome)
+        fields.extend(outcome.fields(self.alpha));
+        (StudyRow { fields, failure: outcome.failure.clone() }, outcome)
     }
 }

@@ -5,6 +5,7 @@ use std::io::Read;
 use plotters::prelude::*;
 
 use crate::study::look::Look;
+use crate::study::outcome::End;
 use crate::study::picture::{FONT_FAMILY, PictureError};
 use crate::study::plot::{GRID, INK, LEFT, short};
 use crate::study::runner::Study;
@@ -21,8 +22,8 @@ const STRETCHES: u64 = 1500;
 /// What the sizes are drawn over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Abscissa {
-    /// 2/p (s).
-    TwoOverP,
+    /// 2π/p (s).
+    TwoPiOverP,
     /// Frequency ratio ω_p/p of pulse and block (1).
     PulseRatio,
 }
@@ -34,30 +35,61 @@ struct Stretch {
     to: f64,
     /// First, least, greatest and last value with their abscissas, in the order of these.
     points: Vec<(f64, f64)>,
+    /// Some of its blocks left the ground completely and did not overturn.
     separated: bool,
+    /// Of these, some runs ended there, and have no peak rotation.
+    without: bool,
     overturned: bool,
     failed: bool,
 }
 
 impl Abscissa {
-    /// Places of the abscissa and of the peak in the columns of a spectrum.
-    pub(super) fn columns(self) -> [usize; 2] {
-        let x = match self {
-            Abscissa::TwoOverP => "2/p",
-            Abscissa::PulseRatio => "omega_p/p",
-        };
-        [x, "peak.theta/alpha"].map(|name| Spectrum::COLUMNS.iter().position(|column| *column == name).unwrap_or(0))
+    fn column(self) -> &'static str {
+        match self {
+            Abscissa::TwoPiOverP => "2pi/p [s]",
+            Abscissa::PulseRatio => "omega_p/p [1]",
+        }
     }
 }
 
+/// A block of a spectrum as its picture shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    x: f64,
+    /// Peak |θ|/α (1).
+    peak: f64,
+    end: End,
+    /// Whether it left the ground completely.
+    flew: bool,
+}
+
+/// The block of a row of the table (without the row's number), from the columns that the picture shows.
+pub(super) fn point<S: AsRef<str>>(over: Abscissa, row: &[S]) -> Result<Point, String> {
+    let field = |name: &str| {
+        let place = Spectrum::column(name).and_then(|place| row.get(place));
+        place.map(AsRef::as_ref).ok_or_else(|| format!("found no column {name} in the table"))
+    };
+    let number = |name: &str| {
+        let text = field(name)?;
+        text.parse::<f64>().map_err(|_| format!("found {name} = `{text}` in the table; expected a number"))
+    };
+    Ok(Point {
+        x: number(over.column())?,
+        peak: number("peak.theta/alpha [1]")?,
+        end: field("outcome")?.parse()?,
+        flew: field("flights [1]")? != "0",
+    })
+}
+
 impl Stretch {
-    fn add(&mut self, x: f64, peak: &str) {
+    fn add(&mut self, Point { x, peak, end, flew }: Point) {
         self.to = x;
-        match peak.parse() {
-            Ok(value) => self.points.push((x, value)),
-            Err(_) if peak == "separated" => self.separated = true,
-            Err(_) if peak == "overturned" => self.overturned = true,
-            Err(_) => self.failed = true,
+        self.separated |= flew && end != End::Overturned;
+        match end {
+            End::Completed => self.points.push((x, peak)),
+            End::Separated => self.without = true,
+            End::Overturned => self.overturned = true,
+            End::Failed => self.failed = true,
         }
         if let &[first, a, b, c, last] = self.points.as_slice() {
             let mut inner = [a, b, c];
@@ -69,7 +101,7 @@ impl Stretch {
     }
 
     fn is_whole(&self) -> bool {
-        !(self.separated || self.overturned || self.failed)
+        !(self.without || self.overturned || self.failed)
     }
 }
 
@@ -84,13 +116,13 @@ pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &s
 
 fn read(spectrum: &Spectrum, table: impl Read, over: Abscissa) -> Result<Curves, Box<dyn std::error::Error>> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
-    // The row's number stands first.
-    let [x, y] = over.columns().map(|column| column + 1);
     Curves::gather(
         spectrum,
         reader.records().map(|record| {
             let record = record?;
-            Ok((record[x].parse()?, record[y].to_string()))
+            // The row's number stands first.
+            let row: Vec<&str> = record.iter().skip(1).collect();
+            Ok(point(over, &row)?)
         }),
     )
 }
@@ -99,22 +131,19 @@ fn read(spectrum: &Spectrum, table: impl Read, over: Abscissa) -> Result<Curves,
 pub(super) struct Curves(Vec<Vec<Stretch>>);
 
 impl Curves {
-    /// Takes the abscissa and the peak of each row, in the order of the rows.
-    pub(super) fn gather<E>(
-        spectrum: &Spectrum,
-        rows: impl Iterator<Item = Result<(f64, String), E>>,
-    ) -> Result<Curves, E> {
+    /// Takes the blocks in the order of the rows.
+    pub(super) fn gather<E>(spectrum: &Spectrum, rows: impl Iterator<Item = Result<Point, E>>) -> Result<Curves, E> {
         let count = spectrum.sizes.count;
         let size = count.div_ceil(STRETCHES);
         let mut curves = vec![Vec::new(); (spectrum.rows() / count) as usize];
         for (row, values) in (0..spectrum.rows()).zip(rows) {
-            let (x, peak) = values?;
+            let point = values?;
             let curve = &mut curves[(row / count) as usize];
             if (row % count).is_multiple_of(size) {
-                curve.push(Stretch { from: x, to: x, ..Stretch::default() });
+                curve.push(Stretch { from: point.x, to: point.x, ..Stretch::default() });
             }
             if let Some(stretch) = curve.last_mut() {
-                stretch.add(x, &peak);
+                stretch.add(point);
             }
         }
         Ok(Curves(curves))
@@ -182,7 +211,7 @@ pub(super) fn panel(
         .axis_desc_style(text(28))
         .y_desc("peak |θ| / α")
         .x_desc(match over {
-            Abscissa::TwoOverP => "2 / p (s)",
+            Abscissa::TwoPiOverP => "2π / p (s)",
             Abscissa::PulseRatio => "ω_p / p",
         })
         .x_labels(12)

@@ -2,9 +2,12 @@
 
 use crate::excitation::PulseShape;
 use crate::fmi2::values::Values;
+use crate::fmi2::variables::Variable;
+use crate::simulation::OnSeparation;
 use crate::study::ground::Ground;
-use crate::study::history::{Outcome, Run, duration};
+use crate::study::history::Run;
 use crate::study::intensity::{pga, pgv, spectral_acceleration};
+use crate::study::outcome::Outcome;
 use crate::study::parameters::Parameter;
 use crate::study::resumable::Head;
 use crate::study::runner::{Study, StudyRow};
@@ -95,9 +98,11 @@ pub struct Sweep {
     pub scales: Vec<f64>,
     /// Periods of Sa (s).
     pub periods: Vec<f64>,
+    /// What happens at complete separation, where the study does not name `on_separation`.
+    pub on_separation: OnSeparation,
     /// Relative tolerance of the integration.
     pub tolerance: f64,
-    /// Duration of each run (s); without it that of [`duration`].
+    /// Duration of each run (s); without it, until the block has come down.
     pub duration: Option<f64>,
     /// Longest time between two stops (s); without it only the records' samples and the pulse's ends are.
     pub step: Option<f64>,
@@ -140,9 +145,11 @@ impl Sweep {
         }
     }
 
-    /// The variables of the FMU in a combination.
+    /// The variables of the FMU in a combination. What the study does not name has the start value of the FMU, but for
+    /// `on_separation`.
     pub fn values(&self, combination: &[f64]) -> Values {
         let mut values = Values::default();
+        values[Variable::OnSeparation] = f64::from(self.on_separation as i32);
         for (factor, value) in self.factors.iter().zip(combination) {
             values[factor.parameter.metadata.variable] = *value;
         }
@@ -168,7 +175,7 @@ impl Sweep {
             settings: values.settings(Some(self.tolerance)),
             initial: values.initial(),
             pulse,
-            duration: self.duration.unwrap_or_else(|| duration(&ground, &pulse, &block)),
+            duration: self.duration,
             output_step: self.step.unwrap_or(f64::INFINITY),
             ground,
         }
@@ -190,27 +197,15 @@ impl Study for Sweep {
     fn head(&self) -> Head {
         let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
         study.extend(self.text.iter().cloned());
+        study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
         for Motion { names, ground, .. } in &self.motions {
             study.push(format!("{}: {}", names.join(" + "), ground.fingerprint()));
         }
-        let mut columns: Vec<String> = self.factors.iter().map(|f| f.parameter.metadata.name.to_string()).collect();
-        columns.extend(["record", "vertical", "scale", "PGA", "PGV", "PGA.vertical"].map(String::from));
-        columns.extend(self.periods.iter().map(|period| format!("Sa({period})")));
-        columns.extend(
-            [
-                "duration",
-                "end",
-                "end_time",
-                "peak.theta/alpha",
-                "peak.uplift",
-                "peak.N",
-                "peak.H",
-                "peak.friction_demand",
-                "events.impacts",
-                "events.liftoffs",
-            ]
-            .map(String::from),
-        );
+        let mut columns: Vec<String> = self.factors.iter().map(|factor| factor.parameter.heading()).collect();
+        let motion = ["record", "vertical", "scale [1]", "PGA [m/s2]", "PGV [m/s]", "PGA.vertical [m/s2]"];
+        columns.extend(motion.map(String::from));
+        columns.extend(self.periods.iter().map(|period| format!("Sa({period} s) [m/s2]")));
+        columns.extend(Outcome::COLUMNS.map(String::from));
         Head { study, columns }
     }
 
@@ -229,20 +224,7 @@ impl Study for Sweep {
         fields.extend(motion.intensities.iter().map(scaled));
         let run = self.run(number);
         let outcome = run.outcome();
-        fields.extend([
-            run.duration.to_string(),
-            Outcome::end(&outcome).to_string(),
-            Outcome::end_time(&outcome),
-            Outcome::rotation(&outcome, &run.block),
-        ]);
-        match &outcome {
-            Ok(Outcome { peaks, counts, .. }) => {
-                let peaks = [peaks.uplift, peaks.reaction, peaks.horizontal, peaks.friction_demand];
-                fields.extend(peaks.map(|peak| peak.to_string()));
-                fields.extend([counts.impacts, counts.liftoffs].map(|count| count.to_string()));
-            }
-            Err(_) => fields.extend(std::iter::repeat_n(String::new(), 6)),
-        }
-        StudyRow { fields, failure: outcome.err() }
+        fields.extend(outcome.fields(run.block.alpha));
+        StudyRow { fields, failure: outcome.failure }
     }
 }

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use crate::fmi2::values::Values;
 use crate::fmi2::variables::{Kind, Variable};
 use crate::records::{self, ReadOptions, Record, Unit};
-use crate::simulation::Settings;
+use crate::simulation::{OnSeparation, Settings};
 use crate::study::ground::Ground;
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::parameters::Parameter;
@@ -72,6 +72,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         scales: scales.unwrap_or_else(|| vec![1.0]),
         periods,
         tolerance: tolerance.unwrap_or(Settings::default().tolerance),
+        on_separation: OnSeparation::Fly,
         duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= SHORTEST, "a time of at least 1e-6 s")?,
     };

@@ -4,7 +4,8 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Settings};
 use rocking_block::study::ground::Ground;
-use rocking_block::study::history::{End, Outcome, Run};
+use rocking_block::study::history::Run;
+use rocking_block::study::outcome::End;
 use rocking_block::study::search::{Scan, Shaking, damping_against_separation, overturning};
 
 use crate::{Table, files, made, refused};
@@ -16,9 +17,8 @@ const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_
 
 fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
     let (settings, ground) = (Settings::default(), Ground::default());
-    Outcome::end(
-        &Run { block: *block, settings, initial, pulse, ground, duration, output_step: f64::INFINITY }.outcome(),
-    )
+    let duration = Some(duration);
+    Run { block: *block, settings, initial, pulse, ground, duration, output_step: f64::INFINITY }.outcome().end
 }
 
 /// On either side of each change the block does what the search says, and with less damping than needed it separates.

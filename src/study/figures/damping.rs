@@ -6,18 +6,16 @@ use crate::simulation::{Initial, Settings};
 use crate::study::figures::page::{Chart, Curve, keys, page};
 use crate::study::figures::parameters::{DAMPING_ALPHA, DAMPING_EPSILON, Detail, ETA, GREATEST_XI_V, P, RATE, block};
 use crate::study::figures::table::Table;
-use crate::study::figures::{Figure, FigureError, Work, end_of};
+use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::ground::Ground;
-use crate::study::history::{End, Run};
+use crate::study::history::Run;
+use crate::study::outcome::End;
 use crate::study::plot::short;
 use crate::study::search::{self, Scan};
 use crate::study::spectrum::Base;
 
 /// Width to which ξ_v is closed in (1).
 const RESOLUTION: f64 = 1e-4;
-
-/// How long a block is followed, in 1/p: after some impacts it has lost so much that it does not separate any more.
-const DURATION: f64 = 30.0;
 
 const CURVES: usize = DAMPING_EPSILON.len() * ETA.len();
 
@@ -45,10 +43,10 @@ pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Res
             initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },
             pulse: Pulse::NONE,
             ground: Ground::default(),
-            duration: DURATION / P,
+            duration: None,
             output_step: 0.01,
         };
-        end_of(&run.outcome(), alpha)
+        run.outcome().end
     };
     let found = search::changes(&scan, outcome, |_, _| ());
     Ok(Least {
@@ -77,7 +75,7 @@ pub fn figure(caption: &str, detail: &Detail, work: &mut Work) -> Result<Figure,
         least_damping(alpha, eta, epsilon, detail)
     });
     let lines = [format!(
-        "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}, for {DURATION}/p; a word: at {GREATEST_XI_V} still",
+        "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}, until the block has come down; a word: at {GREATEST_XI_V} still",
         detail.dampings
     )];
     let mut table =

@@ -59,7 +59,7 @@ pub fn history_run(base: Base, detail: &Detail) -> Result<Run, BlockError> {
         initial: Initial::default(),
         pulse: pulse(PULSE_AMPLITUDE, ALPHA),
         ground: Ground::default(),
-        duration: HISTORY_DURATION,
+        duration: Some(HISTORY_DURATION),
         output_step: detail.step,
     })
 }

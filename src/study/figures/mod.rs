@@ -17,7 +17,6 @@ pub use tower::tower_run;
 
 use crate::block::BlockError;
 use crate::simulation::SimulationError;
-use crate::study::history::{End, Outcome};
 use crate::study::picture::PictureError;
 use crate::study::runner;
 use parameters::Detail;
@@ -77,14 +76,6 @@ impl Work<'_> {
             Ok(()) => results,
             Err(never) => match never {},
         }
-    }
-}
-
-/// How a run ended in the figures. A block that separates beyond |θ| = α (rad) is on its way down, and counts as overturned.
-pub fn end_of(outcome: &Result<Outcome, SimulationError>, alpha: f64) -> End {
-    match (Outcome::end(outcome), outcome) {
-        (End::Separated, Ok(outcome)) if outcome.peaks.theta >= alpha => End::Overturned,
-        (end, _) => end,
     }
 }
 

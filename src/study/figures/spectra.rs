@@ -10,9 +10,10 @@ use crate::study::figures::parameters::{
 };
 use crate::study::figures::sources::Source;
 use crate::study::figures::table::Table;
-use crate::study::figures::{Figure, FigureError, Work, end_of};
+use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::ground::Ground;
-use crate::study::history::End;
+use crate::study::outcome::End;
+use crate::study::picture::PictureError;
 use crate::study::plot::LEFT;
 use crate::study::runner::Study;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
@@ -96,7 +97,7 @@ pub fn figure(
     work: &mut Work,
 ) -> Result<Figure, FigureError> {
     let panels = panels(number, detail, sources);
-    let over = if number < 12 { Abscissa::PulseRatio } else { Abscissa::TwoOverP };
+    let over = if number < 12 { Abscissa::PulseRatio } else { Abscissa::TwoPiOverP };
     let lines: Vec<String> = panels
         .iter()
         .flat_map(|panel| {
@@ -105,27 +106,20 @@ pub fn figure(
         })
         .collect();
     // The ground motion of a panel has no other name than the panel's.
-    let columns = std::iter::once("panel").chain(Spectrum::COLUMNS[1..].iter().copied());
-    let columns: Vec<&str> = columns.chain(["theta/alpha.until_end", "drawn"]).collect();
+    let columns: Vec<&str> = std::iter::once("panel").chain(Spectrum::columns().skip(1)).collect();
     let mut table = Table::new(number, caption, &lines, &columns)?;
     let (mut drawn, mut failed) = (Vec::new(), 0);
     for panel in &panels {
         let spectrum = &panel.spectrum;
         spectrum.check()?;
-        let [x, y] = over.columns();
         let mut rows = Vec::new();
         for (mut row, outcome) in work.make(spectrum.rows(), |number| spectrum.made(number)) {
-            failed += u64::from(outcome.is_err());
-            let end = end_of(&outcome, spectrum.alpha);
-            let drawn = if end == End::Completed { row.fields[y].clone() } else { end.to_string() };
-            let until_end = outcome.map_or(String::new(), |outcome| (outcome.peaks.theta / spectrum.alpha).to_string());
+            failed += u64::from(outcome.end == End::Failed);
             row.fields[0] = panel.name.clone();
-            row.fields.extend([until_end, drawn]);
             rows.push(row.fields);
         }
-        // The program wrote these numbers itself.
-        let points = rows.iter().map(|row| Ok((row[x].parse().unwrap_or(f64::NAN), row[row.len() - 1].clone())));
-        drawn.push(Curves::gather(spectrum, points).unwrap_or_else(|never: std::convert::Infallible| match never {}));
+        let points = rows.iter().map(|row| spectrum_plot::point(over, row));
+        drawn.push(Curves::gather(spectrum, points).map_err(PictureError::Drawing)?);
         rows.into_iter().try_for_each(|row| table.push(row))?;
     }
     let lanes = drawn.iter().map(Curves::lanes).max().unwrap_or(0);

@@ -9,7 +9,8 @@ use crate::study::figures::parameters::{TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_S
 use crate::study::figures::sources::Source;
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
-use crate::study::history::{Outcome, Run, duration};
+use crate::study::history::Run;
+use crate::study::outcome::{End, Outcome};
 use crate::study::plot::{GRID, INK, LEFT, short};
 use crate::study::spectrum::Base;
 
@@ -33,9 +34,17 @@ pub fn tower_run(base: Base, source: &Source) -> Result<Run, BlockError> {
         initial: Initial::default(),
         pulse: *pulse,
         ground: ground.clone(),
-        duration: duration(ground, pulse, &block),
+        duration: None,
         output_step: ground.time_step().unwrap_or(0.01),
     })
+}
+
+/// Peak |θ|/α of a block that stands, or what became of it.
+fn drawn(outcome: &Outcome, alpha: f64) -> String {
+    match outcome.end {
+        End::Completed => (outcome.peaks.theta / alpha).to_string(),
+        End::Overturned | End::Separated | End::Failed => outcome.end.to_string(),
+    }
 }
 
 /// How many runs the figure has.
@@ -49,7 +58,7 @@ pub fn figure(caption: &str, sources: &[Source], work: &mut Work) -> Result<Figu
     let outcomes = work.make(tasks(&sources), |task| -> Result<_, BlockError> {
         let run = tower_run(base(task as usize % BARS), &sources[task as usize / BARS])?;
         let outcome = run.outcome();
-        Ok((Outcome::rotation(&outcome, &run.block), Outcome::end_time(&outcome), outcome.is_err()))
+        Ok((drawn(&outcome, run.block.alpha), outcome.end_time.to_string(), outcome.end == End::Failed))
     });
     let lines: Vec<String> = sources.iter().map(|source| format!("motion {}: {}", source.name, source.label)).collect();
     let columns = ["motion", "foundation", "peak.theta/alpha", "end_time"];
