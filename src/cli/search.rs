@@ -9,7 +9,7 @@ use crate::block::{Block, Common, Dimensionless, Foundation};
 use crate::cli::excitation::{Accelerograms, Shape, finite};
 use crate::cli::output::Pending;
 use crate::cli::progress::Progress;
-use crate::cli::run_options::AtLiftOff;
+use crate::cli::run_options::{AtLiftOff, AtSeparation};
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
 use crate::study::outcome::End;
@@ -73,6 +73,9 @@ struct Overturning {
     /// Vertical damping ratio xi_v
     #[arg(long, default_value_t = 0.1)]
     xi_v: f64,
+    /// What happens at complete separation
+    #[arg(long, value_enum, default_value_t = AtSeparation::Fly)]
+    on_separation: AtSeparation,
     /// Housner's rigid base instead of supports
     #[arg(long)]
     rigid: bool,
@@ -140,12 +143,16 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 "",
                 &scan,
                 |progress| Ok(search::damping_against_separation(&block, &common, rate, settings, &scan, progress)?),
-                |found| match found.least_without(End::Separated) {
-                    Some(least) if found.changes.is_empty() => {
-                        format!("none needed: no separation from xi_v = {least} on")
+                |found| {
+                    let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
+                    let but = if overturned { ", but overturning where it says so above" } else { "" };
+                    match found.least_without(End::Separated) {
+                        Some(least) if found.changes.is_empty() => {
+                            format!("none needed: no separation from xi_v = {least} on{but}")
+                        }
+                        Some(least) => format!("no separation from xi_v = {least} on{but}"),
+                        None => format!("separation at xi_v = {to} still; expected a range with a greater --to"),
                     }
-                    Some(least) => format!("no separation from xi_v = {least} on"),
-                    None => format!("separation at xi_v = {to} still; expected a range with a greater --to"),
                 },
             )
         }
@@ -158,7 +165,8 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             let least = common.gravity * libm::tan(block.alpha) / pga;
             let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(10.0 * least));
             let scan = overturning.search.scan(from, to, resolution)?;
-            let settings = overturning.search.settings()?;
+            let on_separation = overturning.on_separation.into();
+            let settings = Settings { on_separation, ..overturning.search.settings()? };
             overturning.search.search(
                 name,
                 unit,
@@ -246,8 +254,8 @@ impl SearchOptions {
             scan.points, found.spacing, scan.resolution
         );
         if let Some(mut file) = file {
-            let mut text = "from,to,end\n".to_string();
-            found.stretches().iter().for_each(|(from, to, end)| text.push_str(&format!("{from},{to},{end}\n")));
+            let mut text = "from,to,outcome\n".to_string();
+            found.stretches().iter().for_each(|(from, to, outcome)| text.push_str(&format!("{from},{to},{outcome}\n")));
             file.write(text.as_bytes())?;
             Pending::place(vec![file])?;
         }

@@ -97,7 +97,7 @@ fn the_program_tells_what_the_library_finds() {
     assert_eq!(table.rows.len(), stretches.len());
     for (row, (from, to, end)) in stretches.iter().enumerate() {
         assert_eq!((table.number(row, "from"), table.number(row, "to")), (*from, *to));
-        assert_eq!(table.get(row, "end"), end.to_string());
+        assert_eq!(table.get(row, "outcome"), end.to_string());
     }
     let told = made(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
     assert!(told.contains("separation at xi_v = 0.02 still"), "{told}");
@@ -111,14 +111,12 @@ fn records_are_searched_over_their_scale() {
     let range = ["--from", "1.5", "--to", "3.5", "--points", "5", "--resolution", "1e-3", "--csv", "o.csv"];
     let told = made(folder.path(), &[&["search", "overturning"], &block[..], &range].concat());
     let table = Table::read(&folder.path().join("o.csv"));
-    assert_eq!((table.number(0, "from"), table.get(0, "end")), (1.5, "completed"));
-    let row = (0..table.rows.len()).find(|&row| table.get(row, "end") == "overturned").unwrap();
+    assert_eq!((table.number(0, "from"), table.get(0, "outcome")), (1.5, "completed"));
+    let row = (0..table.rows.len()).find(|&row| table.get(row, "outcome") == "overturned").unwrap();
     assert!(told.contains(&format!("overturning first at scale = {}\n", table.get(row, "from"))), "{told}");
-    // The record is 35.91 s long.
-    let run = [&["simulate", "--duration", "60.91", "--csv", "x.csv"], &block[..]].concat();
+    let run = [&["simulate", "--on-separation", "fly", "--csv", "x.csv"], &block[..]].concat();
     for row in 0..table.rows.len() {
-        let words = match table.get(row, "end") {
-            "separated" => "complete separation",
+        let words = match table.get(row, "outcome") {
             "overturned" => "overturning",
             word => word,
         };
@@ -127,6 +125,33 @@ fn records_are_searched_over_their_scale() {
             assert!(told.contains(words), "{words} at {scale}: {told}");
         }
     }
+}
+
+/// Without a duration `simulate` agrees with `search` on both sides of the least amplitude that overturns, and a block
+/// that takes long to fall is not reported as standing.
+#[test]
+fn simulate_and_search_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let pulse = ["--pulse", "one-sine", "--period", "1.2566"];
+    let range = ["--rigid", "--from", "6", "--to", "8", "--points", "3", "--csv", "o.csv"];
+    made(folder.path(), &[&["search", "overturning"], &pulse[..], &range].concat());
+    let table = Table::read(&folder.path().join("o.csv"));
+    let words =
+        ["completed", "overturned"].map(|word| (0..table.rows.len()).find(|&row| table.get(row, "outcome") == word));
+    let [Some(below), Some(above)] = words else { panic!("{:?}", table.rows) };
+    let rigid = ["--foundation", "rigid", "--csv", "x.csv"];
+    for (amplitude, words) in
+        [(table.get(below, "to"), "the block stands"), (table.get(above, "from"), "overturning at")]
+    {
+        let told = made(folder.path(), &[&["simulate", "--amplitude", amplitude], &pulse[..], &rigid].concat());
+        assert!(told.contains(words), "{words} at {amplitude}: {told}");
+    }
+    let slow = ["simulate", "--pulse", "one-sine", "--amplitude", "14", "--period", "1"];
+    let told = made(folder.path(), &[&slow[..], &rigid].concat());
+    assert!(told.contains("overturning at t = 8.2309 s"), "{told}");
+    // A duration that is given is kept, and what it leaves open is said.
+    let told = made(folder.path(), &[&slow[..], &rigid, &["--duration", "5"]].concat());
+    assert!(told.contains("completed at t = 5.0000 s, before the block has come down"), "{told}");
 }
 
 /// The runs that are told are all that there are, and no more than is said.
