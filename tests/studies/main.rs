@@ -2,6 +2,7 @@
 
 #![cfg(feature = "program")]
 
+mod coming_down;
 mod figures;
 mod search;
 mod spectrum;

@@ -1,0 +1,135 @@
+//! How long runs last without a duration, and the rule by which a separation is overturning.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::dynamics::{Footing, energy, instant};
+use rocking_block::excitation::{Forcing, Pulse, PulseShape};
+use rocking_block::regime::Regime;
+use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
+use rocking_block::study::coming_down::overturning_barrier;
+use rocking_block::study::ground::Ground;
+use rocking_block::study::history::Run;
+use rocking_block::study::outcome::{End, Flights};
+use rocking_block::study::sampling::LatinHypercube;
+
+fn block(alpha: f64, eta: f64, epsilon: f64, foundation: Foundation) -> Block {
+    let common = Common { epsilon, foundation, ..Common::default() };
+    Block::from_dimensionless(&Dimensionless { alpha, p: 1.3, eta, xi_v: 0.1 }, &common).unwrap()
+}
+
+fn run(block: Block, initial: Initial, pulse: Pulse, on_separation: OnSeparation) -> Run {
+    let settings = Settings { on_separation, ..Settings::default() };
+    let ground = Ground::default();
+    Run { block, settings, initial, pulse, ground, duration: None, output_step: f64::INFINITY }
+}
+
+/// The barrier is the least potential energy at |θ| = α of a block that stands on what is beneath it there, searched over
+/// its height.
+#[test]
+fn the_barrier_is_the_least_potential_energy_at_alpha() {
+    let potential = |block: &Block, regime, height| {
+        let footing = Footing::AT_START;
+        energy(block, regime, &instant(block, regime, [block.alpha, 0.0, height, 0.0], footing, Forcing::default())).1
+    };
+    // The last is so soft that both supports bear at α.
+    for (alpha, eta) in [(0.1, 80.0), (0.25, 40.0), (0.3, 20.0), (0.25, 4.63)] {
+        let block = block(alpha, eta, 0.0, Foundation::Viscoelastic);
+        let both = block.b * alpha.sin() < block.static_deflection();
+        assert_eq!(both, eta < 5.0);
+        let regime = if both { Regime::FullContact } else { Regime::TiltingRight };
+        let deflection = block.static_deflection();
+        let heights = (-4000..4000).map(|i| deflection * f64::from(i) / 1000.0);
+        let least = heights.map(|height| potential(&block, regime, height)).fold(f64::INFINITY, f64::min);
+        let barrier = overturning_barrier(&block);
+        assert!((least - barrier).abs() < 1e-9 * block.gravity * block.r0, "{barrier}, searched {least}");
+    }
+    let rigid = block(0.25, 40.0, 0.0, Foundation::Rigid);
+    let exact = potential(&rigid, Regime::TiltingRight, 0.0);
+    assert!((overturning_barrier(&rigid) / exact - 1.0).abs() < 1e-14);
+}
+
+/// Released at rest on either side of α: one comes down, the other overturns, however long it lingers.
+#[test]
+fn a_block_that_lingers_is_followed_until_it_has_made_up_its_mind() {
+    for (theta, end) in [(0.25 * (1.0 - 1e-9), End::Completed), (0.25 * (1.0 + 1e-9), End::Overturned)] {
+        let rigid = block(0.25, 40.0, 0.0, Foundation::Rigid);
+        let initial = Initial { theta, ..Initial::default() };
+        let outcome = run(rigid, initial, Pulse::NONE, OnSeparation::Terminate).outcome();
+        assert_eq!(outcome.end, end);
+        // It leaves α as 1e-9 α cosh(p t).
+        assert!(outcome.end_time > 2e9_f64.ln() / 1.3, "{}", outcome.end_time);
+    }
+}
+
+/// A block that is not moved is at rest when the ground is; one that cannot lose energy is followed for 100/p.
+#[test]
+fn the_shortest_and_the_longest_run() {
+    let rigid = block(0.25, 40.0, 0.0, Foundation::Rigid);
+    let weak = Pulse { shape: PulseShape::OneSine, amplitude: 1.0, period: 1.0, start: 0.5 };
+    let outcome = run(rigid, Initial::default(), weak, OnSeparation::Terminate).outcome();
+    assert_eq!((outcome.end, outcome.end_time, outcome.peaks.theta), (End::Completed, 1.5, 0.0));
+    let elastic = block(0.25, 40.0, 1.0, Foundation::Rigid);
+    let high = Initial { theta: 0.24, ..Initial::default() };
+    let outcome = run(elastic, high, Pulse::NONE, OnSeparation::Terminate).outcome();
+    assert_eq!((outcome.end, outcome.end_time), (End::Completed, 100.0 / 1.3));
+    assert!(outcome.counts.impacts > 10);
+}
+
+/// A small part of `examples/separations.rs`: what is bound to come to rest does, with the rotation that it had.
+#[test]
+fn nothing_happens_after_the_end() {
+    let cube = LatinHypercube::new(60, 4, 3);
+    let (mut stood, mut fell) = (0, 0);
+    for number in 0..60 {
+        let [alpha, eta, strength, period] = [0, 1, 2, 3].map(|direction| cube.coordinate(number, direction));
+        let foundation = if number % 3 == 0 { Foundation::Rigid } else { Foundation::Viscoelastic };
+        let block = block(0.06 + 0.2 * alpha, 20.0 + 60.0 * eta, 0.2, foundation);
+        let amplitude = (1.2 + 4.0 * strength) * block.gravity * block.alpha.tan();
+        let pulse = Pulse { shape: PulseShape::OneCosine, amplitude, period: 0.3 + 2.0 * period, start: 0.0 };
+        let short = run(block, Initial::default(), pulse, OnSeparation::Fly);
+        let outcome = short.outcome();
+        fell += u32::from(outcome.end == End::Overturned);
+        if outcome.end == End::Completed {
+            stood += 1;
+            let longer = Run { duration: Some(outcome.end_time + 60.0), ..short }.outcome();
+            assert_eq!(longer.end, End::Completed, "block {number}");
+            assert!((longer.peaks.theta / outcome.peaks.theta - 1.0).abs() < 1e-6, "block {number}");
+        }
+    }
+    assert!(stood > 10 && fell > 10, "{stood} stood, {fell} fell");
+}
+
+/// What the paper's analysis ends beyond α, on the way over, overturns if it flies on; both flags belong to it.
+#[test]
+fn a_block_that_separates_on_its_way_over_has_overturned() {
+    let block = block(0.2, 60.0, 0.0, Foundation::Viscoelastic);
+    let amplitude = 5.0;
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period: 1.2, start: 0.0 };
+    let paper = run(block, Initial::default(), pulse, OnSeparation::Terminate);
+    let history = paper.history(|_| ()).unwrap();
+    let Some((ending, time)) = history.ending else { panic!("{:?}", history.events) };
+    assert_eq!(ending, Ending::Toppled);
+    assert!(ending.is_separation() && ending.is_overturning());
+    let last = history.rows.last().unwrap().seen;
+    assert!(last.theta.abs() >= 0.2 && last.theta.abs() < 1.5 && last.theta * last.theta_dot > 0.0);
+    let outcome = paper.outcome();
+    assert_eq!((outcome.end, outcome.end_time), (End::Overturned, time));
+    assert_eq!(outcome.flights, Flights { count: 1, first: Some(time) });
+    let flying = run(block, Initial::default(), pulse, OnSeparation::Fly).outcome();
+    assert_eq!(flying.end, End::Overturned);
+    assert!(flying.end_time > time && (flying.peaks.theta - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+}
+
+/// Each side of the rule: below α, at α, and on the way back.
+#[test]
+fn only_a_block_beyond_alpha_that_goes_on_is_on_its_way_over() {
+    for (theta, theta_dot, ending) in [
+        (0.19, 1.0, Ending::Separated),
+        (0.2, 1.0, Ending::Toppled),
+        (-0.2, -1.0, Ending::Toppled),
+        (0.3, -1.0, Ending::Separated),
+        (-0.3, 1.0, Ending::Separated),
+        (0.3, 0.0, Ending::Separated),
+    ] {
+        assert_eq!(Ending::at_separation(0.2, theta, theta_dot), ending, "{theta} {theta_dot}");
+    }
+}
