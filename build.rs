@@ -1,7 +1,8 @@
 //! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu`.
 //!
 //! The script runs before its own crate is compiled, so it has cargo compile the crate once more, as the shared library
-//! that goes into the FMU: `build/library.rs`. In that inner run `ROCKING_BLOCK_INNER` is set and only the table is made.
+//! that goes into the FMU: `build/library.rs`. In that inner run `ROCKING_BLOCK_INNER` is set and only the table is made;
+//! so it is where the crate is a dependency of another one.
 
 #[path = "build/archive.rs"]
 mod archive;
@@ -47,7 +48,9 @@ fn run() -> Result<(), String> {
     for source in SOURCES {
         println!("cargo::rerun-if-changed={source}");
     }
-    if std::env::var_os(library::GUARD).is_some() {
+    // Cargo says so when it compiles this script: the package is what was asked for, not a dependency of something else.
+    let asked_for = option_env!("CARGO_PRIMARY_PACKAGE").is_some();
+    if std::env::var_os(library::GUARD).is_some() || !asked_for {
         return Ok(());
     }
     // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out, wherever <target> is.
