@@ -18,7 +18,8 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::records::{self, ReadOptions};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::study::ground::Ground;
-use rocking_block::study::runner;
+use rocking_block::study::resumable::Opening;
+use rocking_block::study::runner::{self, Study};
 
 const ROUNDS: usize = 7;
 
@@ -118,7 +119,8 @@ fn spectrum(ground: Ground, blocks: u64) {
         let path = folder.path().join("spectrum.csv");
         let spectrum = common::spectrum(ground.clone(), blocks);
         let pool = runner::pool(Some(threads)).expect("threads");
-        runner::run(&spectrum, &pool, &path, false, |_, _| ()).expect("the spectrum is made");
+        let mut table = spectrum.open(&path, Opening::default()).expect("a table");
+        runner::run(&spectrum, &pool, &mut table, |_, _| ()).expect("the spectrum is made");
     };
     made(blocks / 10, 2);
     let before = most_memory();

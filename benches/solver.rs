@@ -17,7 +17,8 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::integrator::{ShortStep, Step};
 use rocking_block::regime::Regime;
 use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_block::study::runner;
+use rocking_block::study::resumable::Opening;
+use rocking_block::study::runner::{self, Study};
 
 const STATE: [f64; 4] = [0.02, -0.05, -0.004, 0.03];
 
@@ -92,8 +93,9 @@ fn spectra(c: &mut Criterion) {
         group.bench_function(format!("threads: {threads}"), |b| {
             b.iter(|| {
                 let folder = tempfile::tempdir().expect("a folder");
-                runner::run(&spectrum, &pool, &folder.path().join("spectrum.csv"), false, |_, _| ())
-                    .expect("a spectrum");
+                let path = folder.path().join("spectrum.csv");
+                let mut table = spectrum.open(&path, Opening::default()).expect("a table");
+                runner::run(&spectrum, &pool, &mut table, |_, _| ()).expect("a spectrum");
             });
         });
     }

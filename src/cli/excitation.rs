@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
+use crate::cli::input;
 use crate::excitation::{Pulse, PulseShape};
-use crate::records::{self, ReadOptions, Record, Unit};
+use crate::records::{ReadOptions, Record, Unit};
 use crate::study::ground::Ground;
 
 /// Options that say what moves the ground.
@@ -33,10 +34,10 @@ pub struct Excitation {
 /// Options that say which records there are.
 #[derive(Args)]
 pub struct Accelerograms {
-    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM
+    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for standard input
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Accelerogram of the vertical ground motion
+    /// Accelerogram of the vertical ground motion; `-` for standard input
     #[arg(long, value_name = "FILE")]
     pub vertical: Option<PathBuf>,
     /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
@@ -82,8 +83,9 @@ impl Accelerograms {
     pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
         let options = ReadOptions { unit: self.unit, time_step: self.dt, gravity, ..ReadOptions::default() };
         let load = |path: &Option<PathBuf>| -> anyhow::Result<Option<Record>> {
-            Ok(path.as_deref().map(|path| records::read(path, &options)).transpose()?)
+            Ok(path.as_deref().map(|path| input::record(path, &options)).transpose()?)
         };
+        input::check_one_standard([&self.record, &self.vertical])?;
         Ok(Ground { horizontal: load(&self.record)?, vertical: load(&self.vertical)? })
     }
 }

@@ -1,15 +1,18 @@
 //! `rocking figures`: the figures of the paper → a folder of pictures and tables.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 
-use crate::cli::output::Pending;
+use crate::cli::formats::Format;
+use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
+use crate::cli::report;
 use crate::study::figures::parameters::{Detail, NUMBERS};
 use crate::study::figures::{self, FigureError, Work, sources};
 use crate::study::picture::PictureFormat;
+use crate::study::place::STANDARD;
 use crate::study::runner;
 
 /// Options of `rocking figures`.
@@ -32,50 +35,46 @@ pub struct Options {
     threads: Option<u16>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Format {
-    Png,
-    Svg,
-}
-
 /// Does what the options say.
 pub fn run(options: &Options) -> anyhow::Result<()> {
-    let numbers: Vec<u8> = if options.only.is_empty() { NUMBERS.to_vec() } else { options.only.clone() };
+    let mut numbers: Vec<u8> = if options.only.is_empty() { NUMBERS.to_vec() } else { options.only.clone() };
+    numbers.sort_unstable();
+    numbers.dedup();
     if let Some(&unknown) = numbers.iter().find(|number| !NUMBERS.contains(number)) {
         anyhow::bail!("--only: {}", FigureError::Number(unknown));
     }
-    let sources = sources::read(options.records.as_deref())?;
-    let out = &options.out;
+    let (out, records) = (&options.out, options.records.as_deref());
+    anyhow::ensure!(out != Path::new(STANDARD), "--out -: standard output takes one file; expected a folder");
+    let sources = sources::read(records)?;
     std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be made", out.display()))?;
     let (format, ending) = match options.format {
         Format::Png => (PictureFormat::Png, "png"),
         Format::Svg => (PictureFormat::Svg, "svg"),
     };
-    for source in &sources {
-        println!("{:<14}{}", source.name, source.with_vertical());
-    }
+    let files = |number: u8| ["csv", ending].map(|ending| out.join(format!("figure_{number:02}.{ending}")));
+    let written: Vec<PathBuf> = numbers.iter().flat_map(|&number| files(number)).collect();
+    let named = |option: &str, paths: &[PathBuf]| paths.iter().map(|path| Named::new(option, path)).collect::<Vec<_>>();
+    check_distinct(&named("--records", &sources::files(records)), &named("--out", &written))?;
+    let of_sources: Vec<String> =
+        sources.iter().map(|source| format!("{:<14}{}\n", source.name, source.with_vertical())).collect();
+    report::print(&of_sources.concat(), false)?;
     let pool = runner::pool(options.threads.map(usize::from))?;
     let detail = Detail::FULL;
     let mut bar = Progress::new(numbers.iter().map(|&number| figures::tasks(number, &detail, &sources)).sum(), 0);
     let (mut done, mut failed) = (0, 0);
-    for number in numbers {
-        let name = format!("figure_{number:02}");
-        let mut files = ["csv", ending]
-            .into_iter()
-            .map(|ending| Pending::new(&out.join(&name).with_extension(ending)))
-            .collect::<anyhow::Result<Vec<_>>>()?;
+    for &number in &numbers {
+        let [table, picture] = files(number);
+        let (table, picture) = (Pending::new(&table)?, Pending::new(&picture)?);
         let mut told = || {
             done += 1;
             bar.show(done);
         };
         let figure = figures::make(number, &detail, &sources, &mut Work { pool: &pool, done: &mut told })?;
-        files[0].write(figure.table.as_bytes())?;
-        files[1].write(&format.encode(&figure.svg)?)?;
-        Pending::place(files)?;
+        Pending::write(vec![(table, figure.table.into_bytes()), (picture, format.encode(&figure.svg)?)])?;
         failed += figure.failed;
     }
     bar.clear();
-    println!("written       {}", out.display());
+    report::print(&format!("written       {}\n", out.display()), false)?;
     anyhow::ensure!(failed == 0, "{failed} runs failed; they have the word `failed` in the tables");
     Ok(())
 }

@@ -2,15 +2,22 @@
 
 mod excitation;
 mod figures;
+mod formats;
+mod input;
 mod output;
 mod progress;
+mod report;
 mod run_options;
 mod search;
 mod simulate;
 mod spectrum;
 mod sweep;
 
+use std::io::ErrorKind;
+
 use clap::{Parser, Subcommand};
+
+use crate::study::resumable::TableError;
 
 /// A rigid block rocking on viscoelastic supports under earthquakes and pulses.
 ///
@@ -36,8 +43,18 @@ enum Command {
     Figures(figures::Options),
 }
 
-/// Reads the command line and does what it says. The error is to be told on one line.
+/// What the signal sets; nobody reads it, since the write says the same.
+#[cfg(unix)]
+static BEYOND_LIMIT: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+
+/// Reads the command line and does what it says. The error is to be printed on one line.
+///
+/// # Errors
+/// What was found wrong, where, and what was expected.
 pub fn run() -> anyhow::Result<()> {
+    // A write beyond the limit of the file size is to fail; the signal would end the program.
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &BEYOND_LIMIT)?;
     match Arguments::parse().command {
         Some(Command::Simulate(options)) => simulate::run(&options),
         Some(Command::Spectrum(options)) => spectrum::run(&options),
@@ -46,4 +63,12 @@ pub fn run() -> anyhow::Result<()> {
         Some(Command::Figures(options)) => figures::run(&options),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
+}
+
+/// Whether an error only says that nobody reads the table any more, as in `rocking sweep study.toml --csv - | head`.
+pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    matches!(
+        error.downcast_ref(),
+        Some(TableError::Io { error, .. }) if error.kind() == ErrorKind::BrokenPipe
+    )
 }

@@ -1,14 +1,16 @@
 //! Options that several commands share.
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use crate::cli::excitation::finite;
 use crate::cli::progress::Progress;
+use crate::cli::report::{self, Written, is_standard_output};
 use crate::simulation::{LiftOff, OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
-use crate::study::resumable::Failures;
+use crate::study::resumable::{Failures, Opening, ResumableTable};
 use crate::study::runner::{self, Made, Study};
 
 /// What stays the same when a corner lifts from full contact.
@@ -95,10 +97,10 @@ impl RunOptions {
 #[derive(Args)]
 #[command(next_help_heading = "Results")]
 pub struct StudyOptions {
-    /// Table of the results, written row by row
+    /// Table of the results, written row by row; `-` for standard output
     #[arg(long, value_name = "FILE.csv")]
     pub csv: PathBuf,
-    /// Go on with the table of an interrupted study
+    /// Resume the table of an interrupted study
     #[arg(long)]
     resume: bool,
     /// Threads; without it one for each core
@@ -107,30 +109,35 @@ pub struct StudyOptions {
 }
 
 impl StudyOptions {
-    /// Makes the rows of a study that are not there yet.
-    pub fn run(&self, study: &impl Study) -> anyhow::Result<Made> {
+    /// Makes the rows of a study that are not there yet; its table is there to be read back if a picture is to be made
+    /// of it.
+    pub fn run(&self, study: &impl Study, read_back: bool) -> anyhow::Result<(Made, ResumableTable)> {
         let pool = runner::pool(self.threads.map(usize::from))?;
+        let mut table = study.open(&self.csv, Opening { resume: self.resume, read_back })?;
+        // A bar between the rows would spoil both.
+        let rows_on_terminal = is_standard_output(&self.csv) && std::io::stdout().is_terminal();
         let mut bar = None;
-        let made = runner::run(study, &pool, &self.csv, self.resume, |before, done| {
-            bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
+        let made = runner::run(study, &pool, &mut table, |before, done| {
+            if !rows_on_terminal {
+                bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
+            }
         });
         if let Some(bar) = bar {
             bar.clear();
         }
-        Ok(made?)
+        Ok((made?, table))
     }
-}
 
-impl Made {
-    /// Says what was made; runs that failed make an error.
-    pub fn tell(&self, csv: &Path, plot: Option<&Path>) -> anyhow::Result<()> {
-        println!("rows          {}, of which {} were there", self.rows, self.before);
-        for path in std::iter::once(csv).chain(plot) {
-            println!("written       {}", path.display());
-        }
-        let Failures { count, first } = self.failures;
-        let reason = self.reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
-        anyhow::ensure!(count == 0, "{count} of {} runs failed, the first in row {first}{reason}", self.rows);
-        Ok(())
+    /// Reports what was made; runs that failed are an error. `source` says what excites the blocks, where one motion
+    /// does for all.
+    pub fn report(&self, made: &Made, source: Option<&str>, plot: Option<&Path>) -> anyhow::Result<()> {
+        let Made { rows, before, failures: Failures { count, first }, ref reason } = *made;
+        let written = Written::new([Some(self.csv.as_path()), plot]);
+        let excitation = source.map(|source| format!("excitation    {source}\n")).unwrap_or_default();
+        let text = format!("{excitation}rows          {rows}, of which {before} were there\n{}", written.lines());
+        let why = reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
+        let failed = (count > 0).then(|| format!("{count} of {rows} runs failed, the first in row {first}{why}"));
+        report::print(&text, written.is_aside)?;
+        failed.map_or(Ok(()), |failed| anyhow::bail!(failed))
     }
 }

@@ -7,8 +7,11 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::block::{Block, Common, Dimensionless, Foundation};
 use crate::cli::excitation::{Accelerograms, Shape, finite};
-use crate::cli::output::Pending;
+use crate::cli::formats::check_table;
+use crate::cli::input;
+use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
+use crate::cli::report::{self, Written};
 use crate::cli::run_options::{AtLiftOff, AtSeparation};
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
@@ -123,7 +126,7 @@ struct SearchOptions {
     /// Threads; without it one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Table of the stretches of one outcome
+    /// Table of the stretches of one outcome; `-` for standard output
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
 }
@@ -133,6 +136,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     match &options.what {
         What::Damping(damping) => {
             let Damping { rate, from, to, resolution, .. } = *damping;
+            damping.search.check_table(&[])?;
             finite("rate", rate, |_| true, "a finite number")?;
             let scan = damping.search.scan(from, to, resolution)?;
             let block = damping.block.dimensionless(0.1);
@@ -143,10 +147,11 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 "",
                 &scan,
                 |progress| Ok(search::damping_against_separation(&block, &common, rate, settings, &scan, progress)?),
-                |found| {
+                |found| found.least_without(End::Separated),
+                |found, least| {
                     let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
                     let but = if overturned { ", but overturning where it says so above" } else { "" };
-                    match found.least_without(End::Separated) {
+                    match least {
                         Some(least) if found.changes.is_empty() => {
                             format!("none needed: no separation from xi_v = {least} on{but}")
                         }
@@ -158,6 +163,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         }
         What::Overturning(overturning) => {
             let Overturning { xi_v, rigid, resolution, .. } = *overturning;
+            overturning.search.check_table(&input::of_records(&overturning.accelerograms))?;
             let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
             let common = overturning.block.common(foundation);
             let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;
@@ -172,7 +178,8 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 unit,
                 &scan,
                 |progress| Ok(search::overturning(&block, &shaking, settings, &scan, progress)),
-                |found| match found.least(End::Overturned) {
+                |found| found.least(End::Overturned),
+                |_, least| match least {
                     Some(least) => format!("overturning first at {name} = {least}{unit}"),
                     None => format!("no overturning from {name} = {from} to {to}{unit}"),
                 },
@@ -223,14 +230,23 @@ impl SearchOptions {
         Ok(Scan { from, to, points: self.points, resolution })
     }
 
-    /// Searches on so many threads, and tells and writes what was found.
+    /// Refuses a name of the table under which it cannot be written, or which would replace an input.
+    fn check_table(&self, inputs: &[Named]) -> anyhow::Result<()> {
+        let Some(csv) = &self.csv else { return Ok(()) };
+        check_table(csv)?;
+        check_distinct(inputs, &[Named::new("--csv", csv)])
+    }
+
+    /// Searches on so many threads, writes the table and reports what was found: `least` is the number that is searched
+    /// for, `answer` says it in words.
     fn search(
         &self,
         name: &str,
         unit: &str,
         scan: &Scan,
         search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<Found<End>> + Send,
-        answer: impl FnOnce(&Found<End>) -> String,
+        least: impl FnOnce(&Found<End>) -> Option<f64>,
+        answer: impl FnOnce(&Found<End>, Option<f64>) -> String,
     ) -> anyhow::Result<()> {
         let file = self.csv.as_deref().map(Pending::new).transpose()?;
         let bar = Mutex::new(Progress::new(scan.points, 0));
@@ -244,21 +260,24 @@ impl SearchOptions {
             bar.clear();
         }
         let found = found?;
-        for (from, to, end) in found.stretches() {
-            println!("{name} = {from} to {to}{unit}: {end}");
+        let stretches = found.stretches();
+        if let Some(file) = file {
+            let mut table = "from,to,outcome\n".to_string();
+            stretches.iter().for_each(|(from, to, end)| table.push_str(&format!("{from},{to},{end}\n")));
+            Pending::write(vec![(file, table.into_bytes())])?;
         }
-        println!("{}", answer(&found));
-        let narrow = if found.stretches().iter().any(|s| s.2 == End::Failed) { "; some runs failed" } else { "" };
-        println!(
-            "{} values, {}{unit} apart: what is narrower may be missed; changes within {}{unit}{narrow}",
+        let least = least(&found);
+        let answer = answer(&found, least);
+        let mut text = String::new();
+        for (from, to, end) in &stretches {
+            text.push_str(&format!("{name} = {from} to {to}{unit}: {end}\n"));
+        }
+        let failed = stretches.iter().any(|stretch| stretch.2 == End::Failed).then(|| "some runs failed".to_string());
+        let narrow = failed.as_ref().map(|failed| format!("; {failed}")).unwrap_or_default();
+        text.push_str(&format!(
+            "{answer}\n{} values, {}{unit} apart: what is narrower may be missed; changes within {}{unit}{narrow}\n",
             scan.points, found.spacing, scan.resolution
-        );
-        if let Some(mut file) = file {
-            let mut text = "from,to,outcome\n".to_string();
-            found.stretches().iter().for_each(|(from, to, outcome)| text.push_str(&format!("{from},{to},{outcome}\n")));
-            file.write(text.as_bytes())?;
-            Pending::place(vec![file])?;
-        }
-        Ok(())
+        ));
+        report::print(&text, Written::new([self.csv.as_deref()]).is_aside)
     }
 }

@@ -7,8 +7,11 @@ use clap::{Args, Parser, ValueEnum};
 
 use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::excitation::{Excitation, Motion, finite};
-use crate::cli::output::Pending;
+use crate::cli::formats::{PictureOptions, check_table};
+use crate::cli::input;
+use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
+use crate::cli::report::{self, Written};
 use crate::cli::run_options::{AtLiftOff, AtSeparation};
 use crate::records::{self, ReadOptions, Record};
 use crate::simulation::{Ending, Initial, Settings};
@@ -46,13 +49,12 @@ pub struct Options {
     /// Table of the history; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
-    /// Picture of the history, SVG or PNG by its ending
-    #[arg(long, value_name = "FILE", help_heading = "Results")]
-    plot: Option<PathBuf>,
-    /// List each event
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// List each event in the summary
     #[arg(long, help_heading = "Results")]
     events: bool,
-    /// No summary
+    /// Print no summary
     #[arg(long, help_heading = "Results")]
     quiet: bool,
 }
@@ -128,54 +130,45 @@ struct Beginning {
 
 /// Does what the options say.
 pub fn run(options: &Options) -> anyhow::Result<()> {
+    let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
+    options.csv.as_deref().map_or(Ok(()), check_table)?;
     let (run, source) = options.run()?;
-    let (csv, picture) = options.places()?;
-    let format = picture.as_deref().map(PictureFormat::of).transpose()?;
-    let to_stdout = csv.as_deref() == Some(Path::new("-"));
-    let mut csv_file = csv.as_deref().filter(|_| !to_stdout).map(Pending::new).transpose()?;
-    let mut picture_file = picture.as_deref().map(Pending::new).transpose()?;
+    let (csv, plot) = options.places()?;
+    let named = [("--csv", &csv), ("--plot", &plot)];
+    let named: Vec<_> = named.iter().filter_map(|(option, path)| Some(Named::new(option, path.as_deref()?))).collect();
+    check_distinct(&input::of_records(&options.excitation.accelerograms), &named)?;
+    let csv_file = csv.as_deref().map(Pending::new).transpose()?;
+    let picture_file = plot.as_deref().map(Pending::new).transpose()?;
 
     const PARTS: u64 = 1000;
     let mut bar = Progress::new(PARTS, 0);
     let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
     bar.clear();
 
-    if let Some(file) = &mut csv_file {
+    let mut files = Vec::new();
+    if let Some(file) = csv_file {
         let mut bytes = Vec::new();
         table::write(&history, &mut bytes).context("the table cannot be made")?;
-        file.write(&bytes)?;
+        files.push((file, bytes));
     }
-    if let (Some(file), Some(format)) = (&mut picture_file, format) {
+    if let Some(file) = picture_file {
         let svg = plot::history(&run.block, &history, &source)?;
-        file.write(&format.encode(&svg)?)?;
+        files.push((file, format.encode(&svg)?));
     }
-    Pending::place(csv_file.into_iter().chain(picture_file).collect())?;
-    if to_stdout {
-        return to_standard_output(&history);
+    Pending::write(files)?;
+    if options.quiet {
+        return Ok(());
     }
-    if !options.quiet {
-        print!("{}", summary(&run, &history, &source, options.events));
-        for path in csv.iter().chain(&picture) {
-            println!("written       {}", path.display());
-        }
-    }
-    Ok(())
-}
-
-/// A reader that has seen enough closes the pipe; that is no error.
-fn to_standard_output(history: &History) -> anyhow::Result<()> {
-    match table::write(history, std::io::stdout().lock()).map_err(csv::Error::into_kind) {
-        Ok(()) => Ok(()),
-        Err(csv::ErrorKind::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        Err(error) => anyhow::bail!("standard output: {error:?}"),
-    }
+    let written = Written::new([csv.as_deref(), plot.as_deref()]);
+    let text = summary(&run, &history, &source, options.events) + &written.lines();
+    report::print(&text, written.is_aside)
 }
 
 impl Options {
-    /// Where the results go: `out/rocking.csv` and `out/rocking.png` unless told otherwise.
+    /// Where the results go: `out/rocking.csv` and `out/rocking.png` unless the options say otherwise.
     fn places(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
-        if self.csv.is_some() || self.plot.is_some() {
-            return Ok((self.csv.clone(), self.plot.clone()));
+        if self.csv.is_some() || self.picture.plot.is_some() {
+            return Ok((self.csv.clone(), self.picture.plot.clone()));
         }
         let folder = Path::new("out");
         std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;

@@ -1,18 +1,15 @@
 //! `rocking spectrum`: options → peak rotations of blocks of all sizes → a table and a picture.
 
-use std::fs::File;
-use std::path::PathBuf;
-
-use anyhow::Context;
 use clap::{Args, Parser, ValueEnum};
 
 use crate::block::Common;
 use crate::cli::excitation::{Excitation, Motion, finite};
-use crate::cli::output::Pending;
+use crate::cli::formats::{PictureOptions, check_table};
+use crate::cli::input;
+use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::run_options::{RunOptions, StudyOptions};
 use crate::excitation::PulseShape;
 use crate::study::ground::Ground;
-use crate::study::picture::PictureFormat;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
 use crate::study::spectrum_plot::{self, Abscissa};
 
@@ -30,9 +27,8 @@ pub struct Options {
     run: RunOptions,
     #[command(flatten)]
     study: StudyOptions,
-    /// Picture of the spectrum, SVG or PNG by its ending
-    #[arg(long, value_name = "FILE", help_heading = "Results")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
     /// What the sizes are drawn over; without it omega_p/p for a pulse, 2pi/p for a record
     #[arg(long, value_enum, requires = "plot", help_heading = "Results")]
     over: Option<Over>,
@@ -94,6 +90,11 @@ fn base(text: &str) -> anyhow::Result<Base> {
 
 /// Does what the options say.
 pub fn run(options: &Options) -> anyhow::Result<()> {
+    let (csv, plot) = (&options.study.csv, options.picture.plot.as_deref());
+    check_table(csv)?;
+    let format = options.picture.format()?;
+    let outputs = std::iter::once(Named::new("--csv", csv)).chain(plot.map(|path| Named::new("--plot", path)));
+    check_distinct(&input::of_records(&options.excitation.accelerograms), &outputs.collect::<Vec<_>>())?;
     let (spectrum, source) = options.spectrum()?;
     let over = match options.over {
         Some(Over::TwoPiOverP) => Abscissa::TwoPiOverP,
@@ -103,17 +104,13 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     };
     let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
     anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2pi/p");
-    let format = options.plot.as_deref().map(PictureFormat::of).transpose()?;
-    let mut picture = options.plot.as_deref().map(Pending::new).transpose()?;
-    let made = options.study.run(&spectrum)?;
-    if let (Some(file), Some(format)) = (&mut picture, format) {
-        let csv = &options.study.csv;
-        let table = File::open(csv).with_context(|| format!("{}: cannot be read", csv.display()))?;
-        file.write(&format.encode(&spectrum_plot::spectrum(&spectrum, table, over, &source)?)?)?;
+    let picture = plot.map(Pending::new).transpose()?;
+    let (made, table) = options.study.run(&spectrum, picture.is_some())?;
+    if let (Some(file), Some(format)) = (picture, format) {
+        let svg = spectrum_plot::spectrum(&spectrum, table.read_back()?, over, &source)?;
+        Pending::write(vec![(file, format.encode(&svg)?)])?;
     }
-    Pending::place(picture.into_iter().collect())?;
-    println!("excitation    {source}");
-    made.tell(&options.study.csv, options.plot.as_deref())
+    options.study.report(&made, Some(&source), plot)
 }
 
 impl Options {

@@ -27,7 +27,7 @@ pub use unit::Unit;
 use text::Source;
 
 /// Larger files are refused (MiB): the longest accelerograms have 10⁶ values, a few tens of MiB.
-const LARGEST_FILE: u64 = 512;
+pub(crate) const LARGEST_FILE: u64 = 512;
 
 /// A ground acceleration that is linear between evenly spaced samples.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,6 +9,7 @@ mod look;
 pub mod outcome;
 pub mod parameters;
 pub mod picture;
+pub mod place;
 pub mod plot;
 pub mod resumable;
 pub mod runner;

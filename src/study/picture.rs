@@ -15,12 +15,14 @@ pub const FONT_FAMILY: &str = "DejaVu Sans";
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// Neither SVG nor PNG.
-    #[error("{path}: a picture is written as .svg or .png, not as {found}")]
+    #[error("{path}: a picture is written as .svg or .png, not as {found}; {advice}")]
     Ending {
         /// The file.
         path: String,
         /// Its ending.
         found: String,
+        /// What to do instead.
+        advice: &'static str,
     },
     /// The drawing failed.
     #[error("the picture cannot be drawn: {0}")]
@@ -46,6 +48,12 @@ impl PictureFormat {
             other => Err(PictureError::Ending {
                 path: path.display().to_string(),
                 found: other.map_or("a file without ending".into(), |ending| format!(".{ending}")),
+                advice: match other {
+                    Some("pdf" | "eps" | "ps" | "emf") => "write .svg and convert it, as with rsvg-convert or Inkscape",
+                    Some("csv" | "txt" | "tsv" | "dat") => "the table is written with --csv",
+                    Some(_) => "write .png, or .svg for a drawing that scales",
+                    None => "--plot-format says which",
+                },
             }),
         }
     }

@@ -4,10 +4,12 @@
 //! a row. What an interrupted study leaves is a beginning of what it would have become.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// A table that cannot be begun, gone on with, or written.
+use crate::study::place::{Place, PlaceError};
+
+/// Why a table cannot be begun, resumed or written.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     /// There is one already.
@@ -16,6 +18,15 @@ pub enum TableError {
         /// The file.
         file: String,
     },
+    /// What is written into a device or a pipe is not kept there.
+    #[error("{file}: cannot be resumed with --resume; expected the file of an interrupted study")]
+    NotKept {
+        /// The output.
+        file: String,
+    },
+    /// Nothing can be written there.
+    #[error(transparent)]
+    Place(#[from] PlaceError),
     /// It belongs to another study.
     #[error("{file}:{line}: the table is that of another study; found `{found}`, expected `{expected}`")]
     Other {
@@ -90,10 +101,25 @@ impl Head {
 
 /// A table under way.
 pub struct ResumableTable {
-    path: PathBuf,
-    file: File,
+    name: String,
+    sink: Sink,
     rows: u64,
     failures: Failures,
+}
+
+/// What the rows are written to; `copy` is what a reader of the table needs who cannot read them from there.
+enum Sink {
+    File { path: PathBuf, file: File },
+    Stream { out: Box<dyn Write>, copy: Option<Vec<u8>> },
+}
+
+/// How a table is opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Opening {
+    /// Resume the table that is there.
+    pub resume: bool,
+    /// Let [`ResumableTable::read_back`] read the rows, also those that went into a device, a pipe or standard output.
+    pub read_back: bool,
 }
 
 /// Rows of runs that failed, which have the word `failed` in a field.
@@ -117,32 +143,49 @@ impl Failures {
 }
 
 impl ResumableTable {
-    /// Begins the table of a study of `rows` rows, or goes on with what is there of it if `resume` is set. Nothing is
-    /// changed unless what is there is the beginning of this very table; the half of a line at its end is taken away.
-    pub fn open(path: &Path, head: &Head, rows: u64, resume: bool) -> Result<ResumableTable, TableError> {
-        let name = path.display().to_string();
-        let io = |what| move |error| TableError::Io { file: path.display().to_string(), what, error };
-        if path.is_dir() {
-            return Err(io("written")(std::io::ErrorKind::IsADirectory.into()));
-        }
-        if path.exists() {
+    /// Begins the table of a study of `rows` rows, or resumes the one that is there. Nothing is changed unless what is
+    /// there is the beginning of this very table; the half of a line at its end is removed. A device, a pipe or standard
+    /// output is written into and cannot be resumed.
+    ///
+    /// # Errors
+    /// There is a file already, or none that can be resumed; or the operating system refuses.
+    pub fn open(path: &Path, head: &Head, rows: u64, opening: Opening) -> Result<ResumableTable, TableError> {
+        let Opening { resume, read_back } = opening;
+        let place = Place::of(path)?;
+        let name = place.name(path);
+        let io = |what| {
+            let file = name.clone();
+            move |error| TableError::Io { file, what, error }
+        };
+        let new = |sink| ResumableTable { name: name.clone(), sink, rows: 0, failures: Failures::default() };
+        let Place::File(target) = &place else {
+            if resume {
+                return Err(TableError::NotKept { file: name });
+            }
+            let Some(out) = place.open_stream().map_err(io("written"))? else { unreachable!("this is no file") };
+            let mut table = new(Sink::Stream { out, copy: read_back.then(Vec::new) });
+            table.begin(head)?;
+            return Ok(table);
+        };
+        if target.exists() {
             if !resume {
                 return Err(TableError::Exists { file: name });
             }
-            let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io("opened"))?;
+            let mut file = OpenOptions::new().read(true).write(true).open(target).map_err(io("opened"))?;
             lock(&file, &name)?;
             let (length, done, failures) = complete_part(&file, &name, head, rows)?;
             file.set_len(length).map_err(io("written"))?;
             file.seek(SeekFrom::End(0)).map_err(io("written"))?;
-            let mut table = ResumableTable { path: path.to_path_buf(), file, rows: done, failures };
+            let sink = Sink::File { path: target.clone(), file };
+            let mut table = ResumableTable { rows: done, failures, ..new(sink) };
             if length == 0 {
                 table.begin(head)?;
             }
             return Ok(table);
         }
-        let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(io("written"))?;
+        let file = OpenOptions::new().write(true).create_new(true).open(target).map_err(io("written"))?;
         lock(&file, &name)?;
-        let mut table = ResumableTable { path: path.to_path_buf(), file, rows: 0, failures: Failures::default() };
+        let mut table = new(Sink::File { path: target.clone(), file });
         table.begin(head)?;
         Ok(table)
     }
@@ -169,9 +212,36 @@ impl ResumableTable {
         Ok(())
     }
 
+    /// The text of the table with all rows so far.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn read_back(&self) -> Result<Box<dyn Read + '_>, TableError> {
+        match &self.sink {
+            Sink::File { path, .. } => {
+                let opened = File::open(path);
+                opened.map(|file| Box::new(file) as Box<dyn Read>).map_err(|error| self.io("read", error))
+            }
+            Sink::Stream { copy, .. } => Ok(Box::new(Cursor::new(copy.as_deref().unwrap_or_default()))),
+        }
+    }
+
     fn write(&mut self, text: std::io::Result<String>) -> Result<(), TableError> {
-        let written = text.and_then(|text| self.file.write_all(text.as_bytes()));
-        written.map_err(|error| TableError::Io { file: self.path.display().to_string(), what: "written", error })
+        let written = text.and_then(|text| match &mut self.sink {
+            Sink::File { file, .. } => file.write_all(text.as_bytes()),
+            Sink::Stream { out, copy } => {
+                let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+                let Some(copy) = copy else { return written };
+                copy.extend(text.as_bytes());
+                // A pipe that was closed wants no more rows; who reads them back still does.
+                written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
+            }
+        });
+        written.map_err(|error| self.io("written", error))
+    }
+
+    fn io(&self, what: &'static str, error: std::io::Error) -> TableError {
+        TableError::Io { file: self.name.clone(), what, error }
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
 use crate::simulation::SimulationError;
-use crate::study::resumable::{Failures, Head, ResumableTable, TableError};
+use crate::study::resumable::{Failures, Head, Opening, ResumableTable, TableError};
 
 /// Tasks under way or waiting for their turn, for each thread: so many that a task which takes that many times longer
 /// than the others keeps nobody waiting.
@@ -21,6 +21,13 @@ pub trait Study: Sync {
     fn rows(&self) -> u64;
     /// Makes a row, its fields without the row's number. It depends on the number alone.
     fn row(&self, number: u64) -> StudyRow;
+    /// Opens the study's table, in a file of this name.
+    ///
+    /// # Errors
+    /// Those of [`ResumableTable::open`].
+    fn open(&self, path: &Path, opening: Opening) -> Result<ResumableTable, TableError> {
+        ResumableTable::open(path, &self.head(), self.rows(), opening)
+    }
 }
 
 /// A row of a study.
@@ -49,11 +56,9 @@ pub struct Made {
 pub fn run(
     study: &impl Study,
     pool: &rayon::ThreadPool,
-    path: &Path,
-    resume: bool,
+    table: &mut ResumableTable,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Made, TableError> {
-    let mut table = ResumableTable::open(path, &study.head(), study.rows(), resume)?;
     let before = table.rows();
     progress(before, before);
     let mut reason = None;
@@ -65,7 +70,7 @@ pub fn run(
             table.push(row.fields)?;
             reason = reason.take().or(row.failure);
             progress(before, number + 1);
-            Ok(())
+            Ok::<(), TableError>(())
         },
     )?;
     Ok(Made { rows: study.rows(), before, failures: table.failures(), reason })

@@ -127,6 +127,12 @@ pub fn read(folder: Option<&Path>) -> Result<Vec<Source>, SourceError> {
     TABLE.iter().map(|row| source(row, folder)).collect()
 }
 
+/// The files of a folder that [`read`] reads.
+pub fn files(folder: Option<&Path>) -> Vec<PathBuf> {
+    let names = TABLE.iter().flat_map(|row| [row.horizontal, row.vertical]);
+    folder.map_or(Vec::new(), |folder| names.filter_map(|name| find(folder, name)).collect())
+}
+
 fn source(row: &Row, folder: Option<&Path>) -> Result<Source, SourceError> {
     let load = |name: &str| -> Result<Option<Record>, RecordError> {
         let Some(path) = folder.and_then(|folder| find(folder, name)) else { return Ok(None) };
