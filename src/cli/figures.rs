@@ -1,14 +1,16 @@
 //! `rocking figures`: the figures of the paper → a folder of pictures and tables.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
+use serde::Serialize;
 
 use crate::cli::formats::Format;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
-use crate::cli::report;
+use crate::cli::report::{self, ReportOptions, Written};
 use crate::study::figures::parameters::{Detail, NUMBERS};
 use crate::study::figures::{self, FigureError, Work, sources};
 use crate::study::picture::PictureFormat;
@@ -33,6 +35,8 @@ pub struct Options {
     /// Threads; without it one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 /// Does what the options say.
@@ -57,7 +61,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     check_distinct(&named("--records", &sources::files(records)), &named("--out", &written))?;
     let of_sources: Vec<String> =
         sources.iter().map(|source| format!("{:<14}{}\n", source.name, source.with_vertical())).collect();
-    report::print(&of_sources.concat(), false)?;
+    if !options.report.json {
+        report::print(&of_sources.concat(), false)?;
+    }
     let pool = runner::pool(options.threads.map(usize::from))?;
     let detail = Detail::FULL;
     let mut bar = Progress::new(numbers.iter().map(|&number| figures::tasks(number, &detail, &sources)).sum(), 0);
@@ -74,7 +80,26 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         failed += figure.failed;
     }
     bar.clear();
-    report::print(&format!("written       {}\n", out.display()), false)?;
-    anyhow::ensure!(failed == 0, "{failed} runs failed; they have the word `failed` in the tables");
-    Ok(())
+    let written = Written::new([("out", Some(out.as_path()))]);
+    let failures = (failed > 0).then(|| format!("{failed} runs failed; they have the word `failed` in the tables"));
+    let pulses = sources.iter().filter(|source| !source.is_record()).map(|source| source.label.clone());
+    let warnings: Vec<String> = pulses.chain(failures.clone()).collect();
+    let files = numbers.iter().flat_map(|&number| files(number)).map(|path| path.display().to_string()).collect();
+    let result = FiguresResult {
+        figures: numbers,
+        files,
+        sources: sources.iter().map(|source| (source.name, source.with_vertical())).collect(),
+        failed,
+    };
+    options.report.print("figures", &written, &warnings, &written.lines(), &result)?;
+    failures.map_or(Ok(()), |failures| anyhow::bail!(failures))
+}
+
+#[derive(Serialize)]
+struct FiguresResult {
+    figures: Vec<u8>,
+    files: Vec<String>,
+    /// The ground motions of Table I.
+    sources: BTreeMap<&'static str, String>,
+    failed: u64,
 }

@@ -13,7 +13,7 @@ const NOT_CSV: [(&[&str], &str); 7] = [
         &["parquet", "feather", "arrow", "h5", "hdf5", "mat", "npy", "npz", "pkl", "nc", "db", "sqlite"],
         "write .csv and convert it, as with pandas.read_csv(\"run.csv\", comment=\"#\").to_parquet(\"run.parquet\")",
     ),
-    (&["json", "jsonl", "yaml", "toml", "xml"], "write .csv and convert that"),
+    (&["json", "jsonl", "yaml", "toml", "xml"], "write .csv; --json prints the summary as JSON"),
     (&["tsv"], "write .csv, in which commas separate the columns"),
     (&["gz", "bz2", "xz", "zst", "zip"], "compress standard output, as with --csv - | gzip > run.csv.gz"),
     (

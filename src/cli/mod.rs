@@ -11,6 +11,7 @@ mod run_options;
 mod search;
 mod simulate;
 mod spectrum;
+mod summary;
 mod sweep;
 
 use std::io::ErrorKind;

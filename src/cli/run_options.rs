@@ -4,10 +4,11 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use crate::cli::excitation::finite;
 use crate::cli::progress::Progress;
-use crate::cli::report::{self, Written, is_standard_output};
+use crate::cli::report::{ReportOptions, Written, is_standard_output};
 use crate::simulation::{LiftOff, OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::resumable::{Failures, Opening, ResumableTable};
@@ -106,6 +107,8 @@ pub struct StudyOptions {
     /// Threads; without it one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 impl StudyOptions {
@@ -130,14 +133,24 @@ impl StudyOptions {
 
     /// Reports what was made; runs that failed are an error. `source` says what excites the blocks, where one motion
     /// does for all.
-    pub fn report(&self, made: &Made, source: Option<&str>, plot: Option<&Path>) -> anyhow::Result<()> {
+    pub fn report(&self, command: &str, made: &Made, source: Option<&str>, plot: Option<&Path>) -> anyhow::Result<()> {
         let Made { rows, before, failures: Failures { count, first }, ref reason } = *made;
-        let written = Written::new([Some(self.csv.as_path()), plot]);
+        let written = Written::new([("csv", Some(self.csv.as_path())), ("plot", plot)]);
         let excitation = source.map(|source| format!("excitation    {source}\n")).unwrap_or_default();
         let text = format!("{excitation}rows          {rows}, of which {before} were there\n{}", written.lines());
         let why = reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
         let failed = (count > 0).then(|| format!("{count} of {rows} runs failed, the first in row {first}{why}"));
-        report::print(&text, written.is_aside)?;
+        let result = StudyResult { excitation: source, rows, rows_before: before, failed: count };
+        self.report.print(command, &written, failed.as_slice(), &text, &result)?;
         failed.map_or(Ok(()), |failed| anyhow::bail!(failed))
     }
+}
+
+#[derive(Serialize)]
+struct StudyResult<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    excitation: Option<&'a str>,
+    rows: u64,
+    rows_before: u64,
+    failed: u64,
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
 
 use crate::block::{Block, Common, Dimensionless, Foundation};
 use crate::cli::excitation::{Accelerograms, Shape, finite};
@@ -11,7 +12,7 @@ use crate::cli::formats::check_table;
 use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
-use crate::cli::report::{self, Written};
+use crate::cli::report::{ReportOptions, Written};
 use crate::cli::run_options::{AtLiftOff, AtSeparation};
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
@@ -129,6 +130,8 @@ struct SearchOptions {
     /// Table of the stretches of one outcome; `-` for standard output
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 /// Does what the options say.
@@ -278,6 +281,40 @@ impl SearchOptions {
             "{answer}\n{} values, {}{unit} apart: what is narrower may be missed; changes within {}{unit}{narrow}\n",
             scan.points, found.spacing, scan.resolution
         ));
-        report::print(&text, Written::new([self.csv.as_deref()]).is_aside)
+        let result = SearchResult {
+            parameter: name,
+            unit: if unit.is_empty() { "1" } else { unit.trim() },
+            least,
+            answer: &answer,
+            values: scan.points,
+            spacing: found.spacing,
+            resolution: scan.resolution,
+            stretches: stretches
+                .iter()
+                .map(|&(from, to, end)| Stretch { from, to, outcome: end.to_string() })
+                .collect(),
+        };
+        let written = Written::new([("csv", self.csv.as_deref())]);
+        self.report.print("search", &written, failed.as_slice(), &text, &result)
     }
+}
+
+#[derive(Serialize)]
+struct SearchResult<'a> {
+    parameter: &'a str,
+    unit: &'a str,
+    /// The least damping without separation from there on, or the least amplitude or factor that overturns the block.
+    least: Option<f64>,
+    answer: &'a str,
+    values: u64,
+    spacing: f64,
+    resolution: f64,
+    stretches: Vec<Stretch>,
+}
+
+#[derive(Serialize)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    outcome: String,
 }

@@ -11,8 +11,9 @@ use crate::cli::formats::{PictureOptions, check_table};
 use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
-use crate::cli::report::{self, Written};
+use crate::cli::report::{ReportOptions, Written};
 use crate::cli::run_options::{AtLiftOff, AtSeparation};
+use crate::cli::summary::Summary;
 use crate::records::{self, ReadOptions, Record};
 use crate::simulation::{Ending, Initial, Settings};
 use crate::study::history::{History, Run};
@@ -55,8 +56,10 @@ pub struct Options {
     #[arg(long, help_heading = "Results")]
     events: bool,
     /// Print no summary
-    #[arg(long, help_heading = "Results")]
+    #[arg(long, help_heading = "Results", conflicts_with = "json")]
     quiet: bool,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 #[derive(Args)]
@@ -159,9 +162,12 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if options.quiet {
         return Ok(());
     }
-    let written = Written::new([csv.as_deref(), plot.as_deref()]);
+    let written = Written::new([("csv", csv.as_deref()), ("plot", plot.as_deref())]);
     let text = summary(&run, &history, &source, options.events) + &written.lines();
-    report::print(&text, written.is_aside)
+    let warnings =
+        options.is_embedded().then(|| format!("no excitation was named: the embedded {} was run", EMBEDDED.0));
+    let json = Summary::new(&run, &history, &source, options.events);
+    options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
 }
 
 impl Options {

@@ -110,7 +110,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         let svg = spectrum_plot::spectrum(&spectrum, table.read_back()?, over, &source)?;
         Pending::write(vec![(file, format.encode(&svg)?)])?;
     }
-    options.study.report(&made, Some(&source), plot)
+    options.study.report("spectrum", &made, Some(&source), plot)
 }
 
 impl Options {

@@ -190,7 +190,7 @@ pub struct EnergySums {
 }
 
 /// Energies at one time (J), and what became of them since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energies {
     /// Total energy, zero at rest.
     pub total: f64,

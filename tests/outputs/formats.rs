@@ -15,7 +15,7 @@ fn an_ending_of_another_format_is_refused_with_what_to_do() {
         ("run.feather", "pandas"),
         ("run.h5", "pandas"),
         ("run.mat", "pandas"),
-        ("run.json", "convert"),
+        ("run.json", "--json"),
         ("run.tsv", "commas"),
         ("run.csv.gz", "gzip"),
         ("run.png", "picture"),

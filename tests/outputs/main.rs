@@ -1,9 +1,10 @@
-//! What the `rocking` program writes and where: files, devices and pipes, formats.
+//! What the `rocking` program writes and where: files, devices and pipes, formats, JSON.
 
 #![cfg(all(feature = "program", unix))]
 
 mod files;
 mod formats;
+mod json;
 mod streams;
 
 use std::path::Path;

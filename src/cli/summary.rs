@@ -1,0 +1,179 @@
+//! A run → its summary for a program.
+
+use serde::Serialize;
+
+use crate::block::{Block, Foundation};
+use crate::events::{Event, EventKind};
+use crate::regime::Corner;
+use crate::simulation::Energies;
+use crate::study::history::{History, Run};
+use crate::study::outcome::End;
+
+/// What `rocking simulate --json` prints: SI units, and the names of the tables and of the FMU's variables.
+#[derive(Serialize)]
+pub struct Summary<'a> {
+    excitation: &'a str,
+    block: Parameters,
+    /// `completed`, `overturned` or `separated`.
+    outcome: &'static str,
+    end_time: f64,
+    /// Whether the block stands and nothing more would happen to it.
+    has_come_down: bool,
+    peak: Peak,
+    events: Events,
+    /// At the end of the run.
+    energy: Energy,
+    steps: Steps,
+}
+
+#[derive(Serialize)]
+struct Parameters {
+    foundation: &'static str,
+    alpha: f64,
+    p: f64,
+    /// Supports alone have η and ξ_v, a rigid base alone has e.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eta: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    xi_v: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    e: Option<f64>,
+    epsilon: f64,
+    #[serde(rename = "R0")]
+    r0: f64,
+    width: f64,
+    height: f64,
+    mass: f64,
+    gamma: f64,
+    g: f64,
+}
+
+#[derive(Serialize)]
+struct Peak {
+    theta: f64,
+    #[serde(rename = "theta/alpha")]
+    theta_over_alpha: f64,
+    uplift: f64,
+    #[serde(rename = "N")]
+    reaction: f64,
+    #[serde(rename = "H")]
+    horizontal: f64,
+    friction_demand: f64,
+}
+
+#[derive(Serialize)]
+struct Events {
+    impacts: u32,
+    liftoffs: u32,
+    last_time: Option<f64>,
+    /// With `--events`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    list: Option<Vec<Happening>>,
+}
+
+#[derive(Serialize)]
+struct Happening {
+    t: f64,
+    event: &'static str,
+    corner: Option<&'static str>,
+    before: String,
+    after: String,
+}
+
+#[derive(Serialize)]
+struct Energy {
+    #[serde(flatten)]
+    energies: Energies,
+    /// Greatest of the run.
+    greatest_total: f64,
+    greatest_residual: f64,
+}
+
+#[derive(Serialize)]
+struct Steps {
+    accepted: u64,
+    rejected: u64,
+    evaluations: u64,
+}
+
+impl<'a> Summary<'a> {
+    /// The summary of a run; `source` says what excites the block.
+    pub fn new(run: &Run, history: &History, source: &'a str, with_events: bool) -> Summary<'a> {
+        let History { rows, events, peaks, counts, ending, has_come_down } = history;
+        let last = rows.last();
+        let end = match ending {
+            None => End::Completed,
+            Some((ending, _)) if ending.is_overturning() => End::Overturned,
+            Some(_) => End::Separated,
+        };
+        Summary {
+            excitation: source,
+            block: Parameters::of(&run.block),
+            outcome: end.word(),
+            end_time: ending.map_or(last.map_or(0.0, |row| row.time), |(_, time)| time),
+            has_come_down: *has_come_down,
+            peak: Peak {
+                theta: peaks.theta,
+                theta_over_alpha: peaks.theta / run.block.alpha,
+                uplift: peaks.uplift,
+                reaction: peaks.reaction,
+                horizontal: peaks.horizontal,
+                friction_demand: peaks.friction_demand,
+            },
+            events: Events {
+                impacts: counts.impacts,
+                liftoffs: counts.liftoffs,
+                last_time: events.last().map(|event| event.time),
+                list: with_events.then(|| events.iter().map(Happening::of).collect()),
+            },
+            energy: Energy {
+                energies: last.map(|row| row.energies).unwrap_or_default(),
+                greatest_total: history.greatest_energy(),
+                greatest_residual: history.greatest_residual(),
+            },
+            steps: Steps { accepted: counts.steps, rejected: counts.rejected, evaluations: counts.evaluations },
+        }
+    }
+}
+
+impl Parameters {
+    fn of(block: &Block) -> Parameters {
+        let (foundation, eta, xi_v, e) = match block.foundation {
+            Foundation::Viscoelastic => ("viscoelastic", Some(block.eta()), Some(block.xi_v), None),
+            Foundation::Rigid => ("rigid", None, None, Some(block.restitution())),
+        };
+        Parameters {
+            foundation,
+            alpha: block.alpha,
+            p: block.p,
+            eta,
+            xi_v,
+            e,
+            r0: block.r0,
+            width: 2.0 * block.b,
+            height: 2.0 * block.h,
+            epsilon: block.epsilon,
+            mass: block.mass,
+            gamma: block.gamma,
+            g: block.gravity,
+        }
+    }
+}
+
+impl Happening {
+    fn of(event: &Event) -> Happening {
+        let (name, corner) = match event.kind {
+            EventKind::LiftOff(corner) => ("lift-off", Some(corner)),
+            EventKind::Landing(corner) => ("landing", Some(corner)),
+            EventKind::Slip => ("slip", None),
+            EventKind::Grip => ("grip", None),
+            EventKind::Overturning => ("overturning", None),
+        };
+        let corner = corner.map(|corner| match corner {
+            Corner::Left => "L",
+            Corner::Right => "R",
+        });
+        let (before, after) = (event.before.to_string(), event.after.to_string());
+        Happening { t: event.time, event: name, corner, before, after }
+    }
+}
