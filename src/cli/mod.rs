@@ -9,6 +9,7 @@ mod progress;
 mod report;
 mod run_options;
 mod search;
+mod shell;
 mod simulate;
 mod spectrum;
 mod summary;
@@ -16,7 +17,7 @@ mod sweep;
 
 use std::io::ErrorKind;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::study::resumable::TableError;
 
@@ -42,6 +43,10 @@ enum Command {
     Search(search::Options),
     /// The figures of Palmeri and Makris (2008), computed anew: pictures with their tables
     Figures(figures::Options),
+    /// Prints a script that lets a shell complete the commands and options
+    Completions(shell::Completions),
+    /// Prints the manual page, or writes one for each command
+    Man(shell::Man),
 }
 
 /// What the signal sets; nobody reads it, since the write says the same.
@@ -62,6 +67,8 @@ pub fn run() -> anyhow::Result<()> {
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Search(options)) => search::run(&options),
         Some(Command::Figures(options)) => figures::run(&options),
+        Some(Command::Completions(options)) => shell::completions(&options, Arguments::command()),
+        Some(Command::Man(options)) => shell::man(&options, Arguments::command()),
         None => simulate::run(&simulate::Options::parse_from(["rocking"])),
     }
 }

@@ -1,10 +1,11 @@
-//! What the `rocking` program writes and where: files, devices and pipes, formats, JSON.
+//! What the `rocking` program writes and where: files, devices and pipes, formats, JSON, completions and manual pages.
 
 #![cfg(all(feature = "program", unix))]
 
 mod files;
 mod formats;
 mod json;
+mod shell;
 mod streams;
 
 use std::path::Path;

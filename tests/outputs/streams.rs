@@ -176,7 +176,7 @@ fn a_reader_may_close_the_pipe() {
     closed(&mut rocking(path, &[&spectrum, &["--csv", "-", "--plot", "closed.svg"]]));
     made(&mut rocking(path, &[&spectrum, &["--csv", "s.csv", "--plot", "whole.svg"]]));
     assert!(fs::read(path.join("closed.svg")).unwrap() == fs::read(path.join("whole.svg")).unwrap());
-    for command in [&SEARCH[..], &["simulate"], &["simulate", "--csv", "run.csv", "--json"]] {
+    for command in [&SEARCH[..], &["simulate"], &["simulate", "--csv", "run.csv", "--json"], &["man"]] {
         closed(&mut rocking(path, &[command]));
     }
 }
