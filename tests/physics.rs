@@ -309,6 +309,20 @@ fn the_communication_step_does_not_matter() {
     }
 }
 
+/// The ground jolts a block at rest, for a millisecond: H is greatest right after the jump, `M a_x i0/(i0 + h²)` in full
+/// contact, before the block has moved.
+#[test]
+fn a_peak_right_after_a_jump_counts() {
+    let block = block(0.25, 1.0, 40.0, 0.1, 0.0);
+    let exact = block.mass * 2.0 * block.i0 / (block.i0 + block.h * block.h);
+    let mut simulation = start(block, Pulse::NONE, Initial::default(), 1e-8);
+    go(&mut simulation, 1.0);
+    let jolt = Inputs { time: 1.0, a_gx: Ramp { value: 2.0, rate: -2000.0 }, ..Inputs::default() };
+    simulation.advance(1.001, &jolt, &mut |_| ()).unwrap();
+    let peak = simulation.peaks().horizontal;
+    assert!((peak / exact - 1.0).abs() < 1e-12, "{peak} N instead of {exact} N");
+}
+
 /// Peaks are those of the motion, not of the steps: the same from one long call as from a fine history.
 #[test]
 fn peaks_come_from_inside_the_steps() {

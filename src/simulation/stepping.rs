@@ -134,6 +134,8 @@ impl Simulation {
         if self.peaks.may_rise_inside(&start, &end, size) {
             return None;
         }
+        // After an event or a jump of the inputs the beginning is new, too.
+        self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
         self.sums.input += step.work[0];
