@@ -51,24 +51,57 @@ pub struct Common {
     pub gravity: f64,
     /// Supports or rigid base.
     pub foundation: Foundation,
+    /// On the rigid base, the e that acts over Housner's e of ε (1), at least 0; not read on supports.
+    pub restitution_factor: f64,
 }
 
 impl Default for Common {
     fn default() -> Common {
-        Common { mass: 1000.0, gamma: 3.0, epsilon: 0.0, gravity: 9.81, foundation: Foundation::Viscoelastic }
+        Common {
+            mass: 1000.0,
+            gamma: 3.0,
+            epsilon: 0.0,
+            gravity: 9.81,
+            foundation: Foundation::Viscoelastic,
+            restitution_factor: 1.0,
+        }
     }
 }
 
-/// A parameter that makes no block.
+/// Parameters that make no block.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} = {value} makes no block; expected {expected}")]
-pub struct BlockError {
-    /// The parameter's name.
-    pub name: &'static str,
-    /// What was given.
-    pub value: f64,
-    /// What would do.
-    pub expected: &'static str,
+pub enum BlockError {
+    /// One that is out of range.
+    #[error("{name} = {value} makes no block; expected {expected}")]
+    OutOfRange {
+        /// The parameter's name.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// A factor with which impacts on the rigid base would make energy.
+    #[error(
+        "restitution_factor = {factor} makes e = {housner} into {}; expected at most 1 after an impact on the rigid base",
+        factor * housner
+    )]
+    Restitution {
+        /// The factor (1).
+        factor: f64,
+        /// Housner's e of ε (1), eq. (6).
+        housner: f64,
+    },
+}
+
+impl BlockError {
+    /// Name of the parameter at fault.
+    pub fn name(&self) -> &'static str {
+        match self {
+            BlockError::OutOfRange { name, .. } => name,
+            BlockError::Restitution { .. } => "restitution_factor",
+        }
+    }
 }
 
 /// A block on its foundation, in both parameterizations; valid by construction.
@@ -84,6 +117,8 @@ pub struct Block {
     pub epsilon: f64,
     /// Supports or rigid base.
     pub foundation: Foundation,
+    /// Factor on Housner's e (1); read on the rigid base only.
+    pub restitution_factor: f64,
     /// Slenderness angle α (rad).
     pub alpha: f64,
     /// Distance R0 from the centre of mass to each corner (m).
@@ -164,6 +199,7 @@ impl Block {
             gamma: common.gamma,
             epsilon: common.epsilon,
             foundation: common.foundation,
+            restitution_factor: common.restitution_factor,
             i0: r0 * r0 / common.gamma,
             r0,
             alpha: 0.0,
@@ -190,11 +226,15 @@ impl Block {
             ("delta_s", self.static_deflection()),
         ] {
             if !(value.is_normal() && value > 0.0) {
-                return Err(BlockError { name, value, expected: "a positive number within the range of f64" });
+                return Err(BlockError::OutOfRange { name, value, expected: "a positive number within the range of f64" });
             }
         }
         if !self.damping.is_finite() || !self.xi_v.is_finite() {
-            return Err(BlockError { name: "C", value: self.damping, expected: "a finite damping" });
+            return Err(BlockError::OutOfRange { name: "C", value: self.damping, expected: "a finite damping" });
+        }
+        // A factor of at most 1 is fine whatever rounding made of an e near 1.
+        if self.restitution_factor > 1.0 && self.restitution() > 1.0 {
+            return Err(BlockError::Restitution { factor: self.restitution_factor, housner: self.housner_restitution() });
         }
         Ok(self)
     }
@@ -219,8 +259,17 @@ impl Block {
         self.stiffness / self.damping
     }
 
-    /// Housner's restitution e that ε amounts to (1), eq. (6).
+    /// The restitution e of the rotation: on the rigid base the part of θ̇ that an impact leaves, which is Housner's e
+    /// times the factor; on supports Housner's e that ε amounts to (1).
     pub fn restitution(&self) -> f64 {
+        match self.foundation {
+            Foundation::Rigid => self.housner_restitution() * self.restitution_factor,
+            Foundation::Viscoelastic => self.housner_restitution(),
+        }
+    }
+
+    /// Housner's restitution e that ε amounts to (1), eq. (6).
+    pub fn housner_restitution(&self) -> f64 {
         let cos = libm::cos(2.0 * self.alpha);
         (1.0 + self.gamma * self.epsilon + (1.0 - self.epsilon) * self.gamma * cos) / (1.0 + self.gamma)
     }
@@ -242,8 +291,9 @@ fn check_common(common: &Common) -> Result<(), BlockError> {
     positive("mass", common.mass)?;
     positive("gamma", common.gamma)?;
     positive("g", common.gravity)?;
+    not_negative("restitution_factor", common.restitution_factor)?;
     if !(0.0..=1.0).contains(&common.epsilon) {
-        return Err(BlockError { name: "epsilon", value: common.epsilon, expected: "0 <= epsilon <= 1" });
+        return Err(BlockError::OutOfRange { name: "epsilon", value: common.epsilon, expected: "0 <= epsilon <= 1" });
     }
     Ok(())
 }
@@ -256,10 +306,10 @@ fn not_negative(name: &'static str, value: f64) -> Result<(), BlockError> {
     if (0.0..f64::INFINITY).contains(&value) {
         Ok(())
     } else {
-        Err(BlockError { name, value, expected: "a finite number >= 0" })
+        Err(BlockError::OutOfRange { name, value, expected: "a finite number >= 0" })
     }
 }
 
 fn open_range(name: &'static str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<(), BlockError> {
-    if value > low && value < high { Ok(()) } else { Err(BlockError { name, value, expected }) }
+    if value > low && value < high { Ok(()) } else { Err(BlockError::OutOfRange { name, value, expected }) }
 }

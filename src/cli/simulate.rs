@@ -240,7 +240,7 @@ impl Options {
             Base::Viscoelastic => Foundation::Viscoelastic,
             Base::Rigid => Foundation::Rigid,
         };
-        let common = Common { mass, gamma, epsilon, gravity: g, foundation };
+        let common = Common { mass, gamma, epsilon, gravity: g, foundation, ..Common::default() };
         let BlockOptions { width, height, stiffness, damping, .. } = self.block;
         if let (Some(width), Some(height), Some(stiffness), Some(damping)) = (width, height, stiffness, damping) {
             return Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?);

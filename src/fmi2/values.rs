@@ -59,6 +59,7 @@ impl Values {
             epsilon: self[Variable::Epsilon],
             gravity: self[Variable::G],
             foundation: if self[Variable::Foundation] == RIGID { Foundation::Rigid } else { Foundation::Viscoelastic },
+            restitution_factor: self[Variable::RestitutionFactor],
         };
         if self.is_physical() {
             let physical = Physical {
@@ -83,8 +84,8 @@ impl Values {
         self[Variable::Parameterization] == PHYSICAL_PARAMETERIZATION
     }
 
-    /// Parameters that were given and that nothing reads: the group that is not selected, and initial values that do
-    /// not apply.
+    /// Parameters that were given and that nothing reads: the group that is not selected, initial values that do not
+    /// apply, and the restitution factor of a rigid base that is not there.
     pub fn unread(&self) -> impl Iterator<Item = &'static str> {
         let group: &[Variable] = if self.is_physical() {
             &[
@@ -96,12 +97,15 @@ impl Values {
         } else {
             &[Variable::PhysicalWidth, Variable::PhysicalHeight, Variable::PhysicalK, Variable::PhysicalC]
         };
-        let unsettled: &[Variable] = if self[Variable::InitialSettled] != 0.0 || self[Variable::Foundation] == RIGID {
+        let rigid = self[Variable::Foundation] == RIGID;
+        let unsettled: &[Variable] = if self[Variable::InitialSettled] != 0.0 || rigid {
             &[Variable::InitialV, Variable::InitialVDot]
         } else {
             &[]
         };
-        group.iter().chain(unsettled).filter(|&&v| Some(self[v]) != VARIABLES[v as usize].start).map(|&v| v.name())
+        let of_the_rigid_base: &[Variable] = if rigid { &[] } else { &[Variable::RestitutionFactor] };
+        let unread = group.iter().chain(unsettled).chain(of_the_rigid_base);
+        unread.filter(|&&v| Some(self[v]) != VARIABLES[v as usize].start).map(|&v| v.name())
     }
 
     /// The beginning.

@@ -275,7 +275,7 @@ fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFile
         let combination = sweep.combination(number);
         let values = sweep.values(&combination);
         if let Err(error) = values.block() {
-            let place = line(error.name).map_or(0..0, |given| given.value.span());
+            let place = line(error.name()).map_or(0..0, |given| given.value.span());
             return Err(source.wrong(&place, error.to_string()));
         }
         if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {

@@ -119,7 +119,14 @@ impl Case {
             if self.foundation.as_deref() == Some("rigid") { Foundation::Rigid } else { Foundation::Viscoelastic };
         Block::from_dimensionless(
             &Dimensionless { alpha: self.alpha, p: self.p, eta: self.eta, xi_v: self.xi_v },
-            &Common { mass: self.mass, gamma: self.gamma, epsilon: self.epsilon, gravity: self.g, foundation },
+            &Common {
+                mass: self.mass,
+                gamma: self.gamma,
+                epsilon: self.epsilon,
+                gravity: self.g,
+                foundation,
+                ..Common::default()
+            },
         )
         .unwrap()
     }
