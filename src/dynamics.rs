@@ -8,6 +8,7 @@
 //! `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
 
 use nalgebra::SVector;
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
@@ -105,7 +106,7 @@ impl Footing<f64> {
 
 /// The equations of motion at one instant.
 ///
-/// The rigid base always grips. The excitation may be that of any smooth piece; see [`Forcing`] for signs.
+/// The excitation may be that of any smooth piece; see [`Forcing`] for signs.
 #[inline]
 pub fn instant<T: Scalar>(
     block: &Block,
@@ -137,6 +138,29 @@ pub fn instant_of<T: Scalar, R>(
         (Regime::TiltingRight, Foundation::Rigid) => pick(posture.on_rigid_base(Corner::Right, forcing)),
         (Regime::Separated, _) => pick(posture.in_flight(forcing)),
     }
+}
+
+/// The equations of motion at an instant `x` with, in the dual parts, the exact rates of change along the motion while the
+/// forcing changes as its dual parts say.
+pub fn along(
+    block: &Block,
+    regime: Regime,
+    state: &State,
+    footing: Footing<f64>,
+    x: &Instant<f64>,
+    forcing: Forcing<Dual64>,
+) -> Instant<Dual64> {
+    let state = [
+        Dual64::new(x.theta, x.theta_dot),
+        Dual64::new(x.theta_dot, x.theta_ddot),
+        Dual64::new(state[2], x.w_dot),
+        Dual64::new(x.w_dot, x.w_ddot),
+    ];
+    let footing = match footing {
+        Footing::Grips { .. } => footing.map(Dual64::from),
+        Footing::Free { u, u_dot } => Footing::Free { u: Dual64::new(u, u_dot), u_dot: Dual64::new(u_dot, x.u_ddot) },
+    };
+    instant(block, regime, state, footing, forcing)
 }
 
 /// The state with its sine and cosine.
@@ -253,14 +277,23 @@ impl<'a, T: Scalar> Posture<'a, T> {
         self.about(corner, theta_ddot, w_ddot, v_ddot, n, forcing)
     }
 
-    /// Housner's block about the corner on which it stands; w = 0.
+    /// Housner's block about the corner on which it stands; w = 0. A corner that slides bears what keeps it on the base:
+    /// `v̈ = −s P θ̈ − Q θ̇²` with `θ̈ i0 = s P N/M + m`.
     #[inline(always)]
     fn on_rigid_base(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
         let s = corner.sign();
         let (reach, height) = (self.reach(s), self.height(s));
         let Block { gravity, i0, r0, .. } = *self.block;
-        let theta_ddot =
-            (reach * (forcing.z + gravity) * s - height * forcing.x + forcing.moment) * T::from(1.0 / (i0 + r0 * r0));
+        let weight = forcing.z + gravity;
+        let theta_ddot = match self.footing {
+            Footing::Grips { .. } => {
+                (reach * weight * s - height * forcing.x + forcing.moment) * T::from(1.0 / (i0 + r0 * r0))
+            }
+            Footing::Free { .. } => {
+                let pressing = weight - height * self.theta_dot * self.theta_dot;
+                (reach * pressing * s + forcing.moment) / (reach * reach + i0)
+            }
+        };
         let v_ddot = -(reach * theta_ddot * s) - height * self.theta_dot * self.theta_dot;
         let n = v_ddot + forcing.z + gravity;
         self.about(corner, theta_ddot, T::from(0.0), v_ddot, n, forcing)
@@ -272,17 +305,21 @@ impl<'a, T: Scalar> Posture<'a, T> {
     fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
         let Block { b, h, gravity, .. } = *self.block;
         let zero = T::from(0.0);
+        let (u, u_dot, u_ddot, horizontal) = match self.footing {
+            Footing::Grips { offset } => (offset, zero, zero, forcing.x),
+            Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, zero),
+        };
         let half = (forcing.z + gravity) * 0.5;
-        let couple = (forcing.x * h - forcing.moment) * (0.5 / b);
+        let couple = (horizontal * h - forcing.moment) * (0.5 / b);
         Instant {
             theta: self.theta,
             theta_dot: self.theta_dot,
             theta_ddot: zero,
             w_dot: zero,
             w_ddot: zero,
-            u: zero,
-            u_dot: zero,
-            u_ddot: zero,
+            u,
+            u_dot,
+            u_ddot,
             v: zero,
             v_dot: zero,
             v_ddot: zero,
@@ -290,7 +327,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
             corner_dot: [zero; 2],
             corner_ddot: [zero; 2],
             reaction: [half + couple, half - couple],
-            horizontal: forcing.x,
+            horizontal,
         }
     }
 

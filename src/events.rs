@@ -2,10 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Footing, Instant, State, instant};
+use crate::dynamics::{Footing, Instant, State, along, instant};
 use crate::excitation::{Excitation, Forcing};
 use crate::impact::{self, Velocities};
 use crate::regime::{Corner, Regime};
@@ -96,7 +97,8 @@ pub enum Surface {
     Gap(Corner),
     /// How fast a corner that is held down would be pressed on if it were let go (m/s²); see [`gap_opening`].
     Held(Corner),
-    /// How far what slides is from being pressed on if it gripped (m/s²); see [`pressure_if_gripped`].
+    /// How far what slides is from being pressed on if it gripped (m/s²): on supports see [`pressure_if_gripped`], on the
+    /// rigid base p times the vertical rate with which gripping would throw the corner up.
     Slide,
     /// What is left of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
@@ -127,14 +129,11 @@ pub struct Moment<'a> {
 
 /// The surfaces that end this regime; `held` is the corner that is held down, if one is, and `grips` whether what
 /// touches does not slide.
-///
-/// On the rigid base the standing corner is not watched: Housner's block keeps it on the ground by assumption.
-pub fn surfaces(block: &Block, regime: Regime, held: Option<Corner>, grips: bool) -> [Option<Surface>; 4] {
-    let of = |corner| match (regime.touches(corner), block.foundation) {
-        (true, Foundation::Rigid) if regime != Regime::FullContact => None,
-        (true, _) if held == Some(corner) => Some(Surface::Held(corner)),
-        (true, _) => Some(Surface::Reaction(corner)),
-        (false, _) => Some(Surface::Gap(corner)),
+pub fn surfaces(regime: Regime, held: Option<Corner>, grips: bool) -> [Option<Surface>; 4] {
+    let of = |corner| match regime.touches(corner) {
+        true if held == Some(corner) => Some(Surface::Held(corner)),
+        true => Some(Surface::Reaction(corner)),
+        false => Some(Surface::Gap(corner)),
     };
     let slide = (!grips && regime != Regime::Separated).then_some(Surface::Slide);
     [of(Corner::Left), of(Corner::Right), Some(Surface::QuarterTurn), slide]
@@ -149,10 +148,7 @@ impl Surface {
                 let i = corner.index();
                 let rate = match block.foundation {
                     Foundation::Viscoelastic => reaction_rate(block, instant.corner_dot[i], instant.corner_ddot[i]),
-                    Foundation::Rigid => {
-                        let Forcing { x, z, moment } = at.excitation.rate_at(at.time);
-                        0.5 * z + corner.sign() * (x * block.h - moment) * (0.5 / block.b)
-                    }
+                    Foundation::Rigid => rigid_reaction_rate(at, corner),
                 };
                 Sample { value: instant.reaction[i], rate }
             }
@@ -165,7 +161,17 @@ impl Surface {
             Surface::Held(corner) => {
                 Sample { value: -gap_opening(at, corner, instant.corner_dot[corner.index()]), rate: 0.0 }
             }
-            Surface::Slide => Sample { value: -pressure_if_gripped(block, at.regime, instant), rate: 0.0 },
+            Surface::Slide => match (block.foundation, at.regime.pivot()) {
+                (Foundation::Viscoelastic, _) => {
+                    Sample { value: -pressure_if_gripped(block, at.regime, instant), rate: 0.0 }
+                }
+                (Foundation::Rigid, Some(corner)) => {
+                    let thrown = impact::thrown_by_grip(block, corner, &at.along());
+                    Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
+                }
+                // Both corners stand on the rigid base, which neither throws up: they grip.
+                (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: 0.0 },
+            },
             Surface::QuarterTurn => Sample {
                 value: FRAC_PI_2 - instant.theta.abs(),
                 rate: if instant.theta < 0.0 { instant.theta_dot } else { -instant.theta_dot },
@@ -180,9 +186,46 @@ impl Surface {
         ROUNDING
             * match self {
                 Surface::Reaction(_) | Surface::Held(_) | Surface::Slide => block.gravity,
-                Surface::Gap(_) => block.static_deflection().max(block.b),
+                Surface::Gap(_) => match block.foundation {
+                    Foundation::Viscoelastic => block.static_deflection().max(block.b),
+                    Foundation::Rigid => block.r0,
+                },
                 Surface::QuarterTurn => FRAC_PI_2,
             }
+    }
+}
+
+impl Moment<'_> {
+    /// The equations of motion with their rates of change along the motion in the dual parts.
+    fn along(&self) -> Instant<Dual64> {
+        let forcing = self.forcing.with_derivative(self.excitation.rate_at(self.time));
+        along(self.block, self.regime, self.state, self.footing, self.instant, forcing)
+    }
+}
+
+/// Ṅ_I/M of a corner that stands on the rigid base (m/s³).
+///
+/// About a corner that grips `N/M = g + a_z − s P θ̈ − Q θ̇²`, with `Ṗ = s Q θ̇` and `Q̇ = −s P θ̇`.
+fn rigid_reaction_rate(at: &Moment, corner: Corner) -> f64 {
+    let &Moment { block, forcing, instant: x, .. } = at;
+    let &Block { b, h, i0, r0, gravity, .. } = block;
+    let s = corner.sign();
+    let rate = at.excitation.rate_at(at.time);
+    match (at.regime.pivot(), at.footing) {
+        (Some(_), Footing::Grips { offset }) => {
+            let (reach, height) = (b + s * (x.u - offset), h + x.v - x.corner[corner.index()]);
+            let turning = height * x.theta_dot * (forcing.z + gravity) + s * reach * (rate.z + x.theta_dot * forcing.x)
+                - height * rate.x
+                + rate.moment;
+            let theta_dddot = turning / (i0 + r0 * r0);
+            let centripetal = s * reach * x.theta_dot * x.theta_dot - 3.0 * height * x.theta_ddot;
+            rate.z + centripetal * x.theta_dot - s * reach * theta_dddot
+        }
+        (Some(_), Footing::Free { .. }) => at.along().reaction[corner.index()].eps,
+        (None, footing) => {
+            let horizontal = if footing.grips() { rate.x } else { 0.0 };
+            0.5 * rate.z + s * (horizontal * h - rate.moment) * (0.5 / b)
+        }
     }
 }
 

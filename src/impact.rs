@@ -1,7 +1,9 @@
 //! Velocities before a corner lands, grips or changes the pivot → velocities after.
 
 use crate::block::Block;
+use crate::dynamics::Instant;
 use crate::regime::{Corner, Regime};
+use crate::scalar::Scalar;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +120,16 @@ pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Ve
     };
     let theta_dot = (block.i0 * before.theta_dot + height * before.u_dot) / (block.i0 + height * height);
     Velocities { u_dot: height * theta_dot, theta_dot, ..before }
+}
+
+/// Vertical rate (m/s) with which a corner that slides along the rigid base leaves it if it is stopped by a horizontal
+/// impulse alone, negative if it is pressed on: `s P Q u̇_I/(i0 + Q²)`, with its horizontal velocity `u̇_I = u̇ − Q θ̇`.
+pub fn thrown_by_grip<T: Scalar>(block: &Block, corner: Corner, x: &Instant<T>) -> T {
+    let Block { i0, b, h, .. } = *block;
+    let (sin, cos) = x.theta.sin_cos();
+    let s = corner.sign();
+    let (reach, height) = (cos * b + sin * (s * h), cos * h - sin * (s * b));
+    reach * height * (x.u_dot - height * x.theta_dot) * s / (height * height + i0)
 }
 
 /// Height of the centre of mass over a corner, `R0 cos(α + sθ)` (m).

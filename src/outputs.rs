@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 
 use crate::block::Block;
-use crate::dynamics::{Footing, Instant, State, instant};
+use crate::dynamics::{Footing, Instant, State, along, instant};
 use crate::excitation::Forcing;
 use crate::regime::{Corner, Regime};
 use crate::roots::Sample;
@@ -15,6 +15,8 @@ pub const MOST_FRICTION_DEMAND: f64 = 1e6;
 /// Motion, reactions and corners at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation<T> {
+    /// Which corners touch.
+    pub regime: Regime,
     /// Rotation θ (rad), positive to the right.
     pub theta: T,
     /// θ̇ (rad/s).
@@ -57,6 +59,7 @@ pub fn observe<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>, tops: [
         if regime.touches(corner) || gap.value() < 0.0 { zero } else { gap }
     });
     Observation {
+        regime,
         theta: x.theta,
         theta_dot: x.theta_dot,
         theta_ddot: x.theta_ddot,
@@ -110,20 +113,8 @@ pub struct View<'a> {
 impl View<'_> {
     /// The equations of motion with rates of change along the motion in the dual parts.
     pub fn along(&self, forcing_rate: Forcing<f64>) -> Instant<Dual64> {
-        let x = self.instant;
-        let state = [
-            Dual64::new(x.theta, x.theta_dot),
-            Dual64::new(x.theta_dot, x.theta_ddot),
-            Dual64::new(self.state[2], x.w_dot),
-            Dual64::new(x.w_dot, x.w_ddot),
-        ];
-        let footing = match self.footing {
-            Footing::Grips { .. } => self.footing.map(Dual64::from),
-            Footing::Free { u, u_dot } => {
-                Footing::Free { u: Dual64::new(u, u_dot), u_dot: Dual64::new(u_dot, x.u_ddot) }
-            }
-        };
-        instant(self.block, self.regime, state, footing, self.forcing.with_derivative(forcing_rate))
+        let forcing = self.forcing.with_derivative(forcing_rate);
+        along(self.block, self.regime, self.state, self.footing, self.instant, forcing)
     }
 
     /// The observation.
@@ -151,6 +142,7 @@ impl<T: Scalar> Observation<T> {
     /// The same of each number.
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> Observation<U> {
         Observation {
+            regime: self.regime,
             theta: f(self.theta),
             theta_dot: f(self.theta_dot),
             theta_ddot: f(self.theta_ddot),
@@ -174,6 +166,7 @@ impl<T: Scalar> Observation<T> {
         let still = |x: T| T::from(x.value());
         let zero = T::from(0.0);
         Observation {
+            regime: self.regime,
             theta: still(self.theta),
             v: still(self.v),
             u: still(self.u),

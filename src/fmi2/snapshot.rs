@@ -9,7 +9,7 @@ use crate::fmi2::variables::GUID;
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 
 /// Version of the content; to be raised with every change of what [`Core`] holds.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 #[derive(Serialize, Deserialize)]
 struct Header {

@@ -183,7 +183,7 @@ pub fn derived(variable: Variable, block: &Block) -> Option<f64> {
     })
 }
 
-/// The value of a Real output from what is seen, or its rate where rates are given.
+/// The value of an output from what is seen, or its rate where rates are given.
 pub fn real_output(
     variable: Variable,
     seen: &Observation<f64>,
@@ -217,6 +217,7 @@ pub fn real_output(
         Variable::EnergyConstraint => energies.constraint,
         Variable::EnergyResidual => energies.residual,
         Variable::FrictionDemand => seen.friction_demand,
+        Variable::Regime => f64::from(seen.regime.number()),
         other => history(other),
     }
 }
@@ -235,7 +236,6 @@ pub fn history(variable: Variable, simulation: &Simulation) -> f64 {
         Variable::EventsLastTime => simulation.last_event(),
         Variable::EventsImpacts => f64::from(counts.impacts),
         Variable::EventsLiftoffs => f64::from(counts.liftoffs),
-        Variable::Regime => f64::from(simulation.regime().number()),
         Variable::Separated => ended_by(Ending::is_separation),
         Variable::Overturned => ended_by(Ending::is_overturning),
         _ => 0.0,

@@ -1,10 +1,8 @@
 //! Initial values → state and regime at the beginning.
 
 use crate::block::Block;
-use crate::dynamics::State;
 use crate::excitation::Excitation;
 use crate::impact::Velocities;
-use crate::regime::Regime;
 use crate::simulation::placement::Placement;
 use crate::simulation::{Counts, Initial, Simulation};
 
@@ -33,15 +31,5 @@ impl Simulation {
         self.settle(now, excitation);
         self.counts = Counts::default();
         self.end_if_separated();
-    }
-
-    pub(super) fn place_on_rigid_base(&mut self, initial: &Initial) {
-        let lean = if initial.theta != 0.0 { initial.theta } else { initial.theta_dot };
-        self.regime = match lean {
-            lean if lean < 0.0 => Regime::TiltingLeft,
-            lean if lean > 0.0 => Regime::TiltingRight,
-            _ => Regime::FullContact,
-        };
-        self.state = State::new(initial.theta, initial.theta_dot, 0.0, 0.0);
     }
 }

@@ -97,7 +97,7 @@ impl Simulation {
 
     /// A corner's rate after a landing (m/s), or that of its support if the two are near. So a sequence of ever lower
     /// flights ends: none is begun that would not rise ten times as high as what rounding leaves of a gap.
-    fn or_rest(&self, corner: Corner, rate: f64) -> f64 {
+    pub(super) fn or_rest(&self, corner: Corner, rate: f64) -> f64 {
         let support = self.creep[corner.index()].top(&self.block, self.time).rate;
         let slowest = (20.0 * self.block.gravity * Surface::Gap(corner).rounding(&self.block)).sqrt();
         if (rate - support).abs() < slowest { support } else { rate }

@@ -5,6 +5,7 @@ mod flight;
 mod motion;
 mod placement;
 mod report;
+mod rigid_base;
 mod stepping;
 mod transitions;
 
@@ -287,7 +288,11 @@ impl Simulation {
         let start = simulation.point(&excitation);
         let (kinetic, potential) = energy(&block, simulation.regime, &start.instant);
         simulation.sums = EnergySums { initial: kinetic + potential, ..EnergySums::default() };
-        simulation.peaks.include(&simulation.peak_samples(&start, &excitation));
+        let shown = simulation.released(&start, &excitation);
+        let shown = shown.as_ref().unwrap_or(&simulation);
+        let start = shown.point_at(time, shown.state, &excitation);
+        let first = shown.peak_samples(&start, &excitation);
+        simulation.peaks.include(&first);
         simulation.counts = Counts::default();
         simulation
     }
@@ -350,7 +355,8 @@ impl Simulation {
         &self.state
     }
 
-    /// Present regime.
+    /// Present regime. Under inputs that have just changed, a block on the rigid base may lift in this very instant:
+    /// [`Simulation::observe`] shows it as it goes on.
     pub fn regime(&self) -> Regime {
         self.regime
     }

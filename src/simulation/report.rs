@@ -18,7 +18,8 @@ impl Simulation {
         }
     }
 
-    /// What a user sees now, under these inputs.
+    /// What a user sees now, under these inputs, as the block goes on from here: on the rigid base a corner that would have
+    /// to be pulled has lifted. The next step counts its event.
     pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
         let seen = self.with_view(inputs, |view, _| view.observe());
         if self.is_frozen() { seen.frozen() } else { seen }
@@ -42,11 +43,15 @@ impl Simulation {
         let excitation = Excitation::from_time(self.time, inputs, &self.pulse, &self.block);
         let motion = Motion::of(self, &self.block);
         let mut point = motion.point(self.time, self.state, &excitation);
+        let rate = excitation.rate_at(self.time);
         if let Some((_, ended)) = self.ending {
             // Under a block that is held the supports are, too.
             point.tops = motion.tops(ended);
+        } else if let Some(released) = self.released(&point, &excitation) {
+            let point = released.point_at(released.time, released.state, &excitation);
+            return look(released.view(&point), rate);
         }
-        look(self.view(&point), excitation.rate_at(self.time))
+        look(self.view(&point), rate)
     }
 
     /// Energies and their sums now (J).
@@ -77,9 +82,9 @@ impl Simulation {
         self.with_view(inputs, |view, _| {
             let block = &self.block;
             let x = view.along(Forcing::default());
-            let (kinetic, potential) = energy(block, self.regime, &x);
+            let (kinetic, potential) = energy(block, view.regime, &x);
             let forcing = view.forcing;
-            let [input, dashpots] = view.instant.powers(block, self.regime, forcing);
+            let [input, dashpots] = view.instant.powers(block, view.regime, forcing);
             let [kinetic, potential, input, dashpots] =
                 [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
             let total = kinetic + potential;

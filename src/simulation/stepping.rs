@@ -46,6 +46,10 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let mut here = self.point(excitation);
+        if let Some(corner) = self.leaving_rigid_base(&here, excitation) {
+            self.apply(Surface::Reaction(corner), &here, excitation, observer)?;
+            here = self.point(excitation);
+        }
         while self.time < stop && self.ending.is_none() {
             let limits = self.limits(excitation.frequency());
             if let Some(there) = self.short_step(stop, &here, excitation, &limits) {
@@ -157,7 +161,7 @@ impl Simulation {
 
     /// The surfaces that end the present regime.
     fn surfaces(&self) -> impl Iterator<Item = Surface> {
-        surfaces(&self.block, self.regime, self.held, self.footing.grips()).into_iter().flatten()
+        surfaces(self.regime, self.held, self.footing.grips()).into_iter().flatten()
     }
 
     /// A step within the tolerance, from `here` towards `stop`, and the point it leads to.
@@ -225,8 +229,11 @@ impl Simulation {
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
         };
         let allowed = 1.0 / (self.settings.tolerance * alpha * p);
-        // The reaction of one support changes by ω_v ẇ/2 or so, per mass.
-        let most = (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v);
+        let most = match foundation {
+            Foundation::Rigid => r0 * alpha * p,
+            // The reaction of one support changes by ω_v ẇ/2 or so, per mass.
+            Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v),
+        };
         let upright = 1.0 / (self.settings.tolerance * most);
         let weights = State::new(rocking * allowed, allowed, vertical * upright, upright);
         let longest = LONGEST / rocking.max(vertical).max(pulse_frequency);

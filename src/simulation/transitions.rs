@@ -1,7 +1,7 @@
 //! An event → what it does, and the regime anew.
 
 use crate::block::Foundation;
-use crate::dynamics::{Footing, Instant, State, energy};
+use crate::dynamics::{Footing, Instant, energy};
 use crate::events::{Creep, Event, EventKind, Surface, gap_opening, pressure_if_gripped, reaction_rate};
 use crate::excitation::Excitation;
 use crate::impact::{self, Velocities};
@@ -31,7 +31,7 @@ impl Simulation {
             Surface::Reaction(corner) | Surface::Held(corner) => {
                 match self.block.foundation {
                     Foundation::Viscoelastic => self.lift(corner, surface, at, excitation),
-                    Foundation::Rigid => self.start_to_rock(corner),
+                    Foundation::Rigid => self.lift_from_rigid_base(corner, at, excitation),
                 }
                 if self.regime == before && !self.footing.grips() {
                     EventKind::Slip
@@ -40,17 +40,23 @@ impl Simulation {
                 }
             }
             Surface::Gap(corner) => {
-                match self.block.foundation {
-                    Foundation::Viscoelastic if self.footing.grips() => self.land(corner, at, excitation),
-                    Foundation::Viscoelastic => self.land_freely(corner, at, excitation),
-                    Foundation::Rigid => self.change_pivot(corner, at),
+                match (self.block.foundation, self.footing.grips()) {
+                    (Foundation::Viscoelastic, true) => self.land(corner, at, excitation),
+                    (Foundation::Viscoelastic, false) => self.land_freely(corner, at, excitation),
+                    (Foundation::Rigid, true) => self.change_pivot(corner, at, excitation),
+                    (Foundation::Rigid, false) => self.land_on_rigid_base(corner, at, excitation),
                 }
                 EventKind::Landing(corner)
             }
             Surface::Slide => {
                 let mut now = Placement::of(&at.instant, before);
-                self.grip(&mut now, excitation);
-                self.settle(now, excitation);
+                match self.block.foundation {
+                    Foundation::Viscoelastic => {
+                        self.grip(&mut now, excitation);
+                        self.settle(now, excitation);
+                    }
+                    Foundation::Rigid => self.grip_rigid_base(now, excitation),
+                }
                 EventKind::Grip
             }
             Surface::QuarterTurn => {
@@ -211,30 +217,6 @@ impl Simulation {
             _ => self.release(&point.instant),
         }
         false
-    }
-
-    /// On the rigid base, `corner` lifts from rest.
-    pub(super) fn start_to_rock(&mut self, corner: Corner) {
-        self.regime = Regime::on(corner.other());
-        self.state = State::zeros();
-        self.counts.liftoffs += 1;
-    }
-
-    /// On the rigid base, the pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
-    pub(super) fn change_pivot(&mut self, corner: Corner, at: &Point) {
-        // Rocking comes to rest after infinitely many impacts in finite time; below this part of p they are not told
-        // apart any more.
-        const REST: f64 = 1e-9;
-        let theta_dot = self.block.restitution().max(0.0) * at.state[1];
-        self.counts.impacts += 1;
-        if theta_dot.abs() < REST * self.block.p {
-            self.regime = Regime::FullContact;
-            self.state = State::zeros();
-        } else {
-            self.regime = Regime::on(corner);
-            self.state = State::new(0.0, theta_dot, 0.0, 0.0);
-            self.counts.liftoffs += 1;
-        }
     }
 
     pub(super) fn end_if_separated(&mut self) {

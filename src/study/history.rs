@@ -166,10 +166,11 @@ impl Run {
     fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {
         let time = simulation.time();
         let now = inputs.moved_to(time);
+        let seen = simulation.observe(inputs);
         Row {
             time,
-            seen: simulation.observe(inputs),
-            regime: simulation.regime(),
+            seen,
+            regime: seen.regime,
             energies: simulation.energies(),
             ground: [now.a_gx.value + self.pulse.acceleration(time), now.a_gz.value],
         }

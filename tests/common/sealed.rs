@@ -6,7 +6,7 @@ use rocking_block::fmi2::variables::GUID;
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference};
 
 const MAGIC: &[u8] = b"rockblk\x1a";
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// The bytes of a state with this content: magic, version, GUID, length and checksum before it, as postcard writes them.
 pub fn seal(content: &[u8]) -> Vec<u8> {
