@@ -38,8 +38,9 @@ impl std::ops::IndexMut<Variable> for Values {
 
 const PHYSICAL_PARAMETERIZATION: f64 = 2.0;
 const RIGID: f64 = Foundation::Rigid as i32 as f64;
-const HOLD: f64 = 2.0;
-const FLY: f64 = 3.0;
+const HOLD_AT_SEPARATION: f64 = OnSeparation::Hold as i32 as f64;
+const FLY: f64 = OnSeparation::Fly as i32 as f64;
+const HOLD_AT_OVERTURNING: f64 = OnOverturning::Hold as i32 as f64;
 const KEEP_MOMENTUM: f64 = 2.0;
 
 impl Values {
@@ -137,12 +138,12 @@ impl Values {
         Settings {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
             on_separation: match self[Variable::OnSeparation] {
-                HOLD => OnSeparation::Hold,
+                HOLD_AT_SEPARATION => OnSeparation::Hold,
                 FLY => OnSeparation::Fly,
                 _ => OnSeparation::Terminate,
             },
             on_overturning: match self[Variable::OnOverturning] {
-                HOLD => OnOverturning::Hold,
+                HOLD_AT_OVERTURNING => OnOverturning::Hold,
                 _ => OnOverturning::Terminate,
             },
             lift_off: if self[Variable::LiftOff] == KEEP_MOMENTUM { LiftOff::KeepMomentum } else { LiftOff::KeepRates },

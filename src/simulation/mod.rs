@@ -18,24 +18,26 @@ use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::peaks::Peaks;
 use crate::regime::{Corner, Regime};
 
-/// What happens at complete separation.
+/// What happens at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(i32)]
 pub enum OnSeparation {
     /// The run ends.
-    Terminate,
+    Terminate = 1,
     /// Time goes on with the block frozen.
-    Hold,
+    Hold = 2,
     /// The block flies, and lands.
-    Fly,
+    Fly = 3,
 }
 
-/// What happens at overturning.
+/// What happens at overturning, by the numbers of the FMU's `on_overturning`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(i32)]
 pub enum OnOverturning {
     /// The run ends.
-    Terminate,
+    Terminate = 1,
     /// Time goes on with the block frozen.
-    Hold,
+    Hold = 2,
 }
 
 /// What stays the same when a corner lifts from full contact, where the horizontal constraint changes from the middle of

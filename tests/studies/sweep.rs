@@ -219,6 +219,22 @@ fn a_resumed_sweep_needs_the_same_records() {
 }
 
 /// Each wrong line is named before anything runs, and nothing is written.
+/// Without `on_separation` in the study blocks fly, as those do whose study says so.
+#[test]
+fn blocks_fly_unless_the_study_says_otherwise() {
+    let study = "[study]\ndesign = \"grid\"\n[parameters]\ndimensionless.p = [1, 3]\npulse.shape = \"OneSine\"\n\
+                 pulse.amplitude = 9\npulse.period = 1\nepsilon = 0.4\ndimensionless.eta = 80\n";
+    let [silent, flying, ending] = ["", "on_separation = \"Fly\"\n", "on_separation = \"Terminate\"\n"].map(|more| {
+        let folder = folder(&format!("{study}{more}"));
+        made(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"]);
+        let table = Table::read(&folder.path().join("out.csv"));
+        let columns = ["outcome", "end_time [s]", "peak.theta/alpha [1]", "flights [1]", "events.impacts [1]"];
+        (0..2).map(|row| columns.map(|column| table.get(row, column).to_string())).collect::<Vec<_>>()
+    });
+    assert_eq!(silent, flying);
+    assert_ne!(silent, ending);
+}
+
 #[test]
 fn wrong_keys_and_values_are_refused_with_their_line() {
     let cases = [
