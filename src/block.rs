@@ -226,7 +226,11 @@ impl Block {
             ("delta_s", self.static_deflection()),
         ] {
             if !(value.is_normal() && value > 0.0) {
-                return Err(BlockError::OutOfRange { name, value, expected: "a positive number within the range of f64" });
+                return Err(BlockError::OutOfRange {
+                    name,
+                    value,
+                    expected: "a positive number within the range of f64",
+                });
             }
         }
         if !self.damping.is_finite() || !self.xi_v.is_finite() {
@@ -234,7 +238,10 @@ impl Block {
         }
         // A factor of at most 1 is fine whatever rounding made of an e near 1.
         if self.restitution_factor > 1.0 && self.restitution() > 1.0 {
-            return Err(BlockError::Restitution { factor: self.restitution_factor, housner: self.housner_restitution() });
+            return Err(BlockError::Restitution {
+                factor: self.restitution_factor,
+                housner: self.housner_restitution(),
+            });
         }
         Ok(self)
     }

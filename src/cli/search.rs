@@ -83,6 +83,9 @@ struct Overturning {
     /// Housner's rigid base instead of supports
     #[arg(long)]
     rigid: bool,
+    /// Restitution e on the rigid base over Housner's e of epsilon; their product is at most 1
+    #[arg(long, value_name = "FACTOR", requires = "rigid", default_value_t = 1.0)]
+    restitution_factor: f64,
     #[command(flatten)]
     block: BlockOptions,
     #[command(flatten)]
@@ -165,10 +168,10 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             )
         }
         What::Overturning(overturning) => {
-            let Overturning { xi_v, rigid, resolution, .. } = *overturning;
+            let Overturning { xi_v, rigid, restitution_factor, resolution, .. } = *overturning;
             overturning.search.check_table(&input::of_records(&overturning.accelerograms))?;
             let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
-            let common = overturning.block.common(foundation);
+            let common = Common { restitution_factor, ..overturning.block.common(foundation) };
             let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;
             let (shaking, name, unit, pga) = overturning.shaking(common.gravity)?;
             let least = common.gravity * libm::tan(block.alpha) / pga;

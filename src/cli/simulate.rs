@@ -104,6 +104,9 @@ struct BlockOptions {
     /// What the block stands on
     #[arg(long, value_enum, default_value_t = Base::Viscoelastic)]
     foundation: Base,
+    /// On the rigid base, restitution e over Housner's e of epsilon; their product is at most 1
+    #[arg(long, value_name = "FACTOR")]
+    restitution_factor: Option<f64>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -235,12 +238,16 @@ impl Options {
     }
 
     fn block(&self) -> anyhow::Result<Block> {
-        let BlockOptions { mass, gamma, epsilon, g, foundation, .. } = self.block;
-        let foundation = match foundation {
-            Base::Viscoelastic => Foundation::Viscoelastic,
-            Base::Rigid => Foundation::Rigid,
+        let BlockOptions { mass, gamma, epsilon, g, foundation, restitution_factor, .. } = self.block;
+        let foundation = match (foundation, restitution_factor) {
+            (Base::Viscoelastic, None) => Foundation::Viscoelastic,
+            (Base::Viscoelastic, Some(factor)) => anyhow::bail!(
+                "--restitution-factor {factor} has no effect on viscoelastic supports; expected --foundation rigid with it"
+            ),
+            (Base::Rigid, _) => Foundation::Rigid,
         };
-        let common = Common { mass, gamma, epsilon, gravity: g, foundation, ..Common::default() };
+        let restitution_factor = restitution_factor.unwrap_or(1.0);
+        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
         let BlockOptions { width, height, stiffness, damping, .. } = self.block;
         if let (Some(width), Some(height), Some(stiffness), Some(damping)) = (width, height, stiffness, damping) {
             return Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?);

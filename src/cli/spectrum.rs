@@ -50,7 +50,8 @@ struct Blocks {
     /// Slenderness angle alpha [rad]
     #[arg(long, value_name = "RAD", default_value_t = 0.25)]
     alpha: f64,
-    /// Foundation as ETA,XI_V,EPSILON, or `rigid` (`rigid,EPSILON` for e of another epsilon than 0); once for each curve
+    /// Foundation as ETA,XI_V,EPSILON, or `rigid` (`rigid,EPSILON` for Housner's e of another epsilon than 0,
+    /// `rigid,EPSILON,FACTOR` for a restitution that is FACTOR times that); once for each curve
     #[arg(long, value_name = "BASE", allow_hyphen_values = true, default_values = ["40,0.1,0", "rigid"])]
     foundation: Vec<String>,
     /// Least frequency parameter p, of the largest block [rad/s]
@@ -76,15 +77,18 @@ struct Blocks {
 /// A foundation from its option.
 fn base(text: &str) -> anyhow::Result<Base> {
     let (rigid, numbers) = match text.strip_prefix("rigid") {
-        Some("") => return Ok(Base::Rigid { epsilon: 0.0 }),
+        Some("") => return Ok(Base::HOUSNER),
         Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
         None => (false, text),
     };
     let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
     match (rigid, numbers.unwrap_or_default().as_slice()) {
-        (true, &[epsilon]) => Ok(Base::Rigid { epsilon }),
+        (true, &[epsilon]) => Ok(Base::Rigid { epsilon, restitution_factor: 1.0 }),
+        (true, &[epsilon, restitution_factor]) => Ok(Base::Rigid { epsilon, restitution_factor }),
         (false, &[eta, xi_v, epsilon]) => Ok(Base::Viscoelastic { eta, xi_v, epsilon }),
-        _ => anyhow::bail!("--foundation {text}; expected ETA,XI_V,EPSILON or rigid, as in 40,0.1,0"),
+        _ => anyhow::bail!(
+            "--foundation {text}; expected ETA,XI_V,EPSILON, as in 40,0.1,0, or rigid, rigid,EPSILON or rigid,EPSILON,FACTOR"
+        ),
     }
 }
 

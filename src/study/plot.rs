@@ -73,7 +73,11 @@ pub fn block_line(block: &Block) -> String {
         Foundation::Viscoelastic => {
             format!("η = {}, ξ_v = {}, ε = {}", short(block.eta()), short(xi_v), short(epsilon))
         }
-        Foundation::Rigid => format!("rigid base, e = {:.4}", block.restitution()),
+        Foundation::Rigid if block.restitution_factor == 1.0 => format!("rigid base, e = {:.4}", block.restitution()),
+        Foundation::Rigid => {
+            let factor = short(block.restitution_factor);
+            format!("rigid base, e = {:.4}, {factor} × Housner's", block.restitution())
+        }
     };
     format!(
         "α = {} rad, p = {} rad/s, {foundation} ({:.2} m wide, {:.2} m high, R0 = {r0:.2} m)",

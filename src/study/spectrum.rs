@@ -14,10 +14,12 @@ use crate::study::runner::{Study, StudyRow};
 /// What a block of a spectrum stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Base {
-    /// A rigid base with the e of ε, eq. (6).
+    /// A rigid base with the e of ε, eq. (6), times a factor.
     Rigid {
         /// Restitution ε (1).
         epsilon: f64,
+        /// Factor on Housner's e (1).
+        restitution_factor: f64,
     },
     /// Viscoelastic supports.
     Viscoelastic {
@@ -30,11 +32,17 @@ pub enum Base {
     },
 }
 
+impl Base {
+    /// Housner's rigid base: ε = 0, and his e as it is.
+    pub const HOUSNER: Base = Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 };
+}
+
 impl std::fmt::Display for Base {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Base::Rigid { epsilon: 0.0 } => write!(f, "rigid"),
-            Base::Rigid { epsilon } => write!(f, "rigid,{epsilon}"),
+            Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => write!(f, "rigid"),
+            Base::Rigid { epsilon, restitution_factor: 1.0 } => write!(f, "rigid,{epsilon}"),
+            Base::Rigid { epsilon, restitution_factor } => write!(f, "rigid,{epsilon},{restitution_factor}"),
             Base::Viscoelastic { eta, xi_v, epsilon } => write!(f, "{eta},{xi_v},{epsilon}"),
         }
     }
@@ -102,8 +110,17 @@ pub struct Place {
 
 impl Spectrum {
     /// Names and units of the columns that say which block a row is about, after the row's number.
-    const BLOCK_COLUMNS: [&'static str; 8] =
-        ["motion", "foundation", "eta [1]", "xi_v [1]", "epsilon [1]", "p [rad/s]", "2pi/p [s]", "omega_p/p [1]"];
+    const BLOCK_COLUMNS: [&'static str; 9] = [
+        "motion",
+        "foundation",
+        "eta [1]",
+        "xi_v [1]",
+        "epsilon [1]",
+        "restitution_factor [1]",
+        "p [rad/s]",
+        "2pi/p [s]",
+        "omega_p/p [1]",
+    ];
 
     /// Names and units of the columns after the row's number.
     pub fn columns() -> impl Iterator<Item = &'static str> {
@@ -134,11 +151,11 @@ impl Spectrum {
 
     fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
         // The rigid base reads neither η nor ξ_v; any that make a block will do.
-        let (foundation, eta, xi_v, epsilon) = match base {
-            Base::Rigid { epsilon } => (Foundation::Rigid, 40.0, 0.1, epsilon),
-            Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon),
+        let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
+            Base::Rigid { epsilon, restitution_factor } => (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor),
+            Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0),
         };
-        let common = Common { epsilon, foundation, ..self.common };
+        let common = Common { epsilon, foundation, restitution_factor, ..self.common };
         Block::from_dimensionless(&Dimensionless { alpha: self.alpha, p, eta, xi_v }, &common)
     }
 
@@ -201,9 +218,14 @@ impl Spectrum {
     pub fn made(&self, number: u64) -> (StudyRow, Outcome) {
         let Place { motion, base, p } = self.place(number);
         let base = self.bases[base];
-        let (foundation, eta, xi_v, epsilon) = match base {
-            Base::Rigid { epsilon } => ("rigid", String::new(), String::new(), epsilon),
-            Base::Viscoelastic { eta, xi_v, epsilon } => ("viscoelastic", eta.to_string(), xi_v.to_string(), epsilon),
+        let none = String::new;
+        let (foundation, eta, xi_v, epsilon, factor) = match base {
+            Base::Rigid { epsilon, restitution_factor } => {
+                ("rigid", none(), none(), epsilon, restitution_factor.to_string())
+            }
+            Base::Viscoelastic { eta, xi_v, epsilon } => {
+                ("viscoelastic", eta.to_string(), xi_v.to_string(), epsilon, none())
+            }
         };
         let ratio = match self.pulse.shape {
             PulseShape::None => String::new(),
@@ -215,6 +237,7 @@ impl Spectrum {
             eta,
             xi_v,
             epsilon.to_string(),
+            factor,
             p.to_string(),
             (TAU / p).to_string(),
             ratio,

@@ -295,8 +295,11 @@ fn outcomes(
 fn name(spectrum: &Spectrum, curve: usize) -> String {
     let place = spectrum.place(curve as u64 * spectrum.sizes.count);
     let base = match spectrum.bases[place.base] {
-        Base::Rigid { epsilon: 0.0 } => "rigid base".into(),
-        Base::Rigid { epsilon } => format!("rigid base, ε = {}", short(epsilon)),
+        Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => "rigid base".into(),
+        Base::Rigid { epsilon, restitution_factor: 1.0 } => format!("rigid base, ε = {}", short(epsilon)),
+        Base::Rigid { epsilon, restitution_factor } => {
+            format!("rigid base, ε = {}, {} × Housner's e", short(epsilon), short(restitution_factor))
+        }
         Base::Viscoelastic { eta, xi_v, epsilon } => {
             format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
         }

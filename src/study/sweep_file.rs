@@ -292,7 +292,8 @@ fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFile
         Some((given, _)) => {
             let message = format!(
                 "{} is read by no block of the study; expected parameterization = \"Physical\" for physical sizes, \
-                 \"Dimensionless\" for the others, initial.settled = false for initial.v and initial.v_dot",
+                 \"Dimensionless\" for the others, initial.settled = false for initial.v and initial.v_dot, \
+                 foundation = \"Rigid\" for restitution_factor",
                 given.name
             );
             Err(source.wrong(&given.value.span(), message))

@@ -14,7 +14,7 @@ use rocking_block::study::spectrum::Base;
 
 use crate::{Table, files, made, refused};
 
-const RIGID: Base = Base::Rigid { epsilon: 0.0 };
+const RIGID: Base = Base::HOUSNER;
 const SMALL: Detail = Detail { step: 0.02, slendernesses: 2, dampings: 11, sizes: 9 };
 
 fn supports(eta: f64, xi_v: f64, epsilon: f64) -> Base {

@@ -10,7 +10,7 @@ use rocking_block::study::history::Run;
 use rocking_block::study::outcome::End;
 use rocking_block::study::spectrum::Sizes;
 
-use crate::{PULSE, Table, files, made, refused, resumes_to_the_same_bytes};
+use crate::{PULSE, Table, files, made, refused, resumes_to_the_same_bytes, rocking};
 
 /// Few blocks, of which some separate, some fall over, and some rock.
 const FEW: [&str; 6] = ["--points", "9", "--p-min", "0.6", "--p-max", "6"];
@@ -195,6 +195,50 @@ fn a_record_with_and_without_its_vertical_part() {
     assert!(svg.contains("2π / p (s)") && svg.contains("ε = 0; horizontal + vertical"));
 }
 
+/// `rigid,EPSILON,FACTOR`, `simulate` and a study file with the same factor make the same block.
+#[test]
+fn the_restitution_factor_is_the_same_to_all_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let bases = ["--foundation", "rigid,0,0.9", "--foundation", "rigid,0.3"];
+    made(folder.path(), &spectrum(&[&bases[..], &["--csv", "s.csv"]].concat()));
+    let table = Table::read(&folder.path().join("s.csv"));
+    let study = "[study]\ndesign = \"grid\"\n[parameters]\nfoundation = \"Rigid\"\nrestitution_factor = 0.9\n\
+                 dimensionless.p = [6, 0.6]\npulse.shape = \"OneSine\"\npulse.amplitude = 6.2622\n\
+                 pulse.period = 1.2566370614359172\n";
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    made(folder.path(), &["sweep", "study.toml", "--csv", "w.csv"]);
+    let swept = Table::read(&folder.path().join("w.csv"));
+    let mut impacts = 0.0;
+    for (row, of_sweep) in [(0, 0), (8, 1)] {
+        assert_eq!((table.number(row, "restitution_factor [1]"), table.get(row, "eta [1]")), (0.9, ""));
+        assert_eq!(table.number(row + 9, "restitution_factor [1]"), 1.0);
+        for column in ["p [rad/s]", "end_time [s]", "peak.theta/alpha [1]", "events.impacts [1]"] {
+            let swept_column = if column == "p [rad/s]" { "dimensionless.p [rad/s]" } else { column };
+            assert_eq!(table.get(row, column), swept.get(of_sweep, swept_column), "{column} in row {row}");
+        }
+        impacts += table.number(row, "events.impacts [1]");
+        // Housner's e = 1 − 3/2 sin² α.
+        let e = 0.9 * (1.0 - 1.5 * 0.25_f64.sin().powi(2));
+        let simulate = ["simulate", "--foundation", "rigid", "--restitution-factor", "0.9", "--on-separation", "fly"];
+        let of_row = ["--csv", "x.csv", "--p", table.get(row, "p [rad/s]")];
+        let told = made(folder.path(), &[&simulate[..], &PULSE, &of_row].concat());
+        assert!(told.contains(&format!("e = {e:.4}, 0.9 × Housner's")), "{told}");
+        assert!(told.contains(&format!("|θ|/α = {:.4}", table.number(row, "peak.theta/alpha [1]"))), "{told}");
+    }
+    assert!(impacts > 2.0, "{impacts}");
+}
+
+#[test]
+fn a_restitution_factor_without_effect_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let factor = ["--restitution-factor", "0.9", "--csv", "x.csv"];
+    refused(folder.path(), &[&["simulate"], &factor[..]].concat(), &["--restitution-factor 0.9", "--foundation rigid"]);
+    let output = rocking(folder.path(), &[&["search", "overturning", "--period", "1"], &factor[..]].concat());
+    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains("--rigid"));
+    let beyond = ["search", "overturning", "--period", "1", "--rigid", "--restitution-factor", "1.2"];
+    refused(folder.path(), &beyond, &["restitution_factor = 1.2", "e = 0.908", "1.0898"]);
+}
+
 #[test]
 fn a_table_of_another_study_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
@@ -228,7 +272,7 @@ fn a_table_of_another_study_is_left_alone() {
     let more = [&lines[..], &["18,more"]].concat();
     let shorter = lines[row].rsplit_once(',').unwrap().0;
     let cut = [&lines[..row], &[shorter], &lines[row + 1..]].concat();
-    let cases = [(without, "expected row 3"), (more, "at most 18"), (cut, "20 columns")];
+    let cases = [(without, "expected row 3"), (more, "at most 18"), (cut, "21 columns")];
     for (lines, words) in cases {
         let text = lines.join("\n") + "\n";
         std::fs::write(&path, &text).unwrap();
@@ -240,9 +284,10 @@ fn a_table_of_another_study_is_left_alone() {
 #[test]
 fn what_makes_no_spectrum_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&[&str], &[&str]); 9] = [
+    let cases: [(&[&str], &[&str]); 10] = [
         (&["--foundation", "40,0.1"], &["--foundation 40,0.1", "ETA,XI_V,EPSILON"]),
-        (&["--foundation", "rigid,0.1,0"], &["--foundation rigid,0.1,0"]),
+        (&["--foundation", "rigid,0.1,1,0"], &["--foundation rigid,0.1,1,0", "rigid,EPSILON,FACTOR"]),
+        (&["--foundation", "rigid,0,1.2"], &["restitution_factor = 1.2", "e = 0.9", "1.08", "at most 1"]),
         (&["--foundation", "40,0.1,1.5"], &["epsilon = 1.5", "0 <= epsilon <= 1"]),
         (&["--foundation", "-1,0.1,0"], &["eta = -1"]),
         (&["--alpha", "2"], &["alpha = 2"]),

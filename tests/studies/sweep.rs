@@ -274,6 +274,15 @@ fn wrong_keys_and_values_are_refused_with_their_line() {
         ("epsilon = 0.1", "g = [9.81, 1.62]", "study.toml:11:", "g takes several values"),
         ("epsilon = 0.1", "physical.width = 1", "study.toml:11:", "physical.width is read by no block"),
         ("epsilon = 0.1", "initial.v = 1", "study.toml:11:", "initial.v is read by no block"),
+        ("epsilon = 0.1", "restitution_factor = -1", "study.toml:11:", "restitution_factor = -1"),
+        // Half of the blocks stand on the rigid base and read it, but alpha = 0.3 leaves e = 0.87 without epsilon.
+        ("epsilon = 0.1", "restitution_factor = 1.2", "study.toml:11:", "restitution_factor = 1.2 makes e = 0.8690"),
+        (
+            "foundation = [\"Viscoelastic\", \"Rigid\"]",
+            "restitution_factor = 0.9",
+            "study.toml:9:",
+            "restitution_factor is read by no block",
+        ),
         ("epsilon = 0.1", "initial.settled = 1", "study.toml:11:", "true or false"),
         ("\"Viscoelastic\", ", "\"Elastic\", ", "study.toml:9:", "expected one of Viscoelastic, Rigid"),
         (

@@ -48,7 +48,7 @@ pub fn bases(number: u8) -> Vec<Base> {
         6 => ETA.iter().map(|&eta| support(eta, 0.0)).collect(),
         _ => EPSILON.iter().map(|&epsilon| support(ETA_OF_RESTITUTIONS, epsilon)).collect(),
     };
-    std::iter::once(Base::Rigid { epsilon: 0.0 }).chain(supports).collect()
+    std::iter::once(Base::HOUSNER).chain(supports).collect()
 }
 
 /// The run of a block of Figures 6 to 8.

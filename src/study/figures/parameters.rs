@@ -49,7 +49,7 @@ pub const SPECTRUM_AMPLITUDE: [f64; 2] = [1.5, 2.5];
 pub const SPECTRUM_ALPHA: [f64; 4] = [0.10, 0.15, 0.20, 0.25];
 /// Foundations of Figures 10 and 11. Chosen.
 pub const PULSE_BASES: [Base; 5] = [
-    Base::Rigid { epsilon: 0.0 },
+    Base::HOUSNER,
     Base::Viscoelastic { eta: 20.0, xi_v: 0.1, epsilon: 0.0 },
     Base::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.0 },
     Base::Viscoelastic { eta: 80.0, xi_v: 0.4, epsilon: 0.0 },
@@ -61,7 +61,7 @@ pub const PULSE_RATIO: [f64; 2] = [0.5, 10.0];
 /// Foundations of Figures 12 and 13: damping and restitution are the paper's where its text names them (ξ_v = 0.4, ε = 0),
 /// the rest is chosen.
 pub const RECORD_BASES: [Base; 5] = [
-    Base::Rigid { epsilon: 0.0 },
+    Base::HOUSNER,
     Base::Viscoelastic { eta: 60.0, xi_v: 0.1, epsilon: 0.0 },
     Base::Viscoelastic { eta: 60.0, xi_v: 0.1, epsilon: 0.4 },
     Base::Viscoelastic { eta: 60.0, xi_v: 0.4, epsilon: 0.0 },
@@ -103,13 +103,13 @@ impl Detail {
 /// A block on a foundation, with the mass and the gravity of [`Common::default`].
 pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
     // The rigid base reads neither η nor ξ_v; any that make a block will do.
-    let (foundation, eta, xi_v, epsilon) = match base {
-        Base::Rigid { epsilon } => (Foundation::Rigid, 40.0, 0.1, epsilon),
-        Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon),
+    let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
+        Base::Rigid { epsilon, restitution_factor } => (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor),
+        Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0),
     };
     Block::from_dimensionless(
         &Dimensionless { alpha, p, eta, xi_v },
-        &Common { epsilon, foundation, ..Common::default() },
+        &Common { epsilon, foundation, restitution_factor, ..Common::default() },
     )
 }
 

@@ -18,7 +18,7 @@ pub fn figure(caption: &str) -> Result<Figure, FigureError> {
         let mut points = Vec::new();
         for i in 0..=STRETCHES {
             let epsilon = f64::from(i) / f64::from(STRETCHES);
-            let e = block(alpha, P, Base::Rigid { epsilon })?.restitution();
+            let e = block(alpha, P, Base::Rigid { epsilon, restitution_factor: 1.0 })?.restitution();
             table.push([alpha, epsilon, e].map(|value| value.to_string()))?;
             points.push((epsilon, e));
         }

@@ -21,7 +21,8 @@ const BAR: i32 = 64;
 /// What a bar stands on, the rigid base last.
 fn base(bar: usize) -> Base {
     let [xi_v, epsilon] = TOWER_SUPPORT;
-    TOWER_ETA.get(bar).map_or(Base::Rigid { epsilon }, |&eta| Base::Viscoelastic { eta, xi_v, epsilon })
+    let rigid = Base::Rigid { epsilon, restitution_factor: 1.0 };
+    TOWER_ETA.get(bar).map_or(rigid, |&eta| Base::Viscoelastic { eta, xi_v, epsilon })
 }
 
 /// The run of the tower on a foundation under a ground motion.
