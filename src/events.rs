@@ -2,13 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use num_dual::Dual64;
-use serde::{Deserialize, Serialize};
-
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Footing, Instant, State, along, instant};
-use crate::excitation::{Excitation, Forcing};
+use crate::contact::{Contact, Contacts};
+use crate::dynamics::{Footing, Instant, instant};
 use crate::impact::{self, Velocities};
+use crate::now::Now;
 use crate::regime::{Corner, Regime};
 use crate::roots::Sample;
 
@@ -55,39 +53,6 @@ impl std::fmt::Display for Event {
     }
 }
 
-/// A support that its corner has left: it creeps back to its free height δ_s.
-///
-/// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping is back at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Creep {
-    /// δ_s − y₀ (m) at lift-off.
-    pub depth: f64,
-    /// Time of lift-off (s).
-    pub since: f64,
-}
-
-impl Creep {
-    /// Height of the support's top above its place under the block at rest (m), and its rate (m/s).
-    pub fn top(&self, block: &Block, time: f64) -> Sample {
-        match block.foundation {
-            Foundation::Rigid => Sample::default(),
-            Foundation::Viscoelastic => {
-                let rate = block.creep_rate();
-                let sunk = if self.depth == 0.0 { 0.0 } else { self.depth * decay(rate * (time - self.since)) };
-                // Without damping `rate` is infinite and `sunk` zero: no rate is left then.
-                let rising = if sunk == 0.0 { 0.0 } else { rate * sunk };
-                Sample { value: block.static_deflection() - sunk, rate: rising }
-            }
-        }
-    }
-}
-
-/// `exp(−x)` for x ≥ 0; 1 at the start of an infinitely fast decay would be wrong, so infinity gives 0 and so does
-/// `0 · ∞`.
-fn decay(x: f64) -> f64 {
-    if x >= 0.0 { libm::exp(-x) } else { 0.0 }
-}
-
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surface {
@@ -104,45 +69,22 @@ pub enum Surface {
     QuarterTurn,
 }
 
-/// What the surfaces are evaluated from.
-#[derive(Clone, Copy, Debug)]
-pub struct Moment<'a> {
-    /// The block.
-    pub block: &'a Block,
-    /// Time (s).
-    pub time: f64,
-    /// Its regime.
-    pub regime: Regime,
-    /// Its state.
-    pub state: &'a State,
-    /// What holds it horizontally.
-    pub footing: Footing<f64>,
-    /// The equations of motion at it.
-    pub instant: &'a Instant<f64>,
-    /// What drives the block.
-    pub forcing: Forcing<f64>,
-    /// Where that comes from, and its rate.
-    pub excitation: &'a Excitation,
-    /// Heights of the supports that nothing touches.
-    pub tops: [Sample; 2],
-}
-
-/// The surfaces that end this regime; `held` is the corner that is held down, if one is, and `grips` whether what
-/// touches does not slide.
-pub fn surfaces(regime: Regime, held: Option<Corner>, grips: bool) -> [Option<Surface>; 4] {
-    let of = |corner| match regime.touches(corner) {
-        true if held == Some(corner) => Some(Surface::Held(corner)),
-        true => Some(Surface::Reaction(corner)),
-        false => Some(Surface::Gap(corner)),
+/// The surfaces that end the motion on these contacts; `grips` says whether what touches does not slide.
+#[inline]
+pub fn surfaces(contacts: &Contacts, grips: bool) -> [Option<Surface>; 4] {
+    let of = |corner| match contacts.of(corner) {
+        Contact::Bearing => Some(Surface::Reaction(corner)),
+        Contact::Held => Some(Surface::Held(corner)),
+        Contact::Lifted(_) => Some(Surface::Gap(corner)),
     };
-    let slide = (!grips && regime != Regime::Separated).then_some(Surface::Slide);
+    let slide = (!grips && contacts.regime() != Regime::Separated).then_some(Surface::Slide);
     [of(Corner::Left), of(Corner::Right), Some(Surface::QuarterTurn), slide]
 }
 
 impl Surface {
-    /// Value and rate at a moment.
-    pub fn sample(self, at: &Moment) -> Sample {
-        let Moment { block, instant, .. } = *at;
+    /// Value and rate at an instant.
+    pub fn sample(self, at: &Now) -> Sample {
+        let Now { block, ref instant, .. } = *at;
         match self {
             Surface::Reaction(corner) => {
                 let i = corner.index();
@@ -166,7 +108,7 @@ impl Surface {
                     Sample { value: -pressure_if_gripped(block, at.regime, instant), rate: 0.0 }
                 }
                 (Foundation::Rigid, Some(corner)) => {
-                    let thrown = impact::thrown_by_grip(block, corner, &at.along());
+                    let thrown = impact::thrown_by_grip(block, corner, &at.along(at.forcing_rate()));
                     Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
                 }
                 // Both corners stand on the rigid base, which neither throws up: they grip.
@@ -195,20 +137,12 @@ impl Surface {
     }
 }
 
-impl Moment<'_> {
-    /// The equations of motion with their rates of change along the motion in the dual parts.
-    fn along(&self) -> Instant<Dual64> {
-        let forcing = self.forcing.with_derivative(self.excitation.rate_at(self.time));
-        along(self.block, self.regime, self.state, self.footing, self.instant, forcing)
-    }
-}
-
 /// Ṅ_I/M of a corner that stands on the rigid base (m/s³).
 ///
 /// About a corner that grips `N/M = g + a_z − s P θ̈ − Q θ̇²`, with `Ṗ = s Q θ̇` and `Q̇ = −s P θ̇`.
-fn rigid_reaction_rate(at: &Moment, corner: Corner) -> f64 {
-    let &Moment { block, forcing, instant: x, .. } = at;
-    let &Block { b, h, i0, r0, gravity, .. } = block;
+fn rigid_reaction_rate(at: &Now, corner: Corner) -> f64 {
+    let Now { block, forcing, instant: x, .. } = at;
+    let &Block { b, h, i0, r0, gravity, .. } = *block;
     let s = corner.sign();
     let rate = at.excitation.rate_at(at.time);
     match (at.regime.pivot(), at.footing) {
@@ -221,7 +155,7 @@ fn rigid_reaction_rate(at: &Moment, corner: Corner) -> f64 {
             let centripetal = s * reach * x.theta_dot * x.theta_dot - 3.0 * height * x.theta_ddot;
             rate.z + centripetal * x.theta_dot - s * reach * theta_dddot
         }
-        (Some(_), Footing::Free { .. }) => at.along().reaction[corner.index()].eps,
+        (Some(_), Footing::Free { .. }) => at.along(at.forcing_rate()).reaction[corner.index()].eps,
         (None, footing) => {
             let horizontal = if footing.grips() { rate.x } else { 0.0 };
             0.5 * rate.z + s * (horizontal * h - rate.moment) * (0.5 / b)
@@ -244,9 +178,9 @@ pub fn reaction_rate(block: &Block, corner_dot: f64, corner_ddot: f64) -> f64 {
 /// that the other regime has it pressed on: neither holds, and the true motion slides along the boundary with
 /// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go. The last corner that touches
 /// slides in that case, since a support that bears nothing cannot hold it.
-pub fn gap_opening(at: &Moment, corner: Corner, corner_dot: f64) -> f64 {
+pub fn gap_opening(at: &Now, corner: Corner, corner_dot: f64) -> f64 {
     let i = corner.index();
-    let &Moment { block, instant: x, .. } = at;
+    let &Now { block, instant: ref x, .. } = at;
     let other = corner.other();
     let after = if at.regime.touches(other) {
         let state = [x.theta, x.theta_dot, x.corner[other.index()], x.corner_dot[other.index()]];

@@ -32,6 +32,8 @@ pub mod excitation;
 
 pub mod regime;
 
+pub mod contact;
+
 pub mod dynamics;
 
 pub mod integrator;
@@ -45,6 +47,10 @@ pub mod impact;
 pub mod outputs;
 
 pub mod peaks;
+
+pub mod now;
+
+pub mod transitions;
 
 pub mod simulation;
 

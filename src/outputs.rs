@@ -1,12 +1,8 @@
 //! State, regime and excitation of an instant → what a user sees, with exact derivatives where asked for.
 
-use num_dual::Dual64;
-
 use crate::block::Block;
-use crate::dynamics::{Footing, Instant, State, along, instant};
-use crate::excitation::Forcing;
+use crate::dynamics::Instant;
 use crate::regime::{Corner, Regime};
-use crate::roots::Sample;
 use crate::scalar::Scalar;
 
 /// Greatest friction demand that is told: where the supports bear almost nothing the ratio has no bound.
@@ -88,53 +84,6 @@ fn friction_demand<T: Scalar>(regime: Regime, horizontal: T, vertical: T) -> T {
         T::from(0.0)
     } else {
         T::from(MOST_FRICTION_DEMAND)
-    }
-}
-
-/// What an instant is observed from.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// The block.
-    pub block: &'a Block,
-    /// Its regime.
-    pub regime: Regime,
-    /// Its state.
-    pub state: &'a State,
-    /// What holds it horizontally.
-    pub footing: Footing<f64>,
-    /// What drives the block.
-    pub forcing: Forcing<f64>,
-    /// The equations of motion at it.
-    pub instant: &'a Instant<f64>,
-    /// Heights of the supports that nothing touches; of the others anything.
-    pub tops: [Sample; 2],
-}
-
-impl View<'_> {
-    /// The equations of motion with rates of change along the motion in the dual parts.
-    pub fn along(&self, forcing_rate: Forcing<f64>) -> Instant<Dual64> {
-        let forcing = self.forcing.with_derivative(forcing_rate);
-        along(self.block, self.regime, self.state, self.footing, self.instant, forcing)
-    }
-
-    /// The observation.
-    pub fn observe(&self) -> Observation<f64> {
-        observe(self.block, self.regime, self.instant, self.tops.map(|top| top.value))
-    }
-
-    /// The observation and, in the dual parts, its exact rate of change along the motion, while the forcing changes at
-    /// `forcing_rate`.
-    pub fn observe_rates(&self, forcing_rate: Forcing<f64>) -> Observation<Dual64> {
-        let tops = self.tops.map(|Sample { value, rate }| Dual64::new(value, rate));
-        observe(self.block, self.regime, &self.along(forcing_rate), tops)
-    }
-
-    /// The observation and, in the dual parts, its exact derivative with respect to the forcing in a direction.
-    pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
-        let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
-        let footing = self.footing.map(Dual64::from);
-        let x = instant(self.block, self.regime, state, footing, self.forcing.with_derivative(direction));
-        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)))
     }
 }
 

@@ -21,48 +21,120 @@ pub struct Peaks {
     pub friction_demand: f64,
 }
 
-/// The quantities of which the greatest value is a peak, those with a sign in both directions.
-pub type PeakSamples = [Sample; 9];
+/// A quantity of which the greatest absolute value is a peak.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Rotation θ (rad).
+    Theta,
+    /// Vertical reactions N_L, N_R (N).
+    Reaction,
+    /// Horizontal reaction H (N).
+    Horizontal,
+    /// Heights of the corners above their supports (m).
+    Uplift,
+    /// Friction demand (1).
+    FrictionDemand,
+}
+
+/// The quantities of which the greatest absolute values are peaks, with their rates of change.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Channels {
+    /// Rotation θ (rad).
+    pub theta: Sample,
+    /// Vertical reactions N_L, N_R (N).
+    pub reaction: [Sample; 2],
+    /// Horizontal reaction H (N).
+    pub horizontal: Sample,
+    /// Heights of the corners above their supports (m).
+    pub uplift: [Sample; 2],
+    /// Friction demand (1).
+    pub friction_demand: Sample,
+}
+
+impl Channels {
+    /// All values that may be a peak, those with a sign in both directions.
+    #[inline(always)]
+    pub fn candidates(&self) -> [(Channel, Sample); 9] {
+        let Channels { theta, reaction, horizontal, uplift, friction_demand } = *self;
+        [
+            (Channel::Theta, theta),
+            (Channel::Theta, theta.negated()),
+            (Channel::Reaction, reaction[0]),
+            (Channel::Reaction, reaction[1]),
+            (Channel::Horizontal, horizontal),
+            (Channel::Horizontal, horizontal.negated()),
+            (Channel::Uplift, uplift[0]),
+            (Channel::Uplift, uplift[1]),
+            (Channel::FrictionDemand, friction_demand),
+        ]
+    }
+}
 
 impl Peaks {
-    fn slots(&mut self) -> [&mut f64; 5] {
-        [&mut self.theta, &mut self.reaction, &mut self.horizontal, &mut self.uplift, &mut self.friction_demand]
+    /// The peak of a channel.
+    #[inline(always)]
+    pub fn of(&self, channel: Channel) -> f64 {
+        match channel {
+            Channel::Theta => self.theta,
+            Channel::Reaction => self.reaction,
+            Channel::Horizontal => self.horizontal,
+            Channel::Uplift => self.uplift,
+            Channel::FrictionDemand => self.friction_demand,
+        }
+    }
+
+    #[inline(always)]
+    fn raise(&mut self, channel: Channel, value: f64) {
+        let peak = match channel {
+            Channel::Theta => &mut self.theta,
+            Channel::Reaction => &mut self.reaction,
+            Channel::Horizontal => &mut self.horizontal,
+            Channel::Uplift => &mut self.uplift,
+            Channel::FrictionDemand => &mut self.friction_demand,
+        };
+        *peak = greater(*peak, value);
     }
 
     /// Takes in the values at one instant.
-    pub fn include(&mut self, samples: &PeakSamples) {
-        let slots = self.slots();
-        for (sample, slot) in samples.iter().zip(SLOTS) {
-            *slots[slot] = greater(*slots[slot], sample.value);
-        }
+    #[inline]
+    pub fn include(&mut self, channels: &Channels) {
+        channels.candidates().into_iter().for_each(|(channel, sample)| self.raise(channel, sample.value));
     }
 
     /// Whether a value may rise to a new peak between two instants, above those at both.
-    pub fn may_rise_inside(&self, start: &PeakSamples, end: &PeakSamples, duration: f64) -> bool {
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand } = *self;
-        let peaks = [theta, reaction, horizontal, uplift, friction_demand];
-        SLOTS.into_iter().enumerate().any(|(i, slot)| {
-            let turns = start[i].rate > 0.0 && end[i].rate < 0.0;
-            turns && upper_bound(start[i], end[i], duration) > peaks[slot]
+    #[inline]
+    pub fn may_rise_inside(&self, start: &Channels, end: &Channels, duration: f64) -> bool {
+        start.candidates().into_iter().zip(end.candidates()).any(|((channel, start), (_, end))| {
+            let turns = start.rate > 0.0 && end.rate < 0.0;
+            turns && upper_bound(start, end, duration) > self.of(channel)
         })
     }
 
-    /// Takes in what happens in a step of `duration` between two instants; `inside` gives the samples at a time after
+    /// Takes in what happens in a step of `duration` between two instants; `inside` gives the values at a time after
     /// the first, and is asked only where a peak may be.
     pub fn include_step(
         &mut self,
-        start: &PeakSamples,
-        end: &PeakSamples,
+        start: &Channels,
+        end: &Channels,
         duration: f64,
-        mut inside: impl FnMut(f64) -> PeakSamples,
+        mut inside: impl FnMut(f64) -> Channels,
     ) {
-        let slots = self.slots();
-        for (i, slot) in SLOTS.into_iter().enumerate() {
-            let peak = &mut *slots[slot];
-            if upper_bound(start[i], end[i], duration) > *peak {
-                *peak = greater(*peak, greatest(start[i], end[i], duration, |elapsed| inside(elapsed)[i]));
+        let ends = start.candidates().into_iter().zip(end.candidates());
+        for (i, ((channel, start), (_, end))) in ends.enumerate() {
+            if upper_bound(start, end, duration) > self.of(channel) {
+                self.raise(channel, greatest(start, end, duration, |elapsed| inside(elapsed).candidates()[i].1));
             }
         }
+    }
+
+    /// The rate at which a peak rises: with a value that stands at it and grows.
+    pub fn rate(&self, channel: Channel, now: &Channels) -> f64 {
+        // The step's last instant and what is seen there are the same number up to rounding.
+        const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
+        let of_it = now.candidates().into_iter().filter(|&(of, _)| of == channel).map(|(_, sample)| sample);
+        of_it
+            .filter(|sample| sample.value >= AT_PEAK * self.of(channel))
+            .fold(0.0, |rate, sample| greater(rate, sample.rate))
     }
 }
 
@@ -71,21 +143,14 @@ pub fn greater(first: f64, second: f64) -> f64 {
     if second > first { second } else { first }
 }
 
-/// To which peak each sample belongs.
-const SLOTS: [usize; 9] = [0, 0, 1, 1, 2, 2, 3, 3, 4];
-
-/// The samples of an observation whose dual parts are rates.
-pub fn samples(x: &Observation<Dual64>) -> PeakSamples {
+/// The channels of an observation whose dual parts are rates.
+pub fn channels(x: &Observation<Dual64>) -> Channels {
     let of = |dual: Dual64| Sample { value: dual.re, rate: dual.eps };
-    [
-        of(x.theta),
-        of(-x.theta),
-        of(x.reaction[0]),
-        of(x.reaction[1]),
-        of(x.horizontal),
-        of(-x.horizontal),
-        of(x.uplift[0]),
-        of(x.uplift[1]),
-        of(x.friction_demand),
-    ]
+    Channels {
+        theta: of(x.theta),
+        reaction: x.reaction.map(of),
+        horizontal: of(x.horizontal),
+        uplift: x.uplift.map(of),
+        friction_demand: of(x.friction_demand),
+    }
 }

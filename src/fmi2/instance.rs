@@ -435,7 +435,7 @@ impl Instance {
         let inputs = self.core.inputs;
         let simulation = self.preview()?;
         let seen = simulation.observe_rates(&inputs);
-        let (rates, samples) = (seen.map(|x| x.eps), peaks::samples(&seen));
+        let (rates, samples) = (seen.map(|x| x.eps), peaks::channels(&seen));
         let energies = simulation.energy_rates(&inputs);
         let history = |variable| history_rate(variable, &samples, &simulation.peaks());
         for (&reference, value) in references.iter().zip(values) {

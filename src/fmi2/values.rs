@@ -4,7 +4,7 @@ use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physica
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::fmi2::variables::{Causality, VARIABLES, Variable};
 use crate::outputs::Observation;
-use crate::peaks::{PeakSamples, Peaks, greater};
+use crate::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
 
 /// The inputs, in the order of their ramps.
@@ -245,21 +245,16 @@ pub fn history(variable: Variable, simulation: &Simulation) -> f64 {
 
 /// The rate of an output that holds what was since the start: a peak grows with a value that stands at it and grows;
 /// the others change at events only.
-pub fn history_rate(variable: Variable, samples: &PeakSamples, peaks: &Peaks) -> f64 {
-    // The step's last point and what is seen there are the same number up to rounding.
-    const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
-    let (peak, candidates) = match variable {
-        Variable::PeakTheta => (peaks.theta, &samples[..2]),
-        Variable::PeakN => (peaks.reaction, &samples[2..4]),
-        Variable::PeakH => (peaks.horizontal, &samples[4..6]),
-        Variable::PeakUplift => (peaks.uplift, &samples[6..8]),
-        Variable::PeakFrictionDemand => (peaks.friction_demand, &samples[8..]),
+pub fn history_rate(variable: Variable, now: &Channels, peaks: &Peaks) -> f64 {
+    let channel = match variable {
+        Variable::PeakTheta => Channel::Theta,
+        Variable::PeakN => Channel::Reaction,
+        Variable::PeakH => Channel::Horizontal,
+        Variable::PeakUplift => Channel::Uplift,
+        Variable::PeakFrictionDemand => Channel::FrictionDemand,
         _ => return 0.0,
     };
-    candidates
-        .iter()
-        .filter(|sample| sample.value >= AT_PEAK * peak)
-        .fold(0.0, |rate, sample| greater(rate, sample.rate))
+    peaks.rate(channel, now)
 }
 
 impl Variable {

@@ -5,12 +5,14 @@
 //! [`ShortStep`] does with half the evaluations. docs/integrator.md has the comparison that led to both.
 
 mod coefficients;
+pub mod control;
 mod short;
 
 use nalgebra::SVector;
 
 use crate::dynamics::{Powers, State};
 use coefficients::{NODES, combine, dense, difference, increment};
+pub use control::StepControl;
 pub use short::ShortStep;
 
 /// Rate of the state, and the powers that are integrated along with it.
@@ -82,11 +84,7 @@ impl Step {
     /// The factor by which the step size may change after a step of this error: `0.9 error^(−1/8)` within 1/3 … 6.
     /// Square roots are rounded alike everywhere, which a power is not.
     pub fn size_factor(error: f64) -> f64 {
-        const SAFETY: f64 = 0.9;
-        const LEAST: f64 = 1.0 / 3.0;
-        const MOST: f64 = 6.0;
-        let root = error.sqrt().sqrt().sqrt();
-        if root.is_nan() { LEAST } else { (SAFETY / root).clamp(LEAST, MOST) }
+        control::size_factor(error.sqrt().sqrt().sqrt())
     }
 
     /// The motion inside the step; evaluates `rate` three times. `end` is the rate at the end.

@@ -1,22 +1,21 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
-mod beginning;
-mod flight;
-mod motion;
-mod placement;
 mod report;
-mod rigid_base;
 mod stepping;
-mod transitions;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Foundation};
-use crate::dynamics::{Footing, State, energy};
-use crate::events::{Creep, Event};
+use crate::block::Block;
+use crate::dynamics::State;
+use crate::events::{Event, EventKind, Surface};
 use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::integrator::StepControl;
+use crate::now::{Motion, Now, Pose};
 use crate::peaks::Peaks;
-use crate::regime::{Corner, Regime};
+use crate::regime::Regime;
+use crate::transitions::{System, Tally, Transition};
+
+pub use crate::transitions::{Initial, LiftOff};
 
 /// What happens at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,17 +37,6 @@ pub enum OnOverturning {
     Terminate = 1,
     /// Time goes on with the block frozen.
     Hold = 2,
-}
-
-/// What stays the same when a corner lifts from full contact, where the horizontal constraint changes from the middle of
-/// the base to the other corner.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LiftOff {
-    /// θ̇ and v̇, as in the paper: the kinetic energy rises a little.
-    #[default]
-    KeepRates,
-    /// v̇ and the angular momentum about the corner that stands: it falls a little. See docs/lift_off.md.
-    KeepMomentum,
 }
 
 /// How to run.
@@ -79,18 +67,6 @@ impl Default for Settings {
             lift_off: LiftOff::KeepRates,
         }
     }
-}
-
-/// Where the block is at the beginning.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Initial {
-    /// Rotation θ (rad), positive to the right, |θ| < π/2.
-    pub theta: f64,
-    /// θ̇ (rad/s).
-    pub theta_dot: f64,
-    /// `(v, v̇)` of the centre of mass (m, m/s); `None` starts at the vertical equilibrium of `theta`: the supports that
-    /// touch carry the weight, and the middle of the base (or the one touching corner) does not move vertically.
-    pub vertical: Option<(f64, f64)>,
 }
 
 /// Why a run ended.
@@ -231,16 +207,11 @@ pub struct Counts {
 /// A block in motion. A plain value: a copy goes on exactly as the original does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    block: Block,
+    system: System,
     settings: Settings,
     pulse: Pulse,
-    time: f64,
-    regime: Regime,
-    state: State,
-    footing: Footing<f64>,
-    creep: [Creep; 2],
-    held: Option<Corner>,
-    step_size: f64,
+    pose: Pose,
+    control: StepControl,
     short_size: f64,
     ending: Option<(Ending, f64)>,
     sums: EnergySums,
@@ -263,17 +234,15 @@ impl Simulation {
         inputs: &Inputs,
     ) -> Simulation {
         let [least, most] = Settings::TOLERANCES;
+        let flies = settings.on_separation == OnSeparation::Fly;
+        let system = System { block, lift_off: settings.lift_off, flies };
+        let excitation = Excitation::from_time(time, inputs, &pulse, &block);
         let mut simulation = Simulation {
-            block,
+            system,
             settings: Settings { tolerance: settings.tolerance.clamp(least, most), ..settings },
             pulse,
-            time,
-            regime: Regime::FullContact,
-            state: State::zeros(),
-            footing: Footing::AT_START,
-            creep: [Creep { depth: 0.0, since: time }; 2],
-            held: None,
-            step_size: f64::INFINITY,
+            pose: system.beginning(initial, time, &excitation),
+            control: StepControl::NEW,
             short_size: f64::INFINITY,
             ending: None,
             sums: EnergySums::default(),
@@ -282,20 +251,11 @@ impl Simulation {
             last_event: time,
             events_in_this_instant: 0,
         };
-        let excitation = Excitation::from_time(time, inputs, &simulation.pulse, &block);
-        match block.foundation {
-            Foundation::Viscoelastic => simulation.place_on_supports(initial, &excitation),
-            Foundation::Rigid => simulation.place_on_rigid_base(initial),
-        }
-        let start = simulation.point(&excitation);
-        let (kinetic, potential) = energy(&block, simulation.regime, &start.instant);
-        simulation.sums = EnergySums { initial: kinetic + potential, ..EnergySums::default() };
-        let shown = simulation.released(&start, &excitation);
-        let shown = shown.as_ref().unwrap_or(&simulation);
-        let start = shown.point_at(time, shown.state, &excitation);
-        let first = shown.peak_samples(&start, &excitation);
-        simulation.peaks.include(&first);
-        simulation.counts = Counts::default();
+        simulation.end_if_separated();
+        let start = simulation.now(&block, &excitation);
+        simulation.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
+        let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
+        simulation.peaks.include(&Motion::from_pose(&block, &shown, &excitation).at(time, shown.state).channels());
         simulation
     }
 
@@ -310,15 +270,16 @@ impl Simulation {
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Progress, SimulationError> {
-        while self.time < until && self.ending.is_none() {
-            let stop = self.pulse.next_kink(self.time).map_or(until, |kink| kink.min(until));
-            let excitation = Excitation::from_time(self.time, inputs, &self.pulse, &self.block);
-            self.smooth_piece(stop, &excitation, observer)?;
+        let block = self.system.block;
+        while self.pose.time < until && self.ending.is_none() {
+            let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
+            let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, &block);
+            self.smooth_piece(stop, &block, &excitation, observer)?;
         }
         match self.ending {
             Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
             _ => {
-                self.time = until;
+                self.pose.time = until;
                 Ok(Progress::Reached)
             }
         }
@@ -327,45 +288,44 @@ impl Simulation {
     /// Whether the numbers of a state that came from outside can be gone on from: all finite, and the tolerance one that
     /// is followed. The block is checked by whoever knows what it was made from.
     pub fn is_valid(&self) -> bool {
-        let Simulation {
-            settings, pulse, time, state, footing, creep, step_size, short_size, sums, last_event, ..
-        } = self;
-        let creep = creep.iter().flat_map(|creep| [creep.depth, creep.since]);
+        let Simulation { settings, pulse, pose, control, short_size, sums, last_event, .. } = self;
+        let Pose { time, state, contacts, footing } = pose;
         let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts, sums.constraint];
         let others = [*time, *last_event, pulse.amplitude, pulse.period, pulse.start];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
-            && *step_size > 0.0
+            && control.is_valid()
             && *short_size > 0.0
             && pulse.period > 0.0
             && footing.is_finite()
-            && state.iter().copied().chain(creep).chain(sums).chain(others).all(f64::is_finite)
+            && contacts.is_finite()
+            && state.iter().copied().chain(sums).chain(others).all(f64::is_finite)
     }
 
     /// Sets the clock without any motion, to take up the rounding of a master's clock.
     pub fn set_time(&mut self, time: f64) {
-        self.time = time;
+        self.pose.time = time;
     }
 
     /// Present time (s).
     pub fn time(&self) -> f64 {
-        self.time
+        self.pose.time
     }
 
     /// Present state `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`crate::dynamics`].
     pub fn state(&self) -> &State {
-        &self.state
+        &self.pose.state
     }
 
     /// Present regime. Under inputs that have just changed, a block on the rigid base may lift in this very instant:
     /// [`Simulation::observe`] shows it as it goes on.
     pub fn regime(&self) -> Regime {
-        self.regime
+        self.pose.contacts.regime()
     }
 
     /// The block.
     pub fn block(&self) -> &Block {
-        &self.block
+        &self.system.block
     }
 
     /// Why and when the run ended, if it did.
@@ -386,5 +346,50 @@ impl Simulation {
     /// Time of the last event (s); the start if there was none.
     pub fn last_event(&self) -> f64 {
         self.last_event
+    }
+
+    /// The block now, under this excitation.
+    fn now<'a>(&self, block: &'a Block, excitation: &'a Excitation) -> Now<'a> {
+        Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
+    }
+
+    /// What becomes of the block at `now`, when the motion has fallen through a surface.
+    /// Gives the block as it goes on.
+    fn apply<'a>(
+        &mut self,
+        surface: Surface,
+        now: &Now<'a>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Now<'a>, SimulationError> {
+        const MOST_EVENTS_IN_AN_INSTANT: u32 = 64;
+        let time = self.pose.time;
+        self.events_in_this_instant += 1;
+        if self.events_in_this_instant > MOST_EVENTS_IN_AN_INSTANT {
+            return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
+        }
+        let Transition { pose, happened, tally } = self.system.transition(&self.pose, now, surface);
+        let Tally { impacts, liftoffs, constraint, evaluations } = tally;
+        self.pose = pose;
+        self.last_event = time;
+        self.counts.impacts += impacts;
+        self.counts.liftoffs += liftoffs;
+        self.counts.evaluations += evaluations + 1;
+        self.sums.constraint += constraint;
+        let after = self.now(now.block, now.excitation);
+        self.sums.impacts += now.energy() - after.energy();
+        let Some(kind) = happened else { return Ok(after) };
+        if kind == EventKind::Overturning {
+            self.ending = Some((Ending::Overturned, time));
+        }
+        self.end_if_separated();
+        observer(&Event { time, kind, before: now.regime, after: after.regime });
+        Ok(after)
+    }
+
+    fn end_if_separated(&mut self) {
+        if self.regime() == Regime::Separated && !self.system.flies {
+            let Pose { time, state, .. } = self.pose;
+            self.ending = Some((Ending::at_separation(self.system.block.alpha, state[0], state[1]), time));
+        }
     }
 }

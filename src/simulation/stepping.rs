@@ -1,15 +1,14 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::State;
-use crate::events::{Event, Moment, Surface, reaction_rate, surfaces};
+use crate::dynamics::{Powers, State};
+use crate::events::{Event, Surface, surfaces};
 use crate::excitation::Excitation;
 use crate::integrator::{DenseOutput, EVALUATIONS_PER_STEP, ShortStep, Step};
-use crate::outputs::View;
-use crate::peaks::{self, PeakSamples, Peaks};
-use crate::regime::{Corner, Regime};
-use crate::roots::{self, Sample};
-use crate::simulation::motion::{Motion, Point};
+use crate::now::{Motion, Now, Pose};
+use crate::peaks::{Channels, Peaks};
+use crate::regime::Regime;
+use crate::roots;
 use crate::simulation::{Simulation, SimulationError};
 
 /// What a step may be.
@@ -42,64 +41,65 @@ impl Simulation {
     pub(super) fn smooth_piece(
         &mut self,
         stop: f64,
+        block: &Block,
         excitation: &Excitation,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let mut here = self.point(excitation);
-        if let Some(corner) = self.leaving_rigid_base(&here, excitation) {
-            self.apply(Surface::Reaction(corner), &here, excitation, observer)?;
-            here = self.point(excitation);
+        let mut here = self.now(block, excitation);
+        self.counts.evaluations += 1;
+        if let Some(corner) = self.system.leaving_rigid_base(&here) {
+            here = self.apply(Surface::Reaction(corner), &here, observer)?;
         }
-        while self.time < stop && self.ending.is_none() {
+        while self.pose.time < stop && self.ending.is_none() {
             let limits = self.limits(excitation.frequency());
-            if let Some(there) = self.short_step(stop, &here, excitation, &limits) {
+            if let Some(there) = self.short_step(stop, &here, &limits) {
                 here = there;
                 continue;
             }
-            let block = self.block;
-            let motion = Motion::of(self, &block);
-            let rate = |time: f64, state: &State| motion.rate(time, state, excitation);
-            let (step, mut there) = self.accepted_step(stop, &here, excitation, &limits)?;
+            let motion = Motion::from_pose(block, &self.pose, excitation);
+            let (step, mut there) = self.accepted_step(stop, &motion, &here, &limits)?;
             let mut dense: Option<DenseOutput> = None;
             let mut evaluations = 0;
             let end = there.rate;
             let mut inside = || {
                 *dense.get_or_insert_with(|| {
                     evaluations += 3;
-                    step.dense(end, rate)
+                    step.dense(end, |time, state| motion.rate(time, state))
                 })
             };
-            let event = self.first_event(&here, &there, excitation, &mut inside);
+            let event = self.first_event(&motion, &here, &there, &mut inside);
             let (elapsed, work) = match event {
                 Some((elapsed, _)) => {
                     let dense = inside();
-                    let time = self.time + elapsed;
-                    there = self.point_at(time, dense.state(elapsed), excitation);
+                    there = motion.at(here.time + elapsed, dense.state(elapsed));
                     (elapsed, dense.work(elapsed))
                 }
                 None => (there.time - here.time, step.work),
             };
-            let near = limits.near_a_peak(elapsed);
-            self.update_peaks(&here, &there, near, excitation, &mut inside);
+            self.update_peaks(&motion, &here, &there, limits.near_a_peak(elapsed), &mut inside);
             self.counts.evaluations += evaluations;
-            self.sums.input += work[0];
-            self.sums.dashpots += work[1];
-            if there.time > self.time {
-                self.events_in_this_instant = 0;
-            }
-            (self.time, self.state, self.footing) = (there.time, there.state, there.footing);
+            self.go_to(&there, work);
             here = match event {
-                Some((_, surface)) => {
-                    self.apply(surface, &there, excitation, observer)?;
-                    self.point(excitation)
-                }
+                Some((_, surface)) => self.apply(surface, &there, observer)?,
                 None => there,
             };
-            if self.held.is_some_and(|corner| self.bears(corner, &here)) {
-                self.held = None;
+            if self.pose.contacts.held().is_some_and(|corner| here.bears(corner)) {
+                self.pose.contacts.let_bear();
             }
         }
         Ok(())
+    }
+
+    /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass.
+    #[inline]
+    fn go_to(&mut self, there: &Now, work: Powers) {
+        self.sums.input += work[0];
+        self.sums.dashpots += work[1];
+        if there.time > self.pose.time {
+            self.events_in_this_instant = 0;
+        }
+        let Now { time, state, footing, .. } = *there;
+        self.pose = Pose { time, state, footing, ..self.pose };
     }
 
     /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way.
@@ -107,22 +107,22 @@ impl Simulation {
     /// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a step may make
     /// a tenth of the error of others, in the motion and in the works.
     #[inline]
-    fn short_step(&mut self, stop: f64, here: &Point, excitation: &Excitation, limits: &Limits) -> Option<Point> {
+    fn short_step<'a>(&mut self, stop: f64, here: &Now<'a>, limits: &Limits) -> Option<Now<'a>> {
         // Where a short step failed another is tried before long, since the motion may have become slower.
         const GROWTH: f64 = 1.1;
         const LEAST: f64 = 0.1;
         const SHARE: f64 = 0.1;
-        let (block, size) = (self.block, stop - self.time);
-        if LONGEST * size > limits.longest || self.held.is_some() {
+        let size = stop - self.pose.time;
+        if LONGEST * size > limits.longest || self.pose.contacts.held().is_some() {
             return None;
         }
         if size > self.short_size {
             self.short_size *= GROWTH;
             return None;
         }
-        let motion = Motion::of(self, &block);
-        let step = motion.short_step(here, size, excitation);
-        let there = motion.point(stop, step.end, excitation);
+        let motion = Motion::from_pose(here.block, &self.pose, here.excitation);
+        let step = motion.short_step(here, size);
+        let there = motion.at(stop, step.end);
         self.counts.evaluations += ShortStep::EVALUATIONS + 1;
         let error = step.error(there.rate, &limits.weights, limits.work_weight) / SHARE;
         // The root of order 4 is two square roots, and less than that of order 5.
@@ -131,10 +131,10 @@ impl Simulation {
             self.short_size = size * factor;
             return None;
         }
-        if self.may_hold_event(here, &there, excitation) {
+        if self.may_hold_event(here, &there) {
             return None;
         }
-        let [start, end] = self.samples_at_ends(here, &there, limits.near_a_peak(size), excitation);
+        let [start, end] = self.channels_at_ends(here, &there, limits.near_a_peak(size));
         if self.peaks.may_rise_inside(&start, &end, size) {
             return None;
         }
@@ -142,66 +142,54 @@ impl Simulation {
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
-        self.sums.input += step.work[0];
-        self.sums.dashpots += step.work[1];
-        self.events_in_this_instant = 0;
-        (self.time, self.state, self.footing) = (there.time, there.state, there.footing);
+        self.go_to(&there, step.work);
         Some(there)
     }
 
-    /// Whether a surface may be fallen through between two points.
-    fn may_hold_event(&self, here: &Point, there: &Point, excitation: &Excitation) -> bool {
-        let (first, last) = (self.moment(here, excitation), self.moment(there, excitation));
+    /// Whether a surface may be fallen through between two instants.
+    fn may_hold_event(&self, here: &Now, there: &Now) -> bool {
         let may_fall = |surface: Surface| {
-            let rounding = surface.rounding(&self.block);
-            roots::may_fall(surface.sample(&first), surface.sample(&last), rounding, there.time - here.time)
+            let rounding = surface.rounding(here.block);
+            roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)
         };
         self.surfaces().any(may_fall)
     }
 
-    /// The surfaces that end the present regime.
+    /// The surfaces that end the present motion.
     fn surfaces(&self) -> impl Iterator<Item = Surface> {
-        surfaces(self.regime, self.held, self.footing.grips()).into_iter().flatten()
+        surfaces(&self.pose.contacts, self.pose.footing.grips()).into_iter().flatten()
     }
 
-    /// A step within the tolerance, from `here` towards `stop`, and the point it leads to.
+    /// A step within the tolerance, from `here` towards `stop`, and the instant it leads to.
     #[inline]
-    fn accepted_step(
+    fn accepted_step<'a>(
         &mut self,
         stop: f64,
-        here: &Point,
-        excitation: &Excitation,
+        motion: &Motion<'a>,
+        here: &Now<'a>,
         &Limits { weights, longest, .. }: &Limits,
-    ) -> Result<(Step, Point), SimulationError> {
-        let (block, time) = (self.block, self.time);
-        let motion = Motion::of(self, &block);
-        let remaining = stop - time;
+    ) -> Result<(Step, Now<'a>), SimulationError> {
+        let time = here.time;
         // What the clock can resolve on the way. Near time zero it resolves far less, but such steps lead nowhere.
         let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
-        // The rest of the way in equal steps, so that a stop close ahead is not met by a tiny step.
-        let steps = (remaining / self.step_size.min(longest).max(shortest)).ceil().max(1.0);
-        let mut size = remaining / steps;
-        let mut last = steps == 1.0;
-        let mut grow = true;
+        let mut attempt = self.control.attempt(stop - time, longest, shortest);
         loop {
-            let step = motion.step(here, size, excitation);
+            let step = motion.step(here, attempt.size);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(&weights);
             let factor = Step::size_factor(error);
             if error <= 1.0 {
-                let proposal = if grow { size * factor } else { size * factor.min(1.0) };
-                self.step_size = if factor < 1.0 { proposal } else { self.step_size.min(longest).max(proposal) };
+                self.control.accept(&attempt, factor, longest);
                 self.counts.steps += 1;
-                let there = self.point_at(if last { stop } else { time + size }, step.end, excitation);
+                let there = motion.at(if attempt.last { stop } else { time + attempt.size }, step.end);
                 if !there.state.iter().chain(there.rate.state.iter()).all(|x| x.is_finite()) {
                     return Err(SimulationError::NotFinite { time });
                 }
                 return Ok((step, there));
             }
             self.counts.rejected += 1;
-            (last, grow) = (false, false);
-            size *= factor;
-            self.step_size = size;
+            attempt = self.control.reject(&attempt, factor);
+            let size = attempt.size;
             if size < shortest {
                 return Err(if here.rate.state.iter().all(|x| x.is_finite()) && error.is_finite() {
                     SimulationError::StepTooSmall { time, size, tolerance: self.settings.tolerance }
@@ -219,11 +207,11 @@ impl Simulation {
     /// not more than what changes a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     fn limits(&self, pulse_frequency: f64) -> Limits {
-        let Block { alpha, p, b, h, i0, r0, omega_v, gravity, foundation, .. } = self.block;
+        let Block { alpha, p, b, h, i0, r0, omega_v, gravity, foundation, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.
-        let turning = if self.footing.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
-        let (rocking, vertical) = match (foundation, self.regime) {
+        let turning = if self.pose.footing.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
+        let (rocking, vertical) = match (foundation, self.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
@@ -241,27 +229,25 @@ impl Simulation {
         Limits { weights, work_weight: allowed / ((i0 + r0 * r0) * alpha * p), longest }
     }
 
-    /// The first surface through which the motion falls between two points, and when, in seconds after the first.
-    pub(super) fn first_event(
+    /// The first surface through which the motion falls between two instants, and when, in seconds after the first.
+    fn first_event(
         &self,
-        here: &Point,
-        there: &Point,
-        excitation: &Excitation,
+        motion: &Motion,
+        here: &Now,
+        there: &Now,
         inside: &mut impl FnMut() -> DenseOutput,
     ) -> Option<(f64, Surface)> {
         let mut first: Option<(f64, Surface)> = None;
         let duration = there.time - here.time;
-        let (at_start, at_end) = (self.moment(here, excitation), self.moment(there, excitation));
         for surface in self.surfaces() {
-            let rounding = surface.rounding(&self.block);
-            let (start, end) = (surface.sample(&at_start), surface.sample(&at_end));
+            let rounding = surface.rounding(here.block);
+            let (start, end) = (surface.sample(here), surface.sample(there));
             if !roots::may_fall(start, end, rounding, duration) {
                 continue;
             }
             let dense = inside();
             let fall = roots::first_fall(start, end, rounding, duration, |elapsed| {
-                let point = self.point_at(here.time + elapsed, dense.state(elapsed), excitation);
-                surface.sample(&self.moment(&point, excitation))
+                surface.sample(&motion.at(here.time + elapsed, dense.state(elapsed)))
             });
             if let Some(elapsed) = fall
                 && first.is_none_or(|(earliest, _)| elapsed < earliest)
@@ -275,101 +261,36 @@ impl Simulation {
     /// Takes the step's peaks in.
     fn update_peaks(
         &mut self,
-        here: &Point,
-        there: &Point,
+        motion: &Motion,
+        here: &Now,
+        there: &Now,
         near: f64,
-        excitation: &Excitation,
         inside: &mut impl FnMut() -> DenseOutput,
     ) {
         let duration = there.time - here.time;
         if duration <= 0.0 {
             return;
         }
-        let [start, end] = self.samples_at_ends(here, there, near, excitation);
-        let mut peaks = self.peaks;
-        peaks.include_step(&start, &end, duration, |after| {
-            let point = self.point_at(here.time + after, inside().state(after), excitation);
-            self.peak_samples(&point, excitation)
+        let [start, end] = self.channels_at_ends(here, there, near);
+        self.peaks.include_step(&start, &end, duration, |after| {
+            motion.at(here.time + after, inside().state(after)).channels()
         });
-        self.peaks = peaks;
     }
 
     /// What the peaks are compared with at both ends of a step. The rates of H and of the friction demand, and those of the
     /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
     /// part of that, and are zero elsewhere.
-    fn samples_at_ends(&self, here: &Point, there: &Point, near: f64, excitation: &Excitation) -> [PeakSamples; 2] {
-        let Block { mass, foundation, .. } = self.block;
+    fn channels_at_ends(&self, here: &Now, there: &Now, near: f64) -> [Channels; 2] {
+        let Block { mass, foundation, .. } = self.system.block;
         let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let close = |point: &Point| {
-            let [left, right] = point.instant.reaction;
-            let shear = mass * point.instant.horizontal.abs();
+        let close = |now: &Now| {
+            let [left, right] = now.instant.reaction;
+            let shear = mass * now.instant.horizontal.abs();
             shear > near * horizontal
                 || shear > near * friction_demand * mass * (left + right)
                 || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
         };
-        if close(here) || close(there) {
-            return [here, there].map(|point| self.peak_samples(point, excitation));
-        }
-        [here, there].map(|point| {
-            let (x, none) = (&point.instant, Sample::default());
-            let reaction = |corner: Corner| {
-                let i = corner.index();
-                let rate = reaction_rate(&self.block, x.corner_dot[i], x.corner_ddot[i]);
-                match self.regime.touches(corner) {
-                    true => Sample { value: mass * x.reaction[i], rate: mass * rate },
-                    false => none,
-                }
-            };
-            let uplift = |corner: Corner| {
-                let (i, top) = (corner.index(), point.tops[corner.index()]);
-                match self.regime.touches(corner) {
-                    true => none,
-                    false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
-                }
-            };
-            let theta = Sample { value: x.theta, rate: x.theta_dot };
-            let [left, right] = Corner::BOTH;
-            [theta, theta.negated(), reaction(left), reaction(right), none, none, uplift(left), uplift(right), none]
-        })
-    }
-
-    pub(super) fn peak_samples(&self, point: &Point, excitation: &Excitation) -> PeakSamples {
-        peaks::samples(&self.view(point).observe_rates(excitation.rate_at(point.time)))
-    }
-
-    pub(super) fn view<'a>(&'a self, point: &'a Point) -> View<'a> {
-        View {
-            block: &self.block,
-            regime: self.regime,
-            state: &point.state,
-            footing: point.footing,
-            forcing: point.forcing,
-            instant: &point.instant,
-            tops: point.tops,
-        }
-    }
-
-    pub(super) fn moment<'a>(&'a self, point: &'a Point, excitation: &'a Excitation) -> Moment<'a> {
-        Moment {
-            block: &self.block,
-            time: point.time,
-            state: &point.state,
-            regime: self.regime,
-            footing: point.footing,
-            instant: &point.instant,
-            forcing: point.forcing,
-            excitation,
-            tops: point.tops,
-        }
-    }
-
-    pub(super) fn point(&mut self, excitation: &Excitation) -> Point {
-        self.counts.evaluations += 1;
-        self.point_at(self.time, self.state, excitation)
-    }
-
-    #[inline]
-    pub(super) fn point_at(&self, time: f64, state: State, excitation: &Excitation) -> Point {
-        Motion::of(self, &self.block).point(time, state, excitation)
+        let all = close(here) || close(there);
+        [here, there].map(|now| if all { now.channels() } else { now.cheap_channels() })
     }
 }

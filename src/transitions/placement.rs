@@ -9,8 +9,6 @@ use crate::regime::{Corner, Regime};
 /// mass, since their exact values (a rate of zero, say) decide.
 #[derive(Clone, Copy)]
 pub(super) struct Placement {
-    /// Which corners touch.
-    pub(super) touching: [bool; 2],
     /// Height (m) and vertical rate (m/s) of each corner.
     pub(super) corners: [(f64, f64); 2],
     /// θ (rad).
@@ -24,9 +22,8 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    pub(super) fn of(x: &Instant<f64>, regime: Regime) -> Placement {
+    pub(super) fn of(x: &Instant<f64>) -> Placement {
         Placement {
-            touching: Corner::BOTH.map(|corner| regime.touches(corner)),
             corners: [(x.corner[0], x.corner_dot[0]), (x.corner[1], x.corner_dot[1])],
             theta: x.theta,
             u: x.u,
@@ -35,15 +32,10 @@ impl Placement {
         }
     }
 
-    /// The regime in which the corners that touch are those that stand.
-    pub(super) fn regime(&self) -> Regime {
-        Regime::of_touching(self.touching)
-    }
-
-    /// The state by which that regime goes on.
-    pub(super) fn state(&self) -> State {
+    /// The state by which the motion goes on in a regime.
+    pub(super) fn state(&self, regime: Regime) -> State {
         let [left, right] = self.corners;
-        let (w, w_dot) = match self.regime() {
+        let (w, w_dot) = match regime {
             Regime::FullContact => (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1)),
             Regime::TiltingLeft => left,
             Regime::TiltingRight => right,
