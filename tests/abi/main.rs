@@ -3,6 +3,8 @@
 #[path = "../common/mod.rs"]
 #[allow(dead_code, reason = "the solver's own tests use the rest")]
 mod common;
+#[path = "../common/compare.rs"]
+mod compare;
 
 mod bad_start;
 mod bad_state;
