@@ -1,5 +1,8 @@
 //! Free flight: its motion, its landings, its end, and that none of them makes energy.
 
+mod against;
+mod independent;
+
 use nalgebra::{Matrix5, Vector5};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
