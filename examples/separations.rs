@@ -98,7 +98,7 @@ fn make(cube: &LatinHypercube, number: u32, records: &[Record]) -> Made {
     let common = Common { epsilon, ..Common::default() };
     let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).expect("a valid block");
     let greatest = strength * common.gravity * alpha.tan();
-    let (pulse, ground) = if number % 2 == 0 {
+    let (pulse, ground) = if number.is_multiple_of(2) {
         let shapes = [PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
         let shape = shapes[number as usize / 2 % shapes.len()];
         (Pulse { shape, amplitude: greatest, period: TAU / (ratio * p), start: 0.0 }, Ground::default())
@@ -122,5 +122,5 @@ fn make(cube: &LatinHypercube, number: u32, records: &[Record]) -> Made {
     let flying = separated.then(|| Run { settings: flies, ..run.clone() }.outcome());
     let longer = (paper.end == End::Completed)
         .then(|| Run { duration: Some(paper.end_time - run.ground.start() + 100.0 / p), ..run.clone() }.outcome());
-    Made { pulse: number % 2 == 0, paper, flying, longer }
+    Made { pulse: number.is_multiple_of(2), paper, flying, longer }
 }

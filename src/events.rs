@@ -5,10 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use crate::block::{Block, Foundation};
 use crate::contact::{Contact, Contacts};
 use crate::dynamics::{Footing, Instant, instant};
-use crate::impact::{self, Velocities};
+use crate::impact;
 use crate::now::Now;
 use crate::regime::{Corner, Regime};
 use crate::roots::Sample;
+use crate::scalar::Scalar;
 
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,8 +105,10 @@ impl Surface {
                 Sample { value: -gap_opening(at, corner, instant.corner_dot[corner.index()]), rate: 0.0 }
             }
             Surface::Slide => match (block.foundation, at.regime.pivot()) {
+                // It may be pressed on for a moment only, where the slide turns back.
                 (Foundation::Viscoelastic, _) => {
-                    Sample { value: -pressure_if_gripped(block, at.regime, instant), rate: 0.0 }
+                    let pressure = pressure_if_gripped(block, at.regime, &at.along(at.forcing_rate()));
+                    Sample { value: -pressure.re, rate: -pressure.eps }
                 }
                 (Foundation::Rigid, Some(corner)) => {
                     let thrown = impact::thrown_by_grip(block, corner, &at.along(at.forcing_rate()));
@@ -199,15 +202,23 @@ pub fn gap_opening(at: &Now, corner: Corner, corner_dot: f64) -> f64 {
 ///
 /// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
 /// corner would leave it again, land, and grip, over and over.
-pub fn pressure_if_gripped(block: &Block, regime: Regime, x: &Instant<f64>) -> f64 {
-    let velocities = Velocities { u_dot: x.u_dot, v_dot: x.v_dot, theta_dot: x.theta_dot };
-    let theta_dot = impact::grip(block, regime, x.theta, velocities).theta_dot;
+pub fn pressure_if_gripped<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>) -> T {
+    let Block { b, h, i0, omega_v, xi_v, .. } = *block;
+    let (sin, cos) = x.theta.sin_cos();
+    let reach = |s: f64| cos * b + sin * (s * h);
+    let height = match regime.pivot() {
+        Some(corner) => cos * h - sin * (corner.sign() * b),
+        None => cos * h,
+    };
+    let theta_dot = (x.theta_dot * i0 + height * x.u_dot) / (height * height + i0);
     let pressed = |corner: Corner| {
-        let i = corner.index();
-        let change = impact::corner_rate(block, corner, x.theta, 0.0, theta_dot - x.theta_dot);
-        let thrown = (x.corner_dot[i] + change).max(0.0);
-        x.reaction[i] - block.omega_v * (block.xi_v * change + std::f64::consts::FRAC_1_SQRT_2 * thrown)
+        let (i, s) = (corner.index(), corner.sign());
+        let change = reach(s) * (theta_dot - x.theta_dot) * s;
+        let rate = x.corner_dot[i] + change;
+        let thrown = if rate.value() > 0.0 { rate } else { T::from(0.0) };
+        x.reaction[i] - (change * xi_v + thrown * std::f64::consts::FRAC_1_SQRT_2) * omega_v
     };
     let touching = Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner));
-    touching.map(pressed).fold(f64::INFINITY, f64::min)
+    let least = |a: T, b: T| if b.value() < a.value() { b } else { a };
+    touching.map(pressed).fold(T::from(f64::INFINITY), least)
 }

@@ -178,6 +178,16 @@ fn flights() -> Vec<(&'static str, Flight)> {
                 until: 1.5,
             },
         ),
+        // Gripping would throw a corner up at all times but the moment at which the slide comes to rest and turns back.
+        (
+            "grips where a slide turns back",
+            thrown(
+                [0.622_109_847_7, 2.178_863_462, 24.075_333_22, 2.470_631_64, 0.0, 3.255_790_945],
+                [0.088_180_722_4, 0.674_998_816, 0.085_124_68, 1.643_950_4],
+                one_sine(11.916_898_453, 1.279_923_954_6, 0.1),
+                1.5,
+            ),
+        ),
         (
             "lands beside a slide",
             thrown(
