@@ -13,13 +13,13 @@ use std::time::Instant;
 
 use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
 use rocking_block::block::Foundation;
-use rocking_block::dynamics::State;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::records::{self, ReadOptions};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::study::ground::Ground;
 use rocking_block::study::resumable::Opening;
 use rocking_block::study::runner::{self, Study};
+use rocking_block::system::dynamics::State;
 
 const ROUNDS: usize = 7;
 

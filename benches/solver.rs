@@ -12,13 +12,13 @@ use criterion::{Criterion, criterion_group, criterion_main};
 
 use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
 use rocking_block::block::Foundation;
-use rocking_block::dynamics::State;
+use rocking_block::contact::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::integrator::{ShortStep, Step};
-use rocking_block::regime::Regime;
+use rocking_block::numerics::{dop853::Step, short::ShortStep};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::study::resumable::Opening;
 use rocking_block::study::runner::{self, Study};
+use rocking_block::system::dynamics::State;
 
 const STATE: [f64; 4] = [0.02, -0.05, -0.004, 0.03];
 

@@ -6,9 +6,9 @@
 mod common;
 
 use rocking_block::block::Foundation;
-use rocking_block::events::{Event, EventKind};
-use rocking_block::regime::Regime;
+use rocking_block::contact::Regime;
 use rocking_block::simulation::{LiftOff, Settings, Simulation};
+use rocking_block::system::surfaces::{Event, EventKind};
 
 use common::{Case, Record, cases, inputs_at, record_step};
 

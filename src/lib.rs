@@ -8,51 +8,31 @@
 //! | --- | --- |
 //! | [`block`] | parameters → all that the equations need |
 //! | [`excitation`] | inputs over a step, pulses → what drives the block at any time |
-//! | [`regime`] | which corners touch |
-//! | [`dynamics`] | state, regime, excitation → accelerations, reactions, energy |
-//! | [`integrator`] | a step of the equations, its error, and the motion inside it |
-//! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
-//! | [`events`] | state and supports → the functions whose fall through zero is an event |
-//! | [`impact`] | velocities before a landing → velocities after |
-//! | [`outputs`] | state and excitation → what a user sees, with exact derivatives |
-//! | [`peaks`] | steps → greatest values since the start |
-//! | [`simulation`] | the loop: step → locate → apply → settle the regime → go on |
-//! | [`fmi2`] | all of it behind the C interface of FMI 2.0 |
+//! | [`contact`] | what each corner does → the regime |
+//! | [`system`] | pose and excitation → accelerations, reactions, and what an event makes of them: no clock, no counters |
+//! | [`numerics`] | a right-hand side → steps, their errors, roots: knows nothing of blocks |
+//! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
+//! | [`model`] | the variables of modelDescription.xml ↔ block, pulse, outputs: no C, no version of FMI |
+//! | [`fmi2`] | the model behind the C interface of FMI 2.0 |
 //! | [`records`] | accelerogram files → ground accelerations |
 //! | [`study`] | runs → histories, spectra, sweeps, searches, the paper's figures, tables, pictures |
 //! | [`cli`] | the command line |
 //!
-//! [`scalar`] has the numbers that the equations are written in: `f64`, and dual numbers for derivatives.
-
-pub mod scalar;
+//! Arrows run one way: what the block is does not know how it is stepped, and neither knows how it is shown.
 
 pub mod block;
 
 pub mod excitation;
 
-pub mod regime;
-
 pub mod contact;
 
-pub mod dynamics;
+pub mod system;
 
-pub mod integrator;
-
-pub mod roots;
-
-pub mod events;
-
-pub mod impact;
-
-pub mod outputs;
-
-pub mod peaks;
-
-pub mod now;
-
-pub mod transitions;
+pub mod numerics;
 
 pub mod simulation;
+
+pub mod model;
 
 pub mod fmi2;
 

@@ -10,7 +10,7 @@ use std::ptr::{null, null_mut};
 
 use rocking_block::fmi2::exports::*;
 use rocking_block::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
-use rocking_block::fmi2::variables::{GUID, VARIABLES};
+use rocking_block::model::variables::{GUID, VARIABLES};
 
 struct Counting;
 

@@ -1,11 +1,11 @@
 //! Orders of the integrator: fitted from step sizes on a smooth piece, and error over tolerance on whole runs.
 
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::dynamics::{Footing, State, instant};
+use rocking_block::contact::Regime;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::integrator::{Rate, ShortStep, Step};
-use rocking_block::regime::Regime;
+use rocking_block::numerics::{Rate, dop853::Step, short::ShortStep};
 use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::system::dynamics::{Footing, State, instant};
 
 fn block() -> Block {
     let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };

@@ -1,8 +1,8 @@
 //! Loads from a structural model: F_x, F_z and M_y on the centre of mass, on every foundation and in flight.
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::contact::Regime;
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::regime::Regime;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 
 fn block(foundation: Foundation) -> Block {

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use rocking_block::fmi2::variables::{GUID, VARIABLES};
+use rocking_block::model::variables::{GUID, VARIABLES};
 use zip::{CompressionMethod, DateTime, ZipArchive};
 
 const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");

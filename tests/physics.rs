@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix4, Vector4};
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
-use rocking_block::events::{Event, EventKind};
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::impact;
-use rocking_block::outputs::Observation;
-use rocking_block::peaks::Peaks;
-use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Ending, Initial, LiftOff, Progress, Settings, Simulation};
+use rocking_block::system::impact;
+use rocking_block::system::surfaces::{Event, EventKind};
 
 /// The block of most of the paper's figures.
 fn block(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block {

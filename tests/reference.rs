@@ -4,9 +4,9 @@ mod common;
 #[path = "common/compare.rs"]
 mod compare;
 
-use rocking_block::events::EventKind;
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::{Ending, Progress, Settings, Simulation};
+use rocking_block::system::surfaces::EventKind;
 
 use common::{Case, cases, inputs_at, record_step};
 use compare::{Comparison, Happened, Seen, Tolerance};

@@ -3,14 +3,14 @@
 use std::hint::black_box;
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
-use rocking_block::dynamics::{Footing, State, instant_of};
+use rocking_block::contact::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse};
-use rocking_block::integrator::Rate;
+use rocking_block::numerics::Rate;
 use rocking_block::records::{self, ReadOptions};
-use rocking_block::regime::Regime;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::study::ground::Ground;
 use rocking_block::study::spectrum::{Base, Sizes, Spectrum};
+use rocking_block::system::dynamics::{Footing, State, instant_of};
 
 use crate::fmu::{Fmu, OK, reference};
 

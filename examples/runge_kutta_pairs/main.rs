@@ -9,10 +9,11 @@ mod common;
 mod tableaux;
 
 use rocking_block::block::{Block, Foundation};
-use rocking_block::dynamics::{Footing, State, instant};
+use rocking_block::contact::Regime;
 use rocking_block::excitation::Excitation;
-use rocking_block::regime::Regime;
+use rocking_block::numerics::control::{StepControl, size_factor};
 use rocking_block::simulation::Simulation;
+use rocking_block::system::dynamics::{Footing, State, instant};
 
 use common::{Case, Record, cases, inputs_at, record_step};
 use tableaux::{PAIRS, Pair};
@@ -128,23 +129,25 @@ impl Problem {
         let (mut time, mut x) = piece.start;
         let weights = weights(&self.block, piece.regime, tolerance);
         // As long as a third of the period of the vertical motion.
-        let mut proposal = 2.0 / self.block.omega_v;
+        let longest = 2.0 / self.block.omega_v;
+        let mut control = StepControl::NEW;
         let mut evaluations = 1;
         let per_step = pair.stages.len() as u64 - u64::from(pair.first_same_as_last);
         while time < piece.end.0 {
             let (stop, excitation) = self.smooth(time, piece.end.0);
-            let remaining = stop - time;
-            let steps = (remaining / proposal).ceil().max(1.0);
-            let size = remaining / steps;
-            let (next, error) = step(pair, &self.block, piece.regime, &excitation, time, x, size, &weights);
-            evaluations += per_step;
-            let factor = (0.9 * error.powf(-1.0 / f64::from(pair.order))).clamp(1.0 / 3.0, 6.0);
-            if error <= 1.0 {
-                x = next;
-                time = if steps == 1.0 { stop } else { time + size };
-                proposal = if factor < 1.0 { size * factor } else { proposal.max(size * factor) };
-            } else {
-                proposal = size * factor;
+            let mut attempt = control.attempt(stop - time, longest, f64::MIN_POSITIVE);
+            loop {
+                let size = attempt.size;
+                let (next, error) = step(pair, &self.block, piece.regime, &excitation, time, x, size, &weights);
+                evaluations += per_step;
+                let factor = size_factor(error.powf(1.0 / f64::from(pair.order)));
+                if error <= 1.0 {
+                    control.accept(&attempt, factor, longest);
+                    x = next;
+                    time = if attempt.last { stop } else { time + size };
+                    break;
+                }
+                attempt = control.reject(&attempt, factor);
             }
         }
         (x, evaluations)

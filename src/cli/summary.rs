@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use crate::block::{Block, Foundation};
-use crate::events::{Event, EventKind};
-use crate::regime::Corner;
+use crate::contact::Corner;
 use crate::simulation::Energies;
 use crate::study::history::{History, Run};
 use crate::study::outcome::End;
+use crate::system::surfaces::{Event, EventKind};
 
 /// What `rocking simulate --json` prints: SI units, and the names of the tables and of the FMU's variables.
 #[derive(Serialize)]

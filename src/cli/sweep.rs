@@ -8,7 +8,7 @@ use crate::cli::formats::check_table;
 use crate::cli::input;
 use crate::cli::output::{Named, check_distinct};
 use crate::cli::run_options::{AtSeparation, StudyOptions};
-use crate::fmi2::variables::Variable;
+use crate::model::variables::Variable;
 use crate::study::sweep_file;
 
 /// Options of `rocking sweep`.

@@ -16,7 +16,7 @@ use crate::fmi2::types::{
     FMI2_CO_SIMULATION, FMI2_FALSE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate,
     fmi2Status, fmi2String, fmi2Type,
 };
-use crate::fmi2::variables::GUID;
+use crate::model::variables::GUID;
 
 /// Runs a call on an instance: null check, state check, and whatever goes wrong told and turned into a status.
 ///

@@ -14,7 +14,7 @@ use crate::fmi2::calls::Call;
 use crate::fmi2::instance::{Fault, Instance};
 use crate::fmi2::snapshot;
 use crate::fmi2::types::*;
-use crate::fmi2::variables::Kind;
+use crate::model::variables::Kind;
 
 /// The platform of the types: "default".
 #[unsafe(no_mangle)]

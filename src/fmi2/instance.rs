@@ -5,10 +5,10 @@ use crate::excitation::Inputs;
 use crate::fmi2::calls::{Call, Phase};
 use crate::fmi2::log::{Category, Log};
 use crate::fmi2::types::{Status, StatusKind};
-use crate::fmi2::values::{INPUTS, Values, derived, history, history_rate, inputs, real_output};
-use crate::fmi2::variables::{Causality, Kind, Metadata, VARIABLES, Variability, Variable};
-use crate::outputs::Observation;
-use crate::peaks;
+use crate::model::values::{INPUTS, Values, derived, history, history_rate, inputs, real_output};
+use crate::model::variables::{Causality, Kind, Metadata, VARIABLES, Variability, Variable};
+use crate::simulation::outputs::Observation;
+use crate::simulation::peaks;
 use crate::simulation::{Energies, Progress, Settings, Simulation};
 
 /// A call that was refused or failed: what the importer gets, and why.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fmi2::instance::{Answer, Core, Fault};
 use crate::fmi2::types::Status;
-use crate::fmi2::variables::GUID;
+use crate::model::variables::GUID;
 
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 

@@ -1,21 +1,26 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
-mod report;
+mod energies;
+pub mod outputs;
+pub mod peaks;
 mod stepping;
 
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
-use crate::dynamics::State;
-use crate::events::{Event, EventKind, Surface};
+use crate::contact::Regime;
 use crate::excitation::{Excitation, Inputs, Pulse};
-use crate::integrator::StepControl;
-use crate::now::{Motion, Now, Pose};
-use crate::peaks::Peaks;
-use crate::regime::Regime;
-use crate::transitions::{System, Tally, Transition};
+use crate::numerics::control::StepControl;
+use crate::system::System;
+use crate::system::dynamics::State;
+use crate::system::now::{Motion, Now, Pose};
+use crate::system::surfaces::{Event, EventKind, Surface};
+use crate::system::transitions::{Tally, Transition};
+use peaks::Peaks;
 
-pub use crate::transitions::{Initial, LiftOff};
+pub use crate::system::LiftOff;
+pub use crate::system::transitions::Initial;
+pub use energies::{Energies, EnergySums};
 
 /// What happens at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -153,42 +158,6 @@ pub enum SimulationError {
     },
 }
 
-/// Energy sums since the start, per unit mass (m²/s²).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnergySums {
-    /// Total energy at the start.
-    pub initial: f64,
-    /// Work of the ground motion and the loads.
-    pub input: f64,
-    /// Energy that the dashpots took.
-    pub dashpots: f64,
-    /// Energy that went at changes of regime (negative if some came).
-    pub impacts: f64,
-    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
-    pub constraint: f64,
-}
-
-/// Energies at one time (J), and what became of them since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Energies {
-    /// Total energy, zero at rest.
-    pub total: f64,
-    /// Kinetic energy relative to the ground.
-    pub kinetic: f64,
-    /// Energy of the weight and of the springs that are touched.
-    pub potential: f64,
-    /// Work of the ground motion and the loads.
-    pub input: f64,
-    /// Energy that the dashpots took.
-    pub dashpots: f64,
-    /// Energy that went at changes of regime (negative if some came).
-    pub impacts: f64,
-    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
-    pub constraint: f64,
-    /// What the sum misses: `total − initial − input + dashpots + impacts`, round-off and integration error.
-    pub residual: f64,
-}
-
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
@@ -312,7 +281,7 @@ impl Simulation {
         self.pose.time
     }
 
-    /// Present state `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`crate::dynamics`].
+    /// Present state `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`crate::system::dynamics`].
     pub fn state(&self) -> &State {
         &self.pose.state
     }

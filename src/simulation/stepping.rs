@@ -1,15 +1,16 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
 use crate::block::{Block, Foundation};
-use crate::dynamics::{Powers, State};
-use crate::events::{Event, Surface, surfaces};
+use crate::contact::Regime;
 use crate::excitation::Excitation;
-use crate::integrator::{DenseOutput, EVALUATIONS_PER_STEP, ShortStep, Step};
-use crate::now::{Motion, Now, Pose};
-use crate::peaks::{Channels, Peaks};
-use crate::regime::Regime;
-use crate::roots;
+use crate::numerics::dop853::{DenseOutput, EVALUATIONS_PER_STEP, Step};
+use crate::numerics::roots;
+use crate::numerics::short::ShortStep;
+use crate::simulation::peaks::{Channels, Peaks};
 use crate::simulation::{Simulation, SimulationError};
+use crate::system::dynamics::{Powers, State};
+use crate::system::now::{Motion, Now, Pose};
+use crate::system::surfaces::{Event, Surface, surfaces};
 
 /// What a step may be.
 struct Limits {
@@ -121,7 +122,7 @@ impl Simulation {
             return None;
         }
         let motion = Motion::from_pose(here.block, &self.pose, here.excitation);
-        let step = motion.short_step(here, size);
+        let step = ShortStep::attempt(here.time, size, here.state, here.rate, |time, state| motion.rate(time, state));
         let there = motion.at(stop, step.end);
         self.counts.evaluations += ShortStep::EVALUATIONS + 1;
         let error = step.error(there.rate, &limits.weights, limits.work_weight) / SHARE;
@@ -174,7 +175,7 @@ impl Simulation {
         let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
         let mut attempt = self.control.attempt(stop - time, longest, shortest);
         loop {
-            let step = motion.step(here, attempt.size);
+            let step = Step::attempt(time, attempt.size, here.state, here.rate, |time, state| motion.rate(time, state));
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(&weights);
             let factor = Step::size_factor(error);

@@ -1,15 +1,15 @@
 //! A block, its beginning and its ground → what it does, at evenly spaced times.
 
 use crate::block::Block;
-use crate::events::Event;
+use crate::contact::Regime;
 use crate::excitation::{Inputs, Pulse, PulseShape};
-use crate::outputs::Observation;
-use crate::peaks::Peaks;
-use crate::regime::Regime;
+use crate::simulation::outputs::Observation;
+use crate::simulation::peaks::Peaks;
 use crate::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError};
 use crate::study::coming_down::{ComingDown, part_of_barrier};
 use crate::study::ground::Ground;
 use crate::study::outcome::{Flights, Outcome};
+use crate::system::surfaces::Event;
 
 /// A run to be made.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! A run → how it ended, and its greatest values until then.
 
-use crate::events::{Event, EventKind};
-use crate::peaks::Peaks;
-use crate::regime::Regime;
+use crate::contact::Regime;
+use crate::simulation::peaks::Peaks;
 use crate::simulation::{Counts, Simulation, SimulationError};
+use crate::system::surfaces::{Event, EventKind};
 
 /// What a block did, without its history. All numbers are those until the end of the run, however it ended.
 #[derive(Clone, Debug, PartialEq)]

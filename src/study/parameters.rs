@@ -2,7 +2,7 @@
 
 use roxmltree::{Document, Node};
 
-use crate::fmi2::variables::{Causality, Kind, Metadata, VARIABLES};
+use crate::model::variables::{Causality, Kind, Metadata, VARIABLES};
 
 /// The names of the items of the enumerations, which are not in the code's table.
 const DESCRIPTION: &str = include_str!("../../modelDescription.xml");

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use crate::block::{Block, Foundation};
-use crate::regime::Regime;
+use crate::contact::Regime;
 use crate::study::history::{History, Row};
 use crate::study::picture::{FONT_FAMILY, PictureError};
 

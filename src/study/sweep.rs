@@ -1,8 +1,8 @@
 //! Parameters over grids or samples × records × scale factors → what each block does, a row each.
 
 use crate::excitation::PulseShape;
-use crate::fmi2::values::Values;
-use crate::fmi2::variables::Variable;
+use crate::model::values::Values;
+use crate::model::variables::Variable;
 use crate::simulation::OnSeparation;
 use crate::study::ground::Ground;
 use crate::study::history::Run;

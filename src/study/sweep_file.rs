@@ -5,8 +5,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::fmi2::values::Values;
-use crate::fmi2::variables::{Kind, Variable};
+use crate::model::values::Values;
+use crate::model::variables::{Kind, Variable};
 use crate::records::{self, ReadOptions, Record, Unit};
 use crate::simulation::{OnSeparation, Settings};
 use crate::study::ground::Ground;

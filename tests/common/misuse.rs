@@ -4,7 +4,7 @@ use std::ptr::{null, null_mut};
 
 use rocking_block::fmi2::exports::*;
 use rocking_block::fmi2::types::*;
-use rocking_block::fmi2::variables::{Causality, GUID, Kind, VARIABLES};
+use rocking_block::model::variables::{Causality, GUID, Kind, VARIABLES};
 
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference, references};
 

@@ -1,7 +1,7 @@
 //! Serialized states with any content: what the format says of itself is right, so that only the content is judged.
 
 use rocking_block::fmi2::types::fmi2Status;
-use rocking_block::fmi2::variables::GUID;
+use rocking_block::model::variables::GUID;
 
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference};
 

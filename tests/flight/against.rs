@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::events::{Event, EventKind};
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::regime::{Corner, Regime};
 use rocking_block::simulation::Initial;
+use rocking_block::system::surfaces::{Event, EventKind};
 
 use crate::independent::{Happened, Rule, Run, What};
 use crate::{blocks, cases, go, one_sine, start};

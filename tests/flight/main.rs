@@ -8,12 +8,12 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::events::{Event, EventKind};
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::impact::{self, Velocities};
-use rocking_block::outputs::Observation;
-use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_block::system::impact::{self, Velocities};
+use rocking_block::system::surfaces::{Event, EventKind};
 
 fn block(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block {
     Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &Common { epsilon, ..Common::default() }).unwrap()

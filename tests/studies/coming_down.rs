@@ -1,15 +1,15 @@
 //! How long runs last without a duration, and the rule by which a separation is overturning.
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
-use rocking_block::dynamics::{Footing, energy, instant};
+use rocking_block::contact::Regime;
 use rocking_block::excitation::{Forcing, Pulse, PulseShape};
-use rocking_block::regime::Regime;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
 use rocking_block::study::coming_down::overturning_barrier;
 use rocking_block::study::ground::Ground;
 use rocking_block::study::history::Run;
 use rocking_block::study::outcome::{End, Flights};
 use rocking_block::study::sampling::LatinHypercube;
+use rocking_block::system::dynamics::{Footing, energy, instant};
 
 fn block(alpha: f64, eta: f64, epsilon: f64, foundation: Foundation) -> Block {
     let common = Common { epsilon, foundation, ..Common::default() };

@@ -9,41 +9,17 @@ mod placement;
 mod rigid_base;
 mod supports;
 
-use serde::{Deserialize, Serialize};
-
-use crate::block::{Block, Foundation};
-use crate::contact::{Contact, Contacts};
-use crate::dynamics::{Footing, Instant};
-use crate::events::{EventKind, Surface};
+use crate::block::Foundation;
+use crate::contact::{Contact, Contacts, Corner, Regime};
 use crate::excitation::Excitation;
-use crate::now::{Motion, Now, Pose};
-use crate::regime::{Corner, Regime};
+use crate::numerics::roots::Sample;
+use crate::system::System;
+use crate::system::dynamics::{Footing, Instant};
+use crate::system::now::{Motion, Now, Pose};
+use crate::system::surfaces::{EventKind, Surface};
 use placement::Placement;
 
 pub use beginning::Initial;
-
-/// What stays the same when a corner lifts from full contact, where the horizontal constraint changes from the middle of
-/// the base to the other corner.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LiftOff {
-    /// θ̇ and v̇, as in the paper: the kinetic energy rises a little.
-    #[default]
-    KeepRates,
-    /// v̇ and the angular momentum about the corner that stands: it falls a little. See docs/lift_off.md.
-    KeepMomentum,
-}
-
-/// A block and the rules by which it moves.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct System {
-    /// The block on its foundation.
-    pub block: Block,
-    /// When a corner lifts from full contact.
-    pub lift_off: LiftOff,
-    /// Whether the block flies when no corner touches any more. In the paper's analysis it does not: the run ends, as soon as
-    /// the last corner bears nothing.
-    pub flies: bool,
-}
 
 /// What became of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,7 +160,7 @@ impl<'a> Change<'a> {
     }
 
     /// Height of the support under a corner that has left it (m), and its rate (m/s).
-    fn support(&self, corner: Corner) -> crate::roots::Sample {
+    fn support(&self, corner: Corner) -> Sample {
         self.pose.contacts.top(corner, &self.system.block, self.pose.time)
     }
 

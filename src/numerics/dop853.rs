@@ -2,27 +2,13 @@
 //!
 //! The pair is DOP853: order 8 with embedded results of order 5 and 3, and a dense output of order 7 that costs three
 //! more evaluations in the steps that ask for it. Where a stop is so close that order 5 leads there as well, a
-//! [`ShortStep`] does with half the evaluations. docs/integrator.md has the comparison that led to both.
-
-mod coefficients;
-pub mod control;
-mod short;
+//! [`ShortStep`](super::short::ShortStep) does with half the evaluations. docs/integrator.md has the comparison that led to both.
 
 use nalgebra::SVector;
 
-use crate::dynamics::{Powers, State};
-use coefficients::{NODES, combine, dense, difference, increment};
-pub use control::StepControl;
-pub use short::ShortStep;
-
-/// Rate of the state, and the powers that are integrated along with it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rate {
-    /// `d[θ, θ̇, w, ẇ]/dt`.
-    pub state: State,
-    /// Powers of excitation and dashpots.
-    pub powers: Powers,
-}
+use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
+use crate::numerics::control::size_factor;
+use crate::numerics::{Quadratures, Rate, State};
 
 /// An attempted step, kept whole for its dense output.
 #[derive(Clone, Copy, Debug)]
@@ -35,10 +21,10 @@ pub struct Step {
     pub start: State,
     /// State at its end.
     pub end: State,
-    /// Work of excitation and dashpots over the step, per unit mass (m²/s²).
-    pub work: Powers,
+    /// What is integrated along, over the step.
+    pub work: Quadratures,
     stages: [State; 12],
-    powers: [Powers; 12],
+    quadratures: [Quadratures; 12],
 }
 
 /// Number of evaluations of the right-hand side in one attempted step, the first stage aside, which is known.
@@ -50,12 +36,12 @@ impl Step {
     #[inline]
     pub fn attempt(time: f64, size: f64, start: State, first: Rate, mut rate: impl FnMut(f64, &State) -> Rate) -> Step {
         let mut k = [State::zeros(); 12];
-        let mut q = [Powers::zeros(); 12];
-        (k[0], q[0]) = (first.state, first.powers);
+        let mut q = [Quadratures::zeros(); 12];
+        (k[0], q[0]) = (first.state, first.quadratures);
         macro_rules! stages {
             ($($i:tt)*) => {$({
-                let Rate { state, powers } = rate(time + NODES[$i] * size, &(start + increment!(k, $i) * size));
-                (k[$i], q[$i]) = (state, powers);
+                let Rate { state, quadratures } = rate(time + NODES[$i] * size, &(start + increment!(k, $i) * size));
+                (k[$i], q[$i]) = (state, quadratures);
             })*};
         }
         stages!(1 2 3 4 5 6 7 8 9 10 11);
@@ -66,7 +52,7 @@ impl Step {
             end: start + increment!(k, 12) * size,
             work: increment!(q, 12) * size,
             stages: k,
-            powers: q,
+            quadratures: q,
         }
     }
 
@@ -84,22 +70,22 @@ impl Step {
     /// The factor by which the step size may change after a step of this error: `0.9 error^(−1/8)` within 1/3 … 6.
     /// Square roots are rounded alike everywhere, which a power is not.
     pub fn size_factor(error: f64) -> f64 {
-        control::size_factor(error.sqrt().sqrt().sqrt())
+        size_factor(error.sqrt().sqrt().sqrt())
     }
 
     /// The motion inside the step; evaluates `rate` three times. `end` is the rate at the end.
     #[inline(never)]
     pub fn dense(&self, end: Rate, mut rate: impl FnMut(f64, &State) -> Rate) -> DenseOutput {
         let mut k = [State::zeros(); 16];
-        let mut q = [Powers::zeros(); 16];
+        let mut q = [Quadratures::zeros(); 16];
         k[..12].copy_from_slice(&self.stages);
-        q[..12].copy_from_slice(&self.powers);
-        (k[12], q[12]) = (end.state, end.powers);
+        q[..12].copy_from_slice(&self.quadratures);
+        (k[12], q[12]) = (end.state, end.quadratures);
         macro_rules! stages {
             ($($i:tt)*) => {$({
                 let x = self.start + increment!(k, $i) * self.size;
-                let Rate { state, powers } = rate(self.time + NODES[$i] * self.size, &x);
-                (k[$i], q[$i]) = (state, powers);
+                let Rate { state, quadratures } = rate(self.time + NODES[$i] * self.size, &x);
+                (k[$i], q[$i]) = (state, quadratures);
             })*};
         }
         stages!(13 14 15);
@@ -107,7 +93,7 @@ impl Step {
             time: self.time,
             size: self.size,
             state: polynomial(self.start, self.end - self.start, self.size, &k),
-            work: polynomial(Powers::zeros(), self.work, self.size, &q),
+            work: polynomial(Quadratures::zeros(), self.work, self.size, &q),
         }
     }
 }
@@ -151,8 +137,8 @@ impl DenseOutput {
         evaluate(&self.state, elapsed / self.size)
     }
 
-    /// Work done from the beginning of the step to `elapsed`.
-    pub fn work(&self, elapsed: f64) -> Powers {
+    /// What is integrated along, from the beginning of the step to `elapsed`.
+    pub fn work(&self, elapsed: f64) -> Quadratures {
         evaluate(&self.work, elapsed / self.size)
     }
 }

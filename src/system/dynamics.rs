@@ -7,20 +7,20 @@
 //! Within this module forces and energies are per unit of the block's mass; with `δ_s = g/ω_v²`, one support gives
 //! `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
 
-use nalgebra::SVector;
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
+use crate::contact::{Corner, Regime};
 use crate::excitation::Forcing;
-use crate::regime::{Corner, Regime};
-use crate::scalar::Scalar;
+use crate::numerics;
+use crate::system::scalar::Scalar;
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
-pub type State = SVector<f64, 4>;
+pub type State = numerics::State;
 
 /// Powers that are integrated along (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
-pub type Powers = SVector<f64, 2>;
+pub type Powers = numerics::Quadratures;
 
 /// Everything that the equations of motion say of one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,15 +164,15 @@ pub fn along(
 }
 
 /// The state with its sine and cosine.
-struct Posture<'a, T> {
-    block: &'a Block,
-    theta: T,
-    theta_dot: T,
+pub(super) struct Posture<'a, T> {
+    pub(super) block: &'a Block,
+    pub(super) theta: T,
+    pub(super) theta_dot: T,
     w: T,
     w_dot: T,
     sin: T,
     cos: T,
-    footing: Footing<T>,
+    pub(super) footing: Footing<T>,
 }
 
 /// Place, rate and acceleration of the centre of mass, and the reaction per mass.
@@ -277,60 +277,6 @@ impl<'a, T: Scalar> Posture<'a, T> {
         self.about(corner, theta_ddot, w_ddot, v_ddot, n, forcing)
     }
 
-    /// Housner's block about the corner on which it stands; w = 0. A corner that slides bears what keeps it on the base:
-    /// `v̈ = −s P θ̈ − Q θ̇²` with `θ̈ i0 = s P N/M + m`.
-    #[inline(always)]
-    fn on_rigid_base(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
-        let s = corner.sign();
-        let (reach, height) = (self.reach(s), self.height(s));
-        let Block { gravity, i0, r0, .. } = *self.block;
-        let weight = forcing.z + gravity;
-        let theta_ddot = match self.footing {
-            Footing::Grips { .. } => {
-                (reach * weight * s - height * forcing.x + forcing.moment) * T::from(1.0 / (i0 + r0 * r0))
-            }
-            Footing::Free { .. } => {
-                let pressing = weight - height * self.theta_dot * self.theta_dot;
-                (reach * pressing * s + forcing.moment) / (reach * reach + i0)
-            }
-        };
-        let v_ddot = -(reach * theta_ddot * s) - height * self.theta_dot * self.theta_dot;
-        let n = v_ddot + forcing.z + gravity;
-        self.about(corner, theta_ddot, T::from(0.0), v_ddot, n, forcing)
-    }
-
-    /// On the rigid base without motion: the reactions that keep the block at rest. The corner whose reaction would
-    /// have to pull lifts, which is `|a_gx| > (g + a_gz) tan α`.
-    #[inline(always)]
-    fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
-        let Block { b, h, gravity, .. } = *self.block;
-        let zero = T::from(0.0);
-        let (u, u_dot, u_ddot, horizontal) = match self.footing {
-            Footing::Grips { offset } => (offset, zero, zero, forcing.x),
-            Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, zero),
-        };
-        let half = (forcing.z + gravity) * 0.5;
-        let couple = (horizontal * h - forcing.moment) * (0.5 / b);
-        Instant {
-            theta: self.theta,
-            theta_dot: self.theta_dot,
-            theta_ddot: zero,
-            w_dot: zero,
-            w_ddot: zero,
-            u,
-            u_dot,
-            u_ddot,
-            v: zero,
-            v_dot: zero,
-            v_ddot: zero,
-            corner: [zero; 2],
-            corner_dot: [zero; 2],
-            corner_ddot: [zero; 2],
-            reaction: [half + couple, half - couple],
-            horizontal,
-        }
-    }
-
     /// No corner touches; w = v.
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
@@ -366,19 +312,27 @@ impl<'a, T: Scalar> Posture<'a, T> {
 
     /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass (m).
     #[inline(always)]
-    fn reach(&self, s: f64) -> T {
+    pub(super) fn reach(&self, s: f64) -> T {
         self.cos * self.block.b + self.sin * (s * self.block.h)
     }
 
     /// `R0 cos φ`: height of the centre of mass over the corner (m).
     #[inline(always)]
-    fn height(&self, s: f64) -> T {
+    pub(super) fn height(&self, s: f64) -> T {
         self.cos * self.block.h - self.sin * (s * self.block.b)
     }
 
     /// Kinematics of the block about its one standing corner.
     #[inline(always)]
-    fn about(&self, corner: Corner, theta_ddot: T, w_ddot: T, v_ddot: T, n: T, forcing: Forcing<T>) -> Instant<T> {
+    pub(super) fn about(
+        &self,
+        corner: Corner,
+        theta_ddot: T,
+        w_ddot: T,
+        v_ddot: T,
+        n: T,
+        forcing: Forcing<T>,
+    ) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, .. } = *block;
         let s = corner.sign();

@@ -4,12 +4,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Foundation};
 use crate::contact::{Contact, Contacts};
-use crate::dynamics::{Footing, Instant, instant};
-use crate::impact;
-use crate::now::Now;
-use crate::regime::{Corner, Regime};
-use crate::roots::Sample;
-use crate::scalar::Scalar;
+use crate::contact::{Corner, Regime};
+use crate::numerics::roots::Sample;
+use crate::system::dynamics::{Footing, Instant, instant};
+use crate::system::impact;
+use crate::system::now::Now;
+use crate::system::scalar::Scalar;
 
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,13 +1,14 @@
 //! Lift-off from the supports and landing on them while the other corner stands; the regime anew.
 
 use crate::contact::{Contact, Creep};
-use crate::dynamics::Footing;
-use crate::events::{Surface, gap_opening, pressure_if_gripped, reaction_rate};
-use crate::impact::{self, Velocities};
-use crate::now::Now;
-use crate::regime::{Corner, Regime};
-use crate::transitions::placement::Placement;
-use crate::transitions::{Change, Leaving, LiftOff};
+use crate::contact::{Corner, Regime};
+use crate::system::LiftOff;
+use crate::system::dynamics::Footing;
+use crate::system::impact::{self, Velocities};
+use crate::system::now::Now;
+use crate::system::surfaces::{Surface, gap_opening, pressure_if_gripped, reaction_rate};
+use crate::system::transitions::placement::Placement;
+use crate::system::transitions::{Change, Leaving};
 
 impl Change<'_> {
     /// The reaction of `corner` fell through zero, or the corner is not held any more.

@@ -4,12 +4,12 @@
 //! grips it as soon as it would still be pressed on right after; until then the block slides on it without friction. So no
 //! support ever pulls, and no landing or grip makes energy.
 
-use crate::events::Surface;
-use crate::impact;
-use crate::now::Now;
-use crate::regime::{Corner, Regime};
-use crate::transitions::Change;
-use crate::transitions::placement::Placement;
+use crate::contact::{Corner, Regime};
+use crate::system::impact;
+use crate::system::now::Now;
+use crate::system::surfaces::Surface;
+use crate::system::transitions::Change;
+use crate::system::transitions::placement::Placement;
 
 impl Change<'_> {
     /// What slides is held from here on: a horizontal impulse stops it.

@@ -2,9 +2,9 @@
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use crate::fmi2::variables::{Causality, VARIABLES, Variable};
-use crate::outputs::Observation;
-use crate::peaks::{Channel, Channels, Peaks};
+use crate::model::variables::{Causality, VARIABLES, Variable};
+use crate::simulation::outputs::Observation;
+use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
 
 /// The inputs, in the order of their ramps.

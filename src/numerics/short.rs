@@ -1,19 +1,18 @@
 //! A step of order 5 to a stop close ahead: no dense output, so nothing may happen inside.
 
-use crate::dynamics::{Powers, State};
-use crate::integrator::Rate;
-use crate::integrator::coefficients::{SHORT_NODES, combine, short_difference, short_increment};
+use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_increment};
+use crate::numerics::{Quadratures, Rate, State};
 
 /// A step of Tsitouras' pair 5(4).
 #[derive(Clone, Copy, Debug)]
 pub struct ShortStep {
     /// State at its end.
     pub end: State,
-    /// Work of excitation and dashpots over the step, per unit mass (m²/s²).
-    pub work: Powers,
+    /// What is integrated along, over the step.
+    pub work: Quadratures,
     size: f64,
     stages: [State; 6],
-    powers: [Powers; 6],
+    quadratures: [Quadratures; 6],
 }
 
 impl ShortStep {
@@ -30,13 +29,13 @@ impl ShortStep {
         mut rate: impl FnMut(f64, &State) -> Rate,
     ) -> ShortStep {
         let mut k = [State::zeros(); 6];
-        let mut q = [Powers::zeros(); 6];
-        (k[0], q[0]) = (first.state, first.powers);
+        let mut q = [Quadratures::zeros(); 6];
+        (k[0], q[0]) = (first.state, first.quadratures);
         macro_rules! stages {
             ($($i:tt)*) => {$({
-                let Rate { state, powers } =
+                let Rate { state, quadratures } =
                     rate(time + SHORT_NODES[$i] * size, &(start + short_increment!(k, $i) * size));
-                (k[$i], q[$i]) = (state, powers);
+                (k[$i], q[$i]) = (state, quadratures);
             })*};
         }
         stages!(1 2 3 4 5);
@@ -45,16 +44,16 @@ impl ShortStep {
             work: short_increment!(q, 6) * size,
             size,
             stages: k,
-            powers: q,
+            quadratures: q,
         }
     }
 
     /// Estimated error of the step with this rate at its end, in units of what is allowed; `weights` as in
-    /// [`super::Step::error`], `work_weight` the same of the works.
+    /// [`Step::error`](super::dop853::Step::error), `work_weight` the same of the works.
     #[inline]
     pub fn error(&self, end: Rate, weights: &State, work_weight: f64) -> f64 {
         let state = short_difference!(self.stages, end.state).component_mul(weights);
-        let work = short_difference!(self.powers, end.powers) * work_weight;
+        let work = short_difference!(self.quadratures, end.quadratures) * work_weight;
         self.size * (state.norm_squared() + work.norm_squared()).sqrt()
     }
 }

@@ -1,9 +1,9 @@
 //! An instant → the block's place and velocities, in numbers that a change of regime leaves as they are.
 
 use crate::block::Block;
-use crate::dynamics::{Instant, State};
-use crate::impact::{self, Velocities};
-use crate::regime::{Corner, Regime};
+use crate::contact::{Corner, Regime};
+use crate::system::dynamics::{Instant, State};
+use crate::system::impact::{self, Velocities};
 
 /// Where the block is while its regime is decided. Heights and rates of the corners stand beside those of the centre of
 /// mass, since their exact values (a rate of zero, say) decide.

@@ -3,8 +3,11 @@
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
-use crate::outputs::Observation;
-use crate::roots::{Sample, greatest, upper_bound};
+use crate::contact::Corner;
+use crate::numerics::roots::{Sample, greatest, upper_bound};
+use crate::simulation::outputs::Observation;
+use crate::system::now::Now;
+use crate::system::surfaces::reaction_rate;
 
 /// Greatest absolute values since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -152,5 +155,39 @@ pub fn channels(x: &Observation<Dual64>) -> Channels {
         horizontal: of(x.horizontal),
         uplift: x.uplift.map(of),
         friction_demand: of(x.friction_demand),
+    }
+}
+
+impl Now<'_> {
+    /// What the peaks are the greatest values of, with all rates.
+    pub fn channels(&self) -> Channels {
+        channels(&self.observe_rates())
+    }
+
+    /// The same without those that take dual numbers to get their rates: zeros stand for H and the friction demand, and on
+    /// the rigid base for the rates of the reactions.
+    pub fn cheap_channels(&self) -> Channels {
+        let (block, x) = (self.block, &self.instant);
+        let reaction = |corner: Corner| {
+            let i = corner.index();
+            let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
+            match self.regime.touches(corner) {
+                true => Sample { value: block.mass * x.reaction[i], rate: block.mass * rate },
+                false => Sample::default(),
+            }
+        };
+        let uplift = |corner: Corner| {
+            let (i, top) = (corner.index(), self.tops[corner.index()]);
+            match self.regime.touches(corner) {
+                true => Sample::default(),
+                false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
+            }
+        };
+        Channels {
+            theta: Sample { value: x.theta, rate: x.theta_dot },
+            reaction: Corner::BOTH.map(reaction),
+            uplift: Corner::BOTH.map(uplift),
+            ..Channels::default()
+        }
     }
 }

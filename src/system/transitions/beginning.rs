@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
 use crate::contact::Contacts;
-use crate::dynamics::{Footing, State};
 use crate::excitation::Excitation;
-use crate::impact::Velocities;
-use crate::now::Pose;
-use crate::transitions::placement::Placement;
-use crate::transitions::{Change, System};
+use crate::system::System;
+use crate::system::dynamics::{Footing, State};
+use crate::system::impact::Velocities;
+use crate::system::now::Pose;
+use crate::system::transitions::Change;
+use crate::system::transitions::placement::Placement;
 
 /// Where the block is at the beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,15 @@
 //! State, regime and excitation of an instant → what a user sees, with exact derivatives where asked for.
 
+use num_dual::Dual64;
+
 use crate::block::Block;
-use crate::dynamics::Instant;
-use crate::regime::{Corner, Regime};
-use crate::scalar::Scalar;
+use crate::contact::{Corner, Regime};
+use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
+use crate::numerics::roots::Sample;
+use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
+use crate::system::dynamics::{Instant, instant};
+use crate::system::now::{Motion, Now};
+use crate::system::scalar::Scalar;
 
 /// Greatest friction demand that is told: where the supports bear almost nothing the ratio has no bound.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
@@ -132,5 +138,72 @@ impl<T: Scalar> Observation<T> {
             base_moment: zero,
             friction_demand: zero,
         }
+    }
+}
+
+impl Now<'_> {
+    /// What a user sees.
+    pub fn observe(&self) -> Observation<f64> {
+        observe(self.block, self.regime, &self.instant, self.tops.map(|top| top.value))
+    }
+
+    /// What a user sees and, in the dual parts, its exact rate of change along the motion.
+    pub fn observe_rates(&self) -> Observation<Dual64> {
+        let tops = self.tops.map(|Sample { value, rate }| Dual64::new(value, rate));
+        observe(self.block, self.regime, &self.along(self.forcing_rate()), tops)
+    }
+
+    /// What a user sees and, in the dual parts, its exact derivative with respect to the forcing in a direction.
+    pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
+        let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
+        let footing = self.footing.map(Dual64::from);
+        let x = instant(self.block, self.regime, state, footing, self.forcing.with_derivative(direction));
+        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)))
+    }
+}
+
+impl Simulation {
+    /// Whether the run ended and is held there: nothing moves and no support bears any more.
+    pub fn is_frozen(&self) -> bool {
+        match self.ending {
+            None => false,
+            Some((Ending::Separated | Ending::Toppled, _)) => self.settings.on_separation == OnSeparation::Hold,
+            Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
+        }
+    }
+
+    /// What a user sees now, under these inputs, as the block goes on from here: on the rigid base a corner that would have
+    /// to be pulled has lifted. The next step counts its event.
+    pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
+        let seen = self.shown(inputs, |now| now.observe());
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The same with, in the dual parts, the exact rates of change along the motion while the inputs go on.
+    pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
+        let seen = self.shown(inputs, |now| now.observe_rates());
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// The same with, in the dual parts, the exact derivatives with respect to the inputs in the direction whose
+    /// components are the values of `direction`: at this instant, so with state and regime as they are.
+    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs) -> Observation<Dual64> {
+        let direction = Excitation::from_time(0.0, direction, &Pulse::NONE, self.block()).at(direction.time);
+        let seen = self.shown(inputs, |now| now.observe_direction(direction));
+        if self.is_frozen() { seen.frozen() } else { seen }
+    }
+
+    /// Looks at the block as it goes on from here under these inputs.
+    pub(super) fn shown<R>(&self, inputs: &Inputs, look: impl FnOnce(&Now) -> R) -> R {
+        let (Simulation { system, pose, .. }, block) = (self, self.block());
+        let excitation = Excitation::from_time(pose.time, inputs, &self.pulse, block);
+        let mut now = self.now(block, &excitation);
+        if let Some((_, ended)) = self.ending {
+            // Under a block that is held the supports are, too.
+            now.tops = Motion::from_pose(block, pose, &excitation).tops(ended);
+        } else if let Some(released) = system.released(pose, &now) {
+            now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
+        }
+        look(&now)
     }
 }

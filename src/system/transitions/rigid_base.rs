@@ -4,12 +4,12 @@
 //! without friction until it can be held again, as it does on supports.
 
 use crate::contact::{Contact, Contacts, Creep};
-use crate::dynamics::{Footing, State, instant};
-use crate::impact::{self, Velocities};
-use crate::now::Now;
-use crate::regime::{Corner, Regime};
-use crate::transitions::placement::Placement;
-use crate::transitions::{Change, Leaving};
+use crate::contact::{Corner, Regime};
+use crate::system::dynamics::{Footing, State, instant};
+use crate::system::impact::{self, Velocities};
+use crate::system::now::Now;
+use crate::system::transitions::placement::Placement;
+use crate::system::transitions::{Change, Leaving};
 
 impl Change<'_> {
     /// `corner` is not held on the rigid base any more, nor is any other that would have to be pulled then.

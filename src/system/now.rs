@@ -6,21 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 use crate::contact::Contacts;
-use crate::dynamics::{Footing, Instant, State, along, energy, instant, instant_of};
-use crate::events::{Surface, reaction_rate};
+use crate::contact::{Corner, Regime};
 use crate::excitation::{Excitation, Forcing};
-use crate::integrator::{Rate, ShortStep, Step};
-use crate::outputs::{Observation, observe};
-use crate::peaks::{self, Channels};
-use crate::regime::{Corner, Regime};
-use crate::roots::Sample;
+use crate::numerics::Rate;
+use crate::numerics::roots::Sample;
+use crate::system::dynamics::{Footing, Instant, State, along, energy, instant, instant_of};
+use crate::system::surfaces::Surface;
 
 /// Where the block is and what it stands on: all that its motion follows from, besides the excitation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Time (s).
     pub time: f64,
-    /// `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`crate::dynamics`].
+    /// `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`super::dynamics`].
     pub state: State,
     /// What the corners do.
     pub contacts: Contacts,
@@ -96,18 +94,6 @@ impl<'a> Motion<'a> {
         Corner::BOTH.map(|corner| self.contacts.top(corner, self.block, time))
     }
 
-    /// An attempted step of `size` (s) from an instant.
-    #[inline]
-    pub fn step(&self, here: &Now, size: f64) -> Step {
-        Step::attempt(here.time, size, here.state, here.rate, |t, x| self.rate(t, x))
-    }
-
-    /// The same of order 5.
-    #[inline]
-    pub fn short_step(&self, here: &Now, size: f64) -> ShortStep {
-        ShortStep::attempt(here.time, size, here.state, here.rate, |t, x| self.rate(t, x))
-    }
-
     /// The right-hand side alone.
     pub fn rate(&self, time: f64, state: &State) -> Rate {
         let forcing = self.excitation.at(time);
@@ -119,7 +105,7 @@ impl<'a> Motion<'a> {
     fn rate_of(&self, x: &Instant<f64>, forcing: Forcing<f64>) -> Rate {
         Rate {
             state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
-            powers: x.powers(self.block, self.regime, forcing).into(),
+            quadratures: x.powers(self.block, self.regime, forcing).into(),
         }
     }
 
@@ -147,57 +133,6 @@ impl Now<'_> {
     pub fn along(&self, forcing_rate: Forcing<f64>) -> Instant<Dual64> {
         let forcing = self.forcing.with_derivative(forcing_rate);
         along(self.block, self.regime, &self.state, self.footing, &self.instant, forcing)
-    }
-
-    /// What a user sees.
-    pub fn observe(&self) -> Observation<f64> {
-        observe(self.block, self.regime, &self.instant, self.tops.map(|top| top.value))
-    }
-
-    /// What a user sees and, in the dual parts, its exact rate of change along the motion.
-    pub fn observe_rates(&self) -> Observation<Dual64> {
-        let tops = self.tops.map(|Sample { value, rate }| Dual64::new(value, rate));
-        observe(self.block, self.regime, &self.along(self.forcing_rate()), tops)
-    }
-
-    /// What a user sees and, in the dual parts, its exact derivative with respect to the forcing in a direction.
-    pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
-        let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
-        let footing = self.footing.map(Dual64::from);
-        let x = instant(self.block, self.regime, state, footing, self.forcing.with_derivative(direction));
-        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)))
-    }
-
-    /// What the peaks are the greatest values of, with all rates.
-    pub fn channels(&self) -> Channels {
-        peaks::channels(&self.observe_rates())
-    }
-
-    /// The same without those that take dual numbers to get their rates: zeros stand for H and the friction demand, and on
-    /// the rigid base for the rates of the reactions.
-    pub fn cheap_channels(&self) -> Channels {
-        let (block, x) = (self.block, &self.instant);
-        let reaction = |corner: Corner| {
-            let i = corner.index();
-            let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
-            match self.regime.touches(corner) {
-                true => Sample { value: block.mass * x.reaction[i], rate: block.mass * rate },
-                false => Sample::default(),
-            }
-        };
-        let uplift = |corner: Corner| {
-            let (i, top) = (corner.index(), self.tops[corner.index()]);
-            match self.regime.touches(corner) {
-                true => Sample::default(),
-                false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
-            }
-        };
-        Channels {
-            theta: Sample { value: x.theta, rate: x.theta_dot },
-            reaction: Corner::BOTH.map(reaction),
-            uplift: Corner::BOTH.map(uplift),
-            ..Channels::default()
-        }
     }
 
     /// Kinetic and potential energy per unit mass, together (m²/s²).

@@ -1,9 +1,9 @@
 //! Velocities before a corner lands, grips or changes the pivot → velocities after.
 
 use crate::block::Block;
-use crate::dynamics::Instant;
-use crate::regime::{Corner, Regime};
-use crate::scalar::Scalar;
+use crate::contact::{Corner, Regime};
+use crate::system::dynamics::Instant;
+use crate::system::scalar::Scalar;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,90 @@
+//! The block in motion → its energies, and what became of them since the start.
+
+use serde::{Deserialize, Serialize};
+
+use crate::excitation::{Excitation, Forcing, Inputs};
+use crate::simulation::Simulation;
+use crate::system::dynamics::energy;
+
+/// Energy sums since the start, per unit mass (m²/s²).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergySums {
+    /// Total energy at the start.
+    pub initial: f64,
+    /// Work of the ground motion and the loads.
+    pub input: f64,
+    /// Energy that the dashpots took.
+    pub dashpots: f64,
+    /// Energy that went at changes of regime (negative if some came).
+    pub impacts: f64,
+    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
+    pub constraint: f64,
+}
+
+/// Energies at one time (J), and what became of them since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energies {
+    /// Total energy, zero at rest.
+    pub total: f64,
+    /// Kinetic energy relative to the ground.
+    pub kinetic: f64,
+    /// Energy of the weight and of the springs that are touched.
+    pub potential: f64,
+    /// Work of the ground motion and the loads.
+    pub input: f64,
+    /// Energy that the dashpots took.
+    pub dashpots: f64,
+    /// Energy that went at changes of regime (negative if some came).
+    pub impacts: f64,
+    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
+    pub constraint: f64,
+    /// What the sum misses: `total − initial − input + dashpots + impacts`, round-off and integration error.
+    pub residual: f64,
+}
+
+impl Simulation {
+    /// Energies and their sums now (J).
+    pub fn energies(&self) -> Energies {
+        let (block, excitation) = (self.block(), Excitation::none());
+        let now = self.now(block, &excitation);
+        let (kinetic, potential) = energy(block, now.regime, &now.instant);
+        let EnergySums { initial, input, dashpots, impacts, constraint } = self.sums;
+        let [kinetic, potential, initial, input, dashpots, impacts, constraint] =
+            [kinetic, potential, initial, input, dashpots, impacts, constraint].map(|part| part * block.mass);
+        let total = kinetic + potential;
+        Energies {
+            total,
+            kinetic,
+            potential,
+            input,
+            dashpots,
+            impacts,
+            constraint,
+            residual: total - initial - input + dashpots + impacts,
+        }
+    }
+
+    /// Rates at which the energies and their sums change now (W).
+    pub fn energy_rates(&self, inputs: &Inputs) -> Energies {
+        if self.is_frozen() {
+            return Energies::default();
+        }
+        self.shown(inputs, |now| {
+            let block = now.block;
+            let (kinetic, potential) = energy(block, now.regime, &now.along(Forcing::default()));
+            let [input, dashpots] = now.instant.powers(block, now.regime, now.forcing);
+            let [kinetic, potential, input, dashpots] =
+                [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
+            let total = kinetic + potential;
+            Energies {
+                total,
+                kinetic,
+                potential,
+                input,
+                dashpots,
+                residual: total - input + dashpots,
+                ..Energies::default()
+            }
+        })
+    }
+}
