@@ -1,6 +1,7 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
-//! Each turns its pointers into references through [`boundary`] and hands on to [`Instance`].
+//! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
+//! and hands on to [`Instance`].
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
@@ -9,7 +10,7 @@ use std::ffi::c_char;
 
 use libc::size_t;
 
-use crate::fmi2::boundary::{self, call, is_true, place, read, texts, write};
+use crate::fmi2::boundary::{self, call, is_true, place, read, room, texts};
 use crate::fmi2::calls::Call;
 use crate::fmi2::instance::{Fault, Instance};
 use crate::fmi2::snapshot;
@@ -39,14 +40,15 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: fmi2Boolean,
     logging_on: fmi2Boolean,
 ) -> fmi2Component {
-    // SAFETY: the importer's pointers (standard, 2.1.5).
+    // SAFETY: the texts are null or end with 0, `functions` is null or the importer's callbacks, and its logger may be
+    // called until the instance is freed (standard, 2.1.5).
     unsafe { boundary::instantiate(instance_name, fmu_type, guid, functions, logging_on) }
 }
 
 /// Frees an instance; nothing for null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
-    // SAFETY: the importer's instance, not used any more (standard, 2.1.5).
+    // SAFETY: `component` is null or an instance that lives, and is not used after this (standard, 2.1.5).
     unsafe { boundary::free_instance(component) }
 }
 
@@ -58,7 +60,8 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     count: size_t,
     categories: *const fmi2String,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.5).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `categories` are `count`
+    // texts that end with 0 (standard, 2.1.5).
     unsafe {
         call(component, Call::SetDebugLogging, |instance| {
             let names = texts("categories", categories, count)?;
@@ -78,7 +81,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     stop_time_defined: fmi2Boolean,
     stop_time: fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.6).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe {
         call(component, Call::SetupExperiment, |instance| {
             let tolerance = is_true(tolerance_defined).then_some(tolerance);
@@ -90,28 +93,28 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 /// Begins the initialization.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.6).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::EnterInitializationMode, Instance::enter_initialization_mode) }
 }
 
 /// Ends the initialization: the parameters become a block.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.6).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::ExitInitializationMode, Instance::exit_initialization_mode) }
 }
 
 /// Ends the run.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.6).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::Terminate, Instance::terminate) }
 }
 
 /// Back to where instantiation left the instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.6).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::Reset, Instance::reset) }
 }
 
@@ -123,11 +126,13 @@ pub unsafe extern "C" fn fmi2GetReal(
     count: size_t,
     values: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetReal, |instance| {
-            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-            instance.get(Kind::Real, references, values, |value| value)
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::Real, &references, values.places(), |value| value)
         })
     }
 }
@@ -140,11 +145,13 @@ pub unsafe extern "C" fn fmi2GetInteger(
     count: size_t,
     values: *mut fmi2Integer,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetInteger, |instance| {
-            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-            instance.get(Kind::Integer, references, values, |value| value as fmi2Integer)
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::Integer, &references, values.places(), |value| value as fmi2Integer)
         })
     }
 }
@@ -157,11 +164,13 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     count: size_t,
     values: *mut fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetBoolean, |instance| {
-            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-            instance.get(Kind::Boolean, references, values, |value| fmi2Boolean::from(value != 0.0))
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::Boolean, &references, values.places(), |value| fmi2Boolean::from(value != 0.0))
         })
     }
 }
@@ -174,11 +183,13 @@ pub unsafe extern "C" fn fmi2GetString(
     count: size_t,
     values: *mut fmi2String,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetString, |instance| {
-            let (references, values) = (read("vr", references, count)?, write("value", values, count)?);
-            instance.get(Kind::String, references, values, |_| std::ptr::null())
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::String, &references, values.places(), |_| std::ptr::null())
         })
     }
 }
@@ -191,7 +202,8 @@ pub unsafe extern "C" fn fmi2SetReal(
     count: size_t,
     values: *const fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetReal, |instance| {
             let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
@@ -208,7 +220,8 @@ pub unsafe extern "C" fn fmi2SetInteger(
     count: size_t,
     values: *const fmi2Integer,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetInteger, |instance| {
             let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
@@ -225,7 +238,8 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     count: size_t,
     values: *const fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetBoolean, |instance| {
             let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
@@ -242,7 +256,8 @@ pub unsafe extern "C" fn fmi2SetString(
     count: size_t,
     values: *const fmi2String,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.7).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetString, |instance| {
             let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
@@ -254,21 +269,24 @@ pub unsafe extern "C" fn fmi2SetString(
 /// Saves the state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.8).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` points to null or to
+    // a state that this function gave and that was not freed (standard, 2.1.8).
     unsafe { call(component, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
 }
 
 /// Goes back to a saved state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.8).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was given by
+    // `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and not freed (standard, 2.1.8).
     unsafe { call(component, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
 }
 
 /// Frees a saved state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.8).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` is null, or points to
+    // null or to a state that was not freed (standard, 2.1.8).
     unsafe { call(component, Call::FreeFmuState, |_| boundary::free_state(state)) }
 }
 
@@ -279,10 +297,11 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     state: fmi2FMUstate,
     size: *mut size_t,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.8).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was not freed, and
+    // `size` is a place for the size, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::SerializedFmuStateSize, |_| {
-            *place("size", size)? = snapshot::serialize(boundary::state(state)?)?.len();
+            place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
             Ok(Status::Ok)
         })
     }
@@ -296,13 +315,12 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     bytes: *mut fmi2Byte,
     size: size_t,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.8).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was not freed, and
+    // there is room for `size` bytes, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::SerializeFmuState, |_| {
-            snapshot::copy(
-                &snapshot::serialize(boundary::state(state)?)?,
-                write("serializedState", bytes.cast(), size)?,
-            )
+            let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
+            snapshot::copy(&snapshot::serialize(boundary::state(state)?)?, room.places())
         })
     }
 }
@@ -315,11 +333,12 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: size_t,
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.8).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `size` bytes, and
+    // `state` is a place for the new state, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::DeSerializeFmuState, |_| {
             let core = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
-            boundary::give_state(state, core)
+            boundary::give_state(place("FMUstate", state)?, core)
         })
     }
 }
@@ -335,18 +354,16 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     direction: *const fmi2Real,
     sensitivity: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 2.1.9).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); the arrays hold as many
+    // elements as their counts say (standard, 2.1.9). The sensitivities are only written, and may share memory with the
+    // others.
     unsafe {
         call(component, Call::GetDirectionalDerivative, |instance| {
-            let (unknowns, knowns) =
-                (read("vUnknown_ref", unknowns, unknown_count)?, read("vKnown_ref", knowns, known_count)?);
-            let direction = read("dvKnown", direction, known_count)?;
-            instance.directional_derivative(
-                unknowns,
-                knowns,
-                direction,
-                write("dvUnknown", sensitivity, unknown_count)?,
-            )
+            let mut sensitivities = room("dvUnknown", sensitivity, unknown_count)?;
+            let unknowns = sensitivities.read_beside("vUnknown_ref", unknowns, unknown_count)?;
+            let knowns = sensitivities.read_beside("vKnown_ref", knowns, known_count)?;
+            let direction = sensitivities.read_beside("dvKnown", direction, known_count)?;
+            instance.directional_derivative(&unknowns, &knowns, &direction, sensitivities.places())
         })
     }
 }
@@ -360,7 +377,8 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     orders: *const fmi2Integer,
     values: *const fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.1).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, orders and values (standard, 4.2.1).
     unsafe {
         call(component, Call::SetRealInputDerivatives, |instance| {
             let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
@@ -378,11 +396,14 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     orders: *const fmi2Integer,
     values: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.1).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and orders, and room for as many values, which is only written (standard, 4.2.1).
     unsafe {
         call(component, Call::GetRealOutputDerivatives, |instance| {
-            let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
-            instance.output_derivatives(references, orders, write("value", values, count)?)
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            let orders = values.read_beside("order", orders, count)?;
+            instance.output_derivatives(&references, &orders, values.places())
         })
     }
 }
@@ -395,14 +416,14 @@ pub unsafe extern "C" fn fmi2DoStep(
     step: fmi2Real,
     _no_set_state_prior: fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.2).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::DoStep, |instance| instance.do_step(time, step)) }
 }
 
 /// Refused: steps are synchronous.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.2).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::CancelStep, refused) }
 }
 
@@ -413,10 +434,11 @@ pub unsafe extern "C" fn fmi2GetStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Status,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.3).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // status, which is only written (standard, 4.2.3).
     unsafe {
         call(component, Call::GetStatus, |instance| {
-            *place("value", value)? = instance.step_status(status_kind(kind)?)?.code();
+            place("value", value)?.put(instance.step_status(status_kind(kind)?)?.code());
             Ok(Status::Ok)
         })
     }
@@ -429,10 +451,11 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.3).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // time, which is only written (standard, 4.2.3).
     unsafe {
         call(component, Call::GetRealStatus, |instance| {
-            *place("value", value)? = instance.real_status(status_kind(kind)?)?;
+            place("value", value)?.put(instance.real_status(status_kind(kind)?)?);
             Ok(Status::Ok)
         })
     }
@@ -445,7 +468,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     kind: fmi2StatusKind,
     _value: *mut fmi2Integer,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.3).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
     unsafe {
         call(component, Call::GetIntegerStatus, |_| {
             Err(Fault::error(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
@@ -460,10 +483,11 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.3).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // answer, which is only written (standard, 4.2.3).
     unsafe {
         call(component, Call::GetBooleanStatus, |instance| {
-            *place("value", value)? = instance.boolean_status(status_kind(kind)?)?.into();
+            place("value", value)?.put(instance.boolean_status(status_kind(kind)?)?.into());
             Ok(Status::Ok)
         })
     }
@@ -476,7 +500,7 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
     kind: fmi2StatusKind,
     _value: *mut fmi2String,
 ) -> fmi2Status {
-    // SAFETY: the importer's instance and pointers (standard, 4.2.3).
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
     unsafe {
         call(component, Call::GetStringStatus, |_| {
             let kind = status_kind(kind)?;
@@ -503,7 +527,8 @@ macro_rules! model_exchange {
         /// Model Exchange: refused with a message.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(component: fmi2Component, $($argument: $type),*) -> fmi2Status {
-            // SAFETY: the importer's instance (standard, 2.1.5); no other pointer is used.
+            // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); no other
+            // pointer is used.
             unsafe { call(component, Call::$call, refused) }
         }
     )*};

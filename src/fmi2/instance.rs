@@ -1,5 +1,7 @@
 //! An instance of the FMU as a safe state machine: no pointer, no C.
 
+use std::mem::MaybeUninit;
+
 use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::fmi2::calls::{Call, Phase};
@@ -324,12 +326,18 @@ impl Instance {
     }
 
     /// Reads values of one type.
-    pub fn get<V>(&mut self, kind: Kind, references: &[u32], values: &mut [V], convert: impl Fn(f64) -> V) -> Answer {
+    pub fn get<V>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &mut [MaybeUninit<V>],
+        convert: impl Fn(f64) -> V,
+    ) -> Answer {
         for &reference in references {
             known(reference, kind)?;
         }
         for (&reference, value) in references.iter().zip(values) {
-            *value = convert(self.value(VARIABLES[reference as usize].variable)?);
+            value.write(convert(self.value(VARIABLES[reference as usize].variable)?));
         }
         Ok(Status::Ok)
     }
@@ -425,7 +433,12 @@ impl Instance {
     }
 
     /// `fmi2GetRealOutputDerivatives`, order 1 only: exact, from the equations of motion.
-    pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Answer {
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Answer {
         for (&reference, &order) in references.iter().zip(orders) {
             let metadata = output(reference, "has derivatives in time")?;
             if order != 1 {
@@ -439,7 +452,7 @@ impl Instance {
         let energies = simulation.energy_rates(&inputs);
         let history = |variable| history_rate(variable, &samples, &simulation.peaks());
         for (&reference, value) in references.iter().zip(values) {
-            *value = real_output(VARIABLES[reference as usize].variable, &rates, &energies, history);
+            value.write(real_output(VARIABLES[reference as usize].variable, &rates, &energies, history));
         }
         Ok(Status::Ok)
     }
@@ -450,7 +463,7 @@ impl Instance {
         unknowns: &[u32],
         knowns: &[u32],
         direction: &[f64],
-        sensitivities: &mut [f64],
+        sensitivities: &mut [MaybeUninit<f64>],
     ) -> Answer {
         for &reference in unknowns {
             output(reference, "can be differentiated")?;
@@ -474,7 +487,7 @@ impl Instance {
         let derivative = self.preview()?.observe_direction(&at, &along).map(|x| x.eps);
         for (&reference, value) in unknowns.iter().zip(sensitivities) {
             let variable = VARIABLES[reference as usize].variable;
-            *value = real_output(variable, &derivative, &Energies::default(), |_| 0.0);
+            value.write(real_output(variable, &derivative, &Energies::default(), |_| 0.0));
         }
         Ok(Status::Ok)
     }

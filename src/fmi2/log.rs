@@ -3,7 +3,8 @@
 use std::ffi::{CStr, CString};
 use std::fmt::Write;
 
-use crate::fmi2::types::{Status, fmi2CallbackFunctions};
+use crate::fmi2::boundary::Messenger;
+use crate::fmi2::types::Status;
 
 /// Category of a message; the names are those of modelDescription.xml.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,15 +49,15 @@ impl Category {
 /// Where messages of an instance go.
 #[derive(Debug)]
 pub struct Log {
-    callbacks: fmi2CallbackFunctions,
+    messenger: Messenger,
     instance: CString,
     wanted: [bool; Category::ALL.len()],
 }
 
 impl Log {
-    /// A log through the importer's callbacks. Warnings and errors are told in any case, events and steps if `logging`.
-    pub fn new(callbacks: fmi2CallbackFunctions, instance: CString, logging: bool) -> Log {
-        let mut log = Log { callbacks, instance, wanted: [true; Category::ALL.len()] };
+    /// A log through the importer's logger. Warnings and errors are told in any case, events and steps if `logging`.
+    pub fn new(messenger: Messenger, instance: CString, logging: bool) -> Log {
+        let mut log = Log { messenger, instance, wanted: [true; Category::ALL.len()] };
         log.choose(logging, None);
         log
     }
@@ -89,7 +90,7 @@ impl Log {
         let mut line = Line::new();
         // A line that is full is told as far as it goes.
         let _ = line.write_fmt(message);
-        super::boundary::log(&self.callbacks, &self.instance, status, category.name(), line.as_c_str());
+        self.messenger.send(&self.instance, status, category.name(), line.as_c_str());
     }
 }
 

@@ -1,5 +1,7 @@
 //! A saved state ↔ bytes that can be told from any others: magic, version, GUID, length, content, checksum.
 
+use std::mem::MaybeUninit;
+
 use serde::{Deserialize, Serialize};
 
 use crate::fmi2::instance::{Answer, Core, Fault};
@@ -40,11 +42,11 @@ pub fn serialize(core: &Core) -> Result<Vec<u8>, Fault> {
 }
 
 /// Copies the bytes of a state to the importer's room for them.
-pub fn copy(bytes: &[u8], room: &mut [u8]) -> Answer {
+pub fn copy(bytes: &[u8], room: &mut [MaybeUninit<u8>]) -> Answer {
     if room.len() < bytes.len() {
         return Err(Fault::error(format!("room for {} bytes; the state takes {}", room.len(), bytes.len())));
     }
-    room[..bytes.len()].copy_from_slice(bytes);
+    room[..bytes.len()].write_copy_of_slice(bytes);
     Ok(Status::Ok)
 }
 

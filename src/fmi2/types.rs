@@ -84,8 +84,9 @@ impl StatusKind {
     }
 }
 
-/// The importer's logger; variadic as in C: the message is a printf format.
-pub type fmi2CallbackLogger = unsafe extern "C" fn(
+/// The importer's logger; variadic as in C: the message is a printf format. It should not unwind, but what does so must not be
+/// undefined behaviour; see [`crate::fmi2::boundary`].
+pub type fmi2CallbackLogger = unsafe extern "C-unwind" fn(
     environment: fmi2ComponentEnvironment,
     instance_name: fmi2String,
     status: fmi2Status,

@@ -6,10 +6,12 @@ mod common;
 #[path = "../common/compare.rs"]
 mod compare;
 
+mod arrays;
 mod bad_start;
 mod bad_state;
 mod bad_step;
 mod bad_value;
+mod callbacks;
 mod derivatives;
 mod description;
 mod endings;
