@@ -2,6 +2,8 @@
 
 #![cfg(feature = "records")]
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "records/columns.rs"]
 mod columns;
 #[path = "records/real.rs"]
@@ -10,6 +12,8 @@ mod real;
 mod refused;
 #[path = "records/round_trip.rs"]
 mod round_trip;
+#[path = "common/skipped.rs"]
+mod skipped;
 
 use rocking_block::records::{ReadOptions, Record, RecordError, Unit, parse};
 

@@ -1,6 +1,8 @@
 //! Random sequences of calls through the C interface: legal ones, which must give the same bits however they are told,
 //! and illegal ones in between, which must be refused and leave no trace.
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "common/fmu.rs"]
 #[allow(dead_code, reason = "each test uses its part")]
 mod fmu;
@@ -13,21 +15,11 @@ mod sealed;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
+use cases::cases;
 use fmu::{DISCARD, ERROR, Fmu, OK};
 use misuse::Phase;
 use run::{Act, Bad, Run, acts, experiments, gentle};
-
-/// The same cases on every run; `PROPTEST_CASES` makes them fewer or more.
-fn cases(usual: u32) -> ProptestConfig {
-    let mut config =
-        ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(1963), ..ProptestConfig::default() };
-    if std::env::var_os("PROPTEST_CASES").is_none() {
-        config.cases = usual;
-    }
-    config
-}
 
 fn misuses() -> impl Strategy<Value = Vec<Bad>> {
     vec((0..misuse::KINDS, any::<u32>()), 1..40)

@@ -21,5 +21,7 @@ mod host;
 mod life_cycle;
 mod logging;
 mod reference;
+#[path = "../common/skipped.rs"]
+mod skipped;
 mod state;
 mod stepping;

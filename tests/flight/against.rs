@@ -10,8 +10,9 @@ use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::Initial;
 use rocking_block::system::surfaces::{Event, EventKind};
 
+use crate::cases::cases;
 use crate::independent::{Happened, Rule, Run, What};
-use crate::{blocks, cases, go, one_sine, start};
+use crate::{blocks, go, one_sine, start};
 
 /// A flight from its beginning on.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,14 @@
 //! Free flight: its motion, its landings, its end, and that none of them makes energy.
 
 mod against;
+#[path = "../common/cases.rs"]
+mod cases;
 mod independent;
 
 use nalgebra::{Matrix5, Vector5};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
+use cases::cases;
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
@@ -36,15 +38,6 @@ fn go(simulation: &mut Simulation, until: f64, inputs: &Inputs) -> Vec<Event> {
 
 fn one_sine(amplitude: f64, period: f64, start: f64) -> Pulse {
     Pulse { shape: PulseShape::OneSine, amplitude, period, start }
-}
-
-fn cases(usual: u32) -> ProptestConfig {
-    let mut config =
-        ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(1963), ..ProptestConfig::default() };
-    if std::env::var_os("PROPTEST_CASES").is_none() {
-        config.cases = usual;
-    }
-    config
 }
 
 fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {

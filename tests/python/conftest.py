@@ -28,3 +28,12 @@ def rinaldi():
         pytest.skip(f"the record {path.name} may not be redistributed and is not at hand")
     words = path.read_text().split("\n", 4)[4].split()
     return [9.81 * float(word) for word in words]
+
+
+def pytest_runtest_logreport(report):
+    """What is skipped is told at the end of scripts/test."""
+    path = os.environ.get("ROCKING_BLOCK_SKIPPED")
+    if report.skipped and path:
+        with open(path, "a") as file:
+            reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
+            file.write(f"{report.nodeid}: {reason.removeprefix('Skipped: ')}\n")

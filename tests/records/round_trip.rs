@@ -93,8 +93,7 @@ fn fortran(value: f64) -> String {
 }
 
 proptest! {
-    // Nothing is written into the folder of the tests.
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases::cases(256))]
 
     #[test]
     fn peer_is_read_as_written(

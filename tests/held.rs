@@ -1,0 +1,121 @@
+//! A corner that is held: full contact would have it lift, the other regime would press it back on its support at once.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix4, Vector4};
+use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::events::{Event, EventKind};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::outputs::Observation;
+use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::{Initial, Settings, Simulation};
+
+/// A wide block on soft supports with strong dampers, for which the horizontal constraint makes the most of a difference.
+fn block() -> Block {
+    Block::from_dimensionless(&Dimensionless { alpha: 0.9, p: 1.0, eta: 8.0, xi_v: 1.5 }, &Common::default()).unwrap()
+}
+
+/// A short push, just strong enough to take the load off L for a moment after it.
+fn pulse(amplitude: f64) -> Pulse {
+    Pulse { shape: PulseShape::OneSine, amplitude, period: 0.6 * TAU / 8.0, start: 0.0 }
+}
+
+fn start(pulse: Pulse) -> Simulation {
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    Simulation::new(block(), settings, pulse, &Initial::default(), 0.0, &Inputs::default())
+}
+
+/// How fast the gap under L would open if it left its support now (m/s²): its acceleration while the block stands on R
+/// alone, less that of the support's top on its way back. Newton's and Euler's equations in Cartesian coordinates.
+fn opening(block: &Block, seen: &Observation<f64>, a_gx: f64) -> f64 {
+    let Block { b, h, i0, mass, gravity, stiffness, damping, .. } = *block;
+    let (sin, cos) = seen.theta.sin_cos();
+    let [left, right] = [-b, b].map(|x| [x * cos - h * sin, -x * sin - h * cos]);
+    let rates = [left, right].map(|[x, _]| seen.v_dot - x * seen.theta_dot);
+    let n = (0.5 * mass * gravity - stiffness * seen.corner[1] - damping * rates[1]) / mass;
+    let turning = seen.theta_dot * seen.theta_dot;
+    // ẍ, z̈, θ̈ and H/M; R does not move horizontally.
+    #[rustfmt::skip]
+    let matrix = Matrix4::new(
+        1.0, 0.0, 0.0, -1.0,
+        0.0, 1.0, 0.0, 0.0,
+        0.0, 0.0, i0, -right[1],
+        1.0, 0.0, right[1], 0.0,
+    );
+    let forces = Vector4::new(-a_gx, n - gravity, -right[0] * n, right[0] * turning);
+    let x = matrix.lu().solve(&forces).unwrap();
+    let corner = x[1] - left[0] * x[2] - left[1] * turning;
+    // C ẏ = K (δ_s − y), and at first ẏ is the corner's rate.
+    corner + stiffness / damping * rates[0]
+}
+
+/// N_L in parts of the weight, and how fast L's gap would open, now.
+fn look(simulation: &Simulation, inputs: &Inputs, pulse: &Pulse) -> (f64, f64) {
+    let (block, seen) = (simulation.block(), simulation.observe(inputs));
+    let a_gx = pulse.acceleration(simulation.time()) + inputs.a_gx.value;
+    (seen.reaction[0] / (block.mass * block.gravity), opening(block, &seen, a_gx))
+}
+
+/// The push is as strong as it can be without L's gap opening at the moment at which L bears nothing.
+const HELD: f64 = 13.140_26;
+
+/// While N_L is below zero the other regime would press L back, and nothing happens until L bears weight again.
+#[test]
+fn a_corner_that_would_be_pressed_back_is_held() {
+    let (pulse, inputs) = (pulse(HELD), Inputs::default());
+    let mut simulation = start(pulse);
+    let mut below = Vec::new();
+    for i in 1..=8000 {
+        let mut none = |event: &Event| panic!("{event}");
+        simulation.advance(1e-4 * f64::from(i), &inputs, &mut none).unwrap();
+        let (n, opening) = look(&simulation, &inputs, &pulse);
+        if n < 0.0 {
+            below.push((n, opening));
+        }
+    }
+    assert_eq!(simulation.regime(), Regime::FullContact);
+    assert!((5..20).contains(&below.len()), "{below:?}");
+    for (n, opening) in below {
+        assert!(n > -2e-5 && opening < 0.0, "N_L = {n} M g, the gap would open with {opening} m/s2");
+    }
+    assert!(look(&simulation, &inputs, &pulse).0 > 0.1);
+}
+
+/// A push a little stronger, for which the gap opens: L lifts as its reaction falls to zero.
+#[test]
+fn a_corner_whose_gap_opens_lifts() {
+    let (pulse, inputs) = (pulse(HELD + 5e-5), Inputs::default());
+    let mut first = None;
+    start(pulse).advance(0.8, &inputs, &mut |event| first = first.or(Some(*event))).unwrap();
+    let event = first.expect("an event");
+    assert_eq!((event.kind, event.after), (EventKind::LiftOff(Corner::Left), Regime::TiltingRight));
+    let mut before = start(pulse);
+    before.advance(event.time - 1e-9, &inputs, &mut |event| panic!("{event}")).unwrap();
+    let (n, opening) = look(&before, &inputs, &pulse);
+    assert!((0.0..1e-8).contains(&n) && (0.0..0.01).contains(&opening), "N_L = {n} M g, opens with {opening} m/s2");
+}
+
+/// The ground starts to move while L is held. One way the gap opens, and L lifts at once though its reaction stays what it
+/// is; the other way L is pressed on.
+#[test]
+fn a_held_corner_is_let_go_when_its_gap_opens() {
+    let pulse = pulse(HELD);
+    for (a_gx, lifts) in [(-1.0, true), (1.0, false)] {
+        let mut simulation = start(pulse);
+        let mut none = |event: &Event| panic!("{event}");
+        simulation.advance(0.4003, &Inputs::default(), &mut none).unwrap();
+        let inputs = Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() };
+        let (n, opening) = look(&simulation, &inputs, &pulse);
+        assert!(n < 0.0 && (opening > 0.0) == lifts, "N_L = {n} M g, opens with {opening} m/s2 at {a_gx} m/s2");
+        let mut events = Vec::new();
+        simulation.advance(0.41, &inputs, &mut |event| events.push(*event)).unwrap();
+        if lifts {
+            let Some(Event { time, kind: EventKind::LiftOff(Corner::Left), .. }) = events.first() else {
+                panic!("{events:?}")
+            };
+            assert!((time - 0.4003).abs() < 1e-12, "{time}");
+        } else {
+            assert!(events.is_empty(), "{events:?}");
+        }
+    }
+}
