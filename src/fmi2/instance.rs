@@ -358,13 +358,12 @@ impl Instance {
                 let (seen, energies) = match self.seen {
                     Some(seen) => seen,
                     None => {
-                        let inputs = self.core.inputs;
-                        let simulation = self.preview()?;
+                        let (simulation, inputs) = self.preview()?;
                         let seen = (simulation.observe(&inputs), simulation.energies());
                         *self.seen.insert(seen)
                     }
                 };
-                let simulation = self.preview()?;
+                let (simulation, _) = self.preview()?;
                 Ok(real_output(variable, &seen, &energies, |variable| history(variable, simulation)))
             }
         }
@@ -380,8 +379,8 @@ impl Instance {
         self.seen = None;
     }
 
-    /// The block in motion; until initialization ends, as the present values would start it.
-    fn preview(&mut self) -> Result<&Simulation, Fault> {
+    /// The block in motion and the inputs that act on it; until initialization ends, as the present values would start it.
+    fn preview(&mut self) -> Result<(&Simulation, Inputs), Fault> {
         if self.core.simulation.is_none() {
             let block = self.block()?;
             let Core { values, experiment, rates, .. } = &self.core;
@@ -397,7 +396,9 @@ impl Instance {
             self.core.inputs = inputs;
             self.core.simulation = Some(simulation);
         }
-        self.core.simulation.as_ref().ok_or_else(|| Fault::error("there is no block yet"))
+        let Core { simulation, inputs, .. } = &self.core;
+        let simulation = simulation.as_ref().ok_or_else(|| Fault::error("there is no block yet"))?;
+        Ok((simulation, *inputs))
     }
 
     /// `fmi2SetRealInputDerivatives`, order 1 only.
@@ -445,8 +446,7 @@ impl Instance {
                 return Err(Fault::error(format!("derivative of {} of order {order}; expected 1", metadata.name)));
             }
         }
-        let inputs = self.core.inputs;
-        let simulation = self.preview()?;
+        let (simulation, inputs) = self.preview()?;
         let seen = simulation.observe_rates(&inputs);
         let (rates, samples) = (seen.map(|x| x.eps), peaks::channels(&seen));
         let energies = simulation.energy_rates(&inputs);
@@ -482,9 +482,9 @@ impl Instance {
             }
             components[input] += component;
         }
-        let at = self.core.inputs;
         let along = inputs(0.0, components, &[0.0; INPUTS.len()]);
-        let derivative = self.preview()?.observe_direction(&at, &along).map(|x| x.eps);
+        let (simulation, at) = self.preview()?;
+        let derivative = simulation.observe_direction(&at, &along).map(|x| x.eps);
         for (&reference, value) in unknowns.iter().zip(sensitivities) {
             let variable = VARIABLES[reference as usize].variable;
             value.write(real_output(variable, &derivative, &Energies::default(), |_| 0.0));

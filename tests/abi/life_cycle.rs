@@ -226,6 +226,23 @@ fn refused_calls_leave_no_trace_in_the_run() {
     assert_eq!(run(true), run(false));
 }
 
+/// In initialization mode the outputs are those under the inputs as they are set then: in full contact
+/// `θ̈ = −h a_gx/(i0 + h²)`.
+#[test]
+fn outputs_follow_the_inputs_in_initialization_mode() {
+    let instance = Instance::new("block");
+    assert_eq!(instance.setup(None, 0.0, None), OK);
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    let r0 = 0.75 * 9.81;
+    let (h, i0) = (r0 * 0.25_f64.cos(), r0 * r0 / 3.0);
+    for a_gx in [1.0, -2.0, 0.0, 1.5] {
+        instance.set("a_gx", a_gx);
+        let exact = -h * a_gx / (i0 + h * h);
+        let found = instance.get("theta_ddot");
+        assert!((found - exact).abs() < 1e-12, "a_gx = {a_gx}: theta_ddot = {found} instead of {exact}");
+    }
+}
+
 #[test]
 fn a_whole_life_twice() {
     let instance = Instance::new("block");
