@@ -88,33 +88,20 @@ impl Change<'_> {
     pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Now) {
         let other = corner.other();
         let placement = Placement::of(&now.instant);
-        if self.is_level(other, now) {
-            let (impulses, rates, velocities) = self.level_landing(&placement);
-            if impulses.iter().all(|&impulse| impulse >= 0.0) {
-                self.tally.impacts += 2;
-                return self.come_down(placement, velocities, rates.map(Some));
-            }
-            if impulses[corner.index()] < 0.0 {
-                return self.land_on_corner(other, placement);
-            }
+        if !self.is_level(other, now) {
+            return self.land_on_corner(corner, placement);
         }
-        self.land_on_corner(corner, placement);
-    }
-
-    /// Impulses, rates of the corners and velocities of the block if both corners come down at once.
-    fn level_landing(&self, placement: &Placement) -> ([f64; 2], [f64; 2], Velocities) {
         let block = &self.system.block;
-        let land = |rates: [f64; 2]| impact::landing_on_both(block, placement.theta, placement.velocities, rates);
         let rates = Corner::BOTH.map(|corner| self.rebound(corner, placement.corners[corner.index()].1));
-        let (impulses, velocities) = land(rates);
-        let (before, after) = (placement.velocities.kinetic(block), velocities.kinetic(block));
-        if after <= before {
-            return (impulses, rates, velocities);
+        let (impulses, velocities) = impact::landing_on_both(block, placement.theta, placement.velocities, rates);
+        if impulses[corner.index()] < 0.0 {
+            self.land_on_corner(other, placement);
+        } else if impulses[other.index()] < 0.0 || velocities.kinetic(block) > placement.velocities.kinetic(block) {
+            self.land_on_corner(corner, placement);
+        } else {
+            self.tally.impacts += 2;
+            self.come_down(placement, velocities, rates.map(Some));
         }
-        // All velocities after the landing are in proportion to the rebound.
-        let rates = rates.map(|rate| rate * (before / after).sqrt());
-        let (impulses, velocities) = land(rates);
-        (impulses, rates, velocities)
     }
 
     /// `corner` comes down alone: it stops horizontally and rebounds with ε times its vertical rate, but with no more than
