@@ -23,5 +23,6 @@ mod logging;
 mod reference;
 #[path = "../common/skipped.rs"]
 mod skipped;
+mod rigid_base;
 mod state;
 mod stepping;
