@@ -20,7 +20,7 @@ pub fn record(path: &Path, options: &ReadOptions) -> Result<Record, RecordError>
     }
     let mut bytes = Vec::new();
     let read = std::io::stdin().lock().take((LARGEST_FILE << 20) + 1).read_to_end(&mut bytes);
-    read.map_err(|source| RecordError::Unreadable { file: STANDARD_INPUT.into(), source })?;
+    read.map_err(|error| RecordError::Unreadable { file: STANDARD_INPUT.into(), error })?;
     records::parse(STANDARD_INPUT, &bytes, options)
 }
 

@@ -1,7 +1,7 @@
 //! Files of several channels, one after another: which lines belong to the one that is wanted.
 
-use super::RecordError;
 use super::text::{Source, is_end_mark, squeezed};
+use super::{RecordError, Setting};
 
 /// Lines of the wanted channel (from 1), each with its number. Every channel ends with a line like
 /// `/&  ----------  END OF DATA FOR CHANNEL  1  ----------`; a file of several channels needs a choice.
@@ -33,7 +33,9 @@ pub(super) fn choose<'s>(source: &'s Source<'_>, wanted: Option<usize>) -> Resul
         .zip(1..=9)
         .map(|((_, text), number)| format!("{number}: {}", squeezed(text).chars().take(70).collect::<String>()))
         .collect();
-    let asked = wanted.map_or(String::new(), |wanted| format!("; {wanted} was asked for"));
-    let found = format!("{count} channel{} ({}){asked}", if count == 1 { "" } else { "s" }, first_lines.join(", "));
-    Err(RecordError::Channel { file: source.name.clone(), found, count })
+    let asked = wanted.map_or(String::new(), |wanted| format!(", not channel {wanted}"));
+    let found =
+        format!("found {count} channel{} ({}){asked}", if count == 1 { "" } else { "s" }, first_lines.join(", "));
+    let expected = if count == 1 { "1".into() } else { format!("1 to {count}") };
+    Err(source.open(None, found, Setting::Channel, expected))
 }

@@ -1,14 +1,14 @@
 //! Columns of numbers, with or without lines of text before them: acceleration alone, or time and acceleration among
 //! others, separated by commas, semicolons, tabs or blanks.
 
-use std::{convert::Infallible, str::FromStr};
+use std::{convert::Infallible, fmt, str::FromStr};
 
 use super::raw::Raw;
 use super::table::{Layout, Name, Separator, is_comment, layout};
 use super::text::{Source, Values, print_quantum, quoted};
 use super::time_axis::TimeAxis;
 use super::unit::other_quantity;
-use super::{Format, ReadOptions, RecordError, Unit};
+use super::{Format, ReadOptions, RecordError, Setting, Unit};
 
 /// From so many values on, a first number that counts them exactly is their count and no acceleration.
 const FEWEST_COUNTED: usize = 20;
@@ -28,6 +28,15 @@ impl FromStr for Column {
     /// A whole number is a place, everything else a name.
     fn from_str(text: &str) -> Result<Column, Infallible> {
         Ok(text.parse().map_or_else(|_| Column::Name(text.to_owned()), Column::Number))
+    }
+}
+
+impl fmt::Display for Column {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Column::Number(number) => write!(f, "column {number}"),
+            Column::Name(name) => write!(f, "{name:?}"),
+        }
     }
 }
 
@@ -137,24 +146,29 @@ fn choose(
     options: &ReadOptions,
 ) -> Result<(Option<usize>, usize), RecordError> {
     let Layout { names, width, header, .. } = layout;
-    let error = |expected: String| {
-        let names = names.iter().map(|name| name.whole).collect::<Vec<_>>().join(", ");
-        let names = if names.is_empty() { String::from("without names") } else { format!("named {names}") };
-        let found = format!("{width} column{} {names}", if *width == 1 { "" } else { "s" });
-        RecordError::Columns { file: source.name.clone(), line: *header, found, expected }
+    let error = |but: String, setting: Setting| {
+        let columns = names.iter().map(|name| name.whole).collect::<Vec<_>>().join(", ");
+        let (named, or) = match names.as_slice() {
+            [] => (String::from("without names"), ""),
+            _ => (format!("named {columns}"), " or a name"),
+        };
+        let (plural, last) = if *width == 1 { ("", String::new()) } else { ("s", format!(" to {width}")) };
+        let found = format!("found {width} column{plural} {named}, {but}");
+        source.open(Some(*header), found, setting, format!("1{last}{or}"))
     };
-    let place = |column: &Column| {
+    let place = |column: &Column, setting: Setting| {
         let index = match column {
             Column::Number(number) => number.checked_sub(1).filter(|index| index < width),
             Column::Name(name) => {
                 names.iter().position(|n| [n.whole, n.word].iter().any(|n| n.eq_ignore_ascii_case(name)))
             }
         };
-        index.ok_or_else(|| error(format!("the chosen column {column:?}")))
+        index.ok_or_else(|| error(format!("not {column}"), setting))
     };
-    let chosen = options.acceleration_column.as_ref().map(place).transpose()?;
+    let chosen = options.acceleration_column.as_ref().map(|column| place(column, Setting::AccelerationColumn));
+    let chosen = chosen.transpose()?;
     let time = match &options.time_column {
-        Some(column) => Some(place(column)?),
+        Some(column) => Some(place(column, Setting::TimeColumn)?),
         None if *width == 1 => None,
         None if !names.is_empty() => names.iter().position(Name::is_time),
         // Without names: time first, unless the time step is given and a table of accelerations alone is possible.
@@ -169,9 +183,10 @@ fn choose(
         others.iter().copied().filter(|&index| names.get(index).is_some_and(Name::is_acceleration)).collect();
     match (others.as_slice(), named.as_slice()) {
         (&[only], _) | (_, &[only]) => Ok((time, only)),
-        _ => Err(error(String::from(
-            "one column of accelerations (a, acc …) beside the time (t, time), or a choice of columns",
-        ))),
+        _ => {
+            let but = String::from("which leaves open where the accelerations are");
+            Err(error(but, Setting::AccelerationColumn))
+        }
     }
 }
 

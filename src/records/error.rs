@@ -1,6 +1,8 @@
 //! What can be wrong with an accelerogram file: each error is one line that names the file, the line, what was found
 //! and what was expected.
 
+use std::fmt;
+
 use super::{Format, Unit};
 
 /// Why a file was refused. Every message fits on one line.
@@ -8,12 +10,13 @@ use super::{Format, Unit};
 #[non_exhaustive]
 pub enum RecordError {
     /// The operating system refused to give the file's content.
-    #[error("{file}: cannot be read: {source}")]
+    #[error("{file}: cannot be read: {error}")]
     Unreadable {
         /// Name of the file.
         file: String,
-        /// What the operating system said.
-        source: std::io::Error,
+        /// What the operating system said. Not called `source`: it stands in the message, and a chain of causes would
+        /// repeat it.
+        error: std::io::Error,
     },
     /// The file is larger than any accelerogram.
     #[error("{file}: more than {limit} MiB, expected one accelerogram")]
@@ -129,42 +132,6 @@ pub enum RecordError {
         /// What was counted.
         counted: usize,
     },
-    /// Neither the file nor the caller gives the unit.
-    #[error("{file}: no unit in the file and none given, expected one of g, m/s2, cm/s2")]
-    UnitMissing {
-        /// Name of the file.
-        file: String,
-    },
-    /// The file and the caller give different units.
-    #[error("{file}, line {line}: the file is in {found} but {given} was given")]
-    UnitContradicted {
-        /// Name of the file.
-        file: String,
-        /// Line of the unit, from 1.
-        line: usize,
-        /// Unit of the file.
-        found: Unit,
-        /// Unit of the caller.
-        given: Unit,
-    },
-    /// Neither the file nor the caller gives the time step.
-    #[error("{file}: no time step in the file and none given, expected one [s]")]
-    TimeStepMissing {
-        /// Name of the file.
-        file: String,
-    },
-    /// The file and the caller give different time steps.
-    #[error("{file}, line {line}: the file has a time step of {found} s but {given} s was given")]
-    TimeStepContradicted {
-        /// Name of the file.
-        file: String,
-        /// Line of the time step, from 1.
-        line: usize,
-        /// Time step of the file (s).
-        found: f64,
-        /// Time step of the caller (s).
-        given: f64,
-    },
     /// The time column is not evenly spaced.
     #[error("{file}, line {line}: found time {found} s, expected {expected} s (even steps of {time_step} s)")]
     UnevenTime {
@@ -179,44 +146,81 @@ pub enum RecordError {
         /// Mean step (s).
         time_step: f64,
     },
-    /// It is not clear which column is which.
-    #[error("{file}, line {line}: found {found}, expected {expected}")]
-    Columns {
+    /// The file leaves something open, or says something else than the caller.
+    #[error("{}", open(.file, *.line, .found, .setting, .expected))]
+    Open {
         /// Name of the file.
         file: String,
-        /// Line number, from 1.
-        line: usize,
-        /// The columns at hand.
+        /// Line number, from 1, if one line is to blame.
+        line: Option<usize>,
+        /// What is there.
         found: String,
-        /// What to choose.
+        /// What settles it.
+        setting: Setting,
+        /// What it may be.
         expected: String,
     },
-    /// It is not clear which of several channels is wanted.
-    #[error("{file}: found {found}, expected a choice of one channel from 1 to {count}")]
-    Channel {
-        /// Name of the file.
-        file: String,
-        /// The channels at hand.
-        found: String,
-        /// How many there are.
-        count: usize,
-    },
-    /// No ground has shaken so strongly: the unit is wrong.
+    /// No ground has shaken so strongly: the file's unit is wrong.
     #[error(
-        "{file}: the peak would be {peak:.3e} g at {time} s if the values were in {unit}; check the unit, expected at most {limit} g"
+        "{file}, line {line}: the peak is {peak:.3e} g at {time} s in the file's unit, {unit}; expected at most {limit} g"
     )]
     Absurd {
         /// Name of the file.
         file: String,
+        /// Line of the unit, from 1.
+        line: usize,
         /// Peak ground acceleration in units of the caller's gravity.
         peak: f64,
         /// Its time (s).
         time: f64,
-        /// Unit that was assumed.
+        /// Unit of the file.
         unit: Unit,
         /// Largest peak that is believed, in the same unit.
         limit: f64,
     },
+}
+
+/// What [`ReadOptions`](super::ReadOptions) say of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Setting {
+    /// Its format.
+    Format,
+    /// Unit of the accelerations.
+    Unit,
+    /// Time step.
+    TimeStep,
+    /// Channel.
+    Channel,
+    /// Column of the times.
+    TimeColumn,
+    /// Column of the accelerations.
+    AccelerationColumn,
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Setting::Format => "format",
+            Setting::Unit => "unit",
+            Setting::TimeStep => "time step",
+            Setting::Channel => "channel",
+            Setting::TimeColumn => "time column",
+            Setting::AccelerationColumn => "acceleration column",
+        })
+    }
+}
+
+impl RecordError {
+    /// The message with the caller's own name for what settles it, such as `--unit` for [`Setting::Unit`].
+    pub fn naming(&self, name: impl FnOnce(Setting) -> String) -> String {
+        let RecordError::Open { file, line, found, setting, expected } = self else { return self.to_string() };
+        open(file, *line, found, &name(*setting), expected)
+    }
+}
+
+fn open(file: &str, line: Option<usize>, found: &str, setting: &dyn fmt::Display, expected: &str) -> String {
+    let line = line.map_or(String::new(), |line| format!(", line {line}"));
+    format!("{file}{line}: {found}; expected {setting} {expected}")
 }
 
 /// A word that is none of the units of [`Unit`].

@@ -21,7 +21,7 @@ mod unit;
 use std::{fmt, fs::File, io::Read, path::Path, str::FromStr};
 
 pub use columns::Column;
-pub use error::{RecordError, UnknownFormat, UnknownUnit};
+pub use error::{RecordError, Setting, UnknownFormat, UnknownUnit};
 pub use unit::Unit;
 
 use text::Source;
@@ -117,6 +117,8 @@ pub enum Format {
 }
 
 impl Format {
+    const ALL: [Format; 6] = [Format::Peer, Format::Smc, Format::Columns, Format::Cosmos, Format::Csmip, Format::Esm];
+
     /// What [`Format::from_str`] reads, for messages.
     pub const NAMES: &'static str = "peer, smc, columns, cosmos, csmip, esm";
 
@@ -212,6 +214,49 @@ impl Default for ReadOptions {
     }
 }
 
+impl Setting {
+    /// The formats that make use of it.
+    #[must_use]
+    pub fn formats(self) -> &'static [Format] {
+        match self {
+            Setting::Format | Setting::Unit | Setting::TimeStep => &Format::ALL,
+            Setting::Channel => &[Format::Cosmos, Format::Csmip],
+            Setting::TimeColumn | Setting::AccelerationColumn => &[Format::Columns],
+        }
+    }
+}
+
+impl ReadOptions {
+    /// These options, and from `others` what they leave open; the gravity is that of `others`.
+    #[must_use]
+    pub fn or(&self, others: &ReadOptions) -> ReadOptions {
+        ReadOptions {
+            format: self.format.or(others.format),
+            unit: self.unit.or(others.unit),
+            time_step: self.time_step.or(others.time_step),
+            gravity: others.gravity,
+            time_column: self.time_column.clone().or_else(|| others.time_column.clone()),
+            acceleration_column: self.acceleration_column.clone().or_else(|| others.acceleration_column.clone()),
+            channel: self.channel.or(others.channel),
+        }
+    }
+
+    /// What is given of them.
+    pub fn given(&self) -> impl Iterator<Item = Setting> + use<> {
+        let ReadOptions { format, unit, time_step, gravity: _, time_column, acceleration_column, channel } = self;
+        [
+            (Setting::Format, format.is_some()),
+            (Setting::Unit, unit.is_some()),
+            (Setting::TimeStep, time_step.is_some()),
+            (Setting::Channel, channel.is_some()),
+            (Setting::TimeColumn, time_column.is_some()),
+            (Setting::AccelerationColumn, acceleration_column.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(setting, given)| given.then_some(setting))
+    }
+}
+
 /// Reads an accelerogram file.
 ///
 /// # Errors
@@ -221,7 +266,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Record, RecordError> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take((LARGEST_FILE << 20) + 1).read_to_end(&mut bytes))
-        .map_err(|source| RecordError::Unreadable { file: name.clone(), source })?;
+        .map_err(|error| RecordError::Unreadable { file: name.clone(), error })?;
     parse(&name, &bytes, options)
 }
 

@@ -1,7 +1,7 @@
 //! What a reader found, before the caller's options are applied: unit and time step still to be agreed.
 
 use super::text::Source;
-use super::{Format, Peak, ReadOptions, Record, RecordError, Unit};
+use super::{Format, Peak, ReadOptions, Record, RecordError, Setting, Unit};
 
 /// Ground motion above so many g has never been recorded (the largest are near 4 g): the unit must be wrong.
 const LARGEST_PEAK: f64 = 20.0;
@@ -72,19 +72,29 @@ impl Raw {
                 return Err(source.header_error(line, &format!("time step {value} s"), "a time step above 0 s"));
             }
             (Some(StatedStep { line, value, tolerance }), Some(given)) if (given - value).abs() > tolerance => {
-                return Err(RecordError::TimeStepContradicted { file: file(), line, found: value, given });
+                let found = format!("the file has a time step of {value} s but {given} s was given");
+                return Err(source.open(Some(line), found, Setting::TimeStep, value.to_string()));
             }
             (_, Some(given)) => given,
             (Some(stated), None) => stated.value,
-            (None, None) => return Err(RecordError::TimeStepMissing { file: file() }),
+            (None, None) => {
+                let found = "no time step in the file and none given";
+                return Err(source.open(None, found, Setting::TimeStep, "in seconds"));
+            }
         };
         let unit = match (self.unit, options.unit) {
             (Some((line, found)), Some(given)) if found != given => {
-                return Err(RecordError::UnitContradicted { file: file(), line, found, given });
+                let expected = found.plain();
+                let found = format!("the file is in {found} but {given} was given");
+                return Err(source.open(Some(line), found, Setting::Unit, expected));
             }
             (Some((_, unit)), _) | (None, Some(unit)) => unit,
-            (None, None) => return Err(RecordError::UnitMissing { file: file() }),
+            (None, None) => {
+                let found = "no unit in the file and none given";
+                return Err(source.open(None, found, Setting::Unit, "g, m/s2 or cm/s2"));
+            }
         };
+        let unit_line = self.unit.map(|(line, _)| line);
         let title = if self.title.is_empty() { file() } else { self.title };
         let Raw { format, start_time, values: acceleration, .. } = self;
         let record = Record { title, format, unit, start_time, time_step, acceleration };
@@ -93,7 +103,14 @@ impl Raw {
         // Not "peak > limit": a product that overflowed to infinity or NaN is refused as well.
         let peak = acceleration.abs() / options.gravity;
         if !(peak <= LARGEST_PEAK && record.acceleration.iter().all(|a| a.is_finite())) {
-            return Err(RecordError::Absurd { file: file(), peak, time, unit, limit: LARGEST_PEAK });
+            return Err(match unit_line {
+                Some(line) => RecordError::Absurd { file: file(), line, peak, time, unit, limit: LARGEST_PEAK },
+                None => {
+                    let found =
+                        format!("the peak would be {peak:.3e} g at {time} s in {unit}, more than {LARGEST_PEAK} g");
+                    source.open(None, found, Setting::Unit, unit.others())
+                }
+            });
         }
         Ok(record)
     }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::RecordError;
+use super::{RecordError, Setting};
 
 /// So many lines are looked at to tell the format and to find a header's end.
 pub(super) const HEAD_LINES: usize = 64;
@@ -54,6 +54,18 @@ impl<'a> Source<'a> {
 
     pub(super) fn header_error(&self, line: usize, found: &str, expected: impl Into<String>) -> RecordError {
         RecordError::Header { file: self.name.clone(), line, found: quoted(found), expected: expected.into() }
+    }
+
+    /// The file leaves something open that `setting` settles.
+    pub(super) fn open(
+        &self,
+        line: Option<usize>,
+        found: impl Into<String>,
+        setting: Setting,
+        expected: impl Into<String>,
+    ) -> RecordError {
+        let (file, found, expected) = (self.name.clone(), found.into(), expected.into());
+        RecordError::Open { file, line, found, setting, expected }
     }
 
     pub(super) fn number(&self, line: usize, token: &str) -> Result<f64, RecordError> {

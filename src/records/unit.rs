@@ -26,6 +26,24 @@ impl Unit {
             Unit::CentimetrePerSecondSquared => 0.01,
         }
     }
+
+    /// As it is typed.
+    pub(super) fn plain(self) -> &'static str {
+        match self {
+            Unit::G => "g",
+            Unit::MetrePerSecondSquared => "m/s2",
+            Unit::CentimetrePerSecondSquared => "cm/s2",
+        }
+    }
+
+    /// The other units, as they are typed.
+    pub(super) fn others(self) -> &'static str {
+        match self {
+            Unit::G => "m/s2 or cm/s2",
+            Unit::MetrePerSecondSquared => "g or cm/s2",
+            Unit::CentimetrePerSecondSquared => "g or m/s2",
+        }
+    }
 }
 
 impl fmt::Display for Unit {

@@ -1,6 +1,6 @@
 //! Made-up columns of numbers: those that are read, and those that could be something else.
 
-use rocking_block::records::{Column, Format, ReadOptions, RecordError, Unit};
+use rocking_block::records::{Column, Format, ReadOptions, Unit};
 
 use super::{accelerations, assert_refused, parsed, refusal, said};
 
@@ -45,18 +45,24 @@ fn delimited_files() {
     let table = "t,a_gx [m/s2],a_gy [g]\n0,1,3\n0.5,2,4\n";
     assert_refused(
         table,
-        "made-up, line 1: found 3 columns named t, a_gx [m/s2], a_gy [g], expected one column of accelerations (a, acc …) beside the time (t, time), or a choice of columns",
+        "made-up, line 1: found 3 columns named t, a_gx [m/s2], a_gy [g], which leaves open where the accelerations are; expected acceleration column 1 to 3 or a name",
     );
     for (column, unit, first) in [("A_GX", Unit::MetrePerSecondSquared, 1.0), ("3", Unit::G, 3.0 * 9.81)] {
         let options = ReadOptions { acceleration_column: Some(column.parse().unwrap()), ..none.clone() };
         let record = accelerations(table, &options);
         assert_eq!((record.unit, record.time_step, record.acceleration[0]), (unit, 0.5, first));
     }
+    let found = "made-up, line 1: found 3 columns named t, a_gx [m/s2], a_gy [g], not";
     let missing = ReadOptions { acceleration_column: Some(Column::Number(0)), ..none.clone() };
-    assert!(refusal(table, &missing).ends_with("expected the chosen column Number(0)"));
+    assert_eq!(refusal(table, &missing), format!("{found} column 0; expected acceleration column 1 to 3 or a name"));
+    let missing = ReadOptions { time_column: Some(Column::Name("T1".into())), ..none.clone() };
+    assert_eq!(refusal(table, &missing), format!("{found} \"T1\"; expected time column 1 to 3 or a name"));
     // A table without names is not taken for a block of values in reading order.
     let bare = "0.00 1 2\n0.01 3 4\n0.02 5 6\n";
-    assert!(matches!(parsed(bare, &said(Unit::G, 0.01)), Err(RecordError::Columns { .. })));
+    assert_eq!(
+        refusal(bare, &said(Unit::G, 0.01)),
+        "made-up, line 1: found 3 columns without names, which leaves open where the accelerations are; expected acceleration column 1 to 3"
+    );
     assert_eq!(
         refusal("a [g]\r\n0.1\r\n\r\n0.2\r\nx\r\n", &ReadOptions { time_step: Some(0.01), ..none.clone() }),
         "made-up, line 5: found \"x\", expected a finite number"

@@ -1,6 +1,6 @@
 //! Made-up files: what must be refused, and with which words.
 
-use rocking_block::records::{ReadOptions, RecordError, Unit, parse, read};
+use rocking_block::records::{ReadOptions, RecordError, Setting, Unit, parse, read};
 
 use super::{accelerations, assert_refused, parsed, refusal, said};
 
@@ -70,15 +70,20 @@ fn units() {
     assert_refused(&file("CM/S"), "made-up, line 2: found a velocity in CM/S, expected an acceleration time history");
     assert_refused(
         "TITLE\nNPTS= 3, DT= .01 SEC\n0.1 0.2 0.3\n",
-        "made-up: no unit in the file and none given, expected one of g, m/s2, cm/s2",
+        "made-up: no unit in the file and none given; expected unit g, m/s2 or cm/s2",
     );
     assert_eq!(
         refusal(&file("G"), &ReadOptions { unit: Some(Unit::CentimetrePerSecondSquared), ..none.clone() }),
-        "made-up, line 2: the file is in g but cm/s² was given"
+        "made-up, line 2: the file is in g but cm/s² was given; expected unit g"
     );
     assert_eq!(
         refusal("0.1\n98.1\n", &said(Unit::G, 0.01)),
-        "made-up: the peak would be 9.810e1 g at 0.01 s if the values were in g; check the unit, expected at most 20 g"
+        "made-up: the peak would be 9.810e1 g at 0.01 s in g, more than 20 g; expected unit m/s2 or cm/s2"
+    );
+    // Where the file has the unit, no option settles it.
+    assert_refused(
+        &file("G").replace("0.3", "30"),
+        "made-up, line 2: the peak is 3.000e1 g at 0.02 s in the file's unit, g; expected at most 20 g",
     );
     let metric = ReadOptions { gravity: 10.0, ..none };
     assert_eq!(accelerations(&file("G"), &metric).acceleration, [1.0, 2.0, 3.0]);
@@ -120,7 +125,7 @@ fn time_steps() {
     assert_eq!(accelerations(&file, &given(0.02)).time_step, 0.02);
     assert_eq!(
         refusal(&file, &given(0.01)),
-        "made-up, line 4: the file has a time step of 0.02 s but 0.01 s was given"
+        "made-up, line 4: the file has a time step of 0.02 s but 0.01 s was given; expected time step 0.02"
     );
     assert_eq!(
         refusal(&file, &given(-0.01)),
@@ -128,7 +133,7 @@ fn time_steps() {
     );
     assert_refused(
         &format!("{HEADER}NPTS= 3\n0.1 0.2 0.3\n"),
-        "made-up: no time step in the file and none given, expected one [s]",
+        "made-up: no time step in the file and none given; expected time step in seconds",
     );
     assert_refused(
         &format!("{HEADER}NPTS= 3, DT= 0 SEC\n0.1 0.2 0.3\n"),
@@ -189,7 +194,7 @@ fn smc_that_is_damaged() {
     assert!(refusal(&smc.replacen("|ref", " ref", 1), &none).contains("expected one of 8 comment lines"));
     // A sampling rate that is not known is the user's to give.
     let unknown = smc.replacen("0.2000000E+03", "0.1700000E+39", 1);
-    assert!(matches!(parsed(&unknown, &none), Err(RecordError::TimeStepMissing { .. })));
+    assert!(matches!(parsed(&unknown, &none), Err(RecordError::Open { setting: Setting::TimeStep, .. })));
     assert_eq!(accelerations(&unknown, &said(Unit::CentimetrePerSecondSquared, 0.005)).time_step, 0.005);
 }
 
