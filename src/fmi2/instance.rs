@@ -169,14 +169,15 @@ impl Instance {
     /// `fmi2ExitInitializationMode`: the values become a block, or the call is refused and they can be mended.
     pub fn exit_initialization_mode(&mut self) -> Answer {
         self.preview()?;
-        let unread: Vec<&str> = self.core.values.unread().collect();
+        let unread: Vec<String> =
+            self.core.values.unread().map(|(name, needed)| format!("{name} needs {needed}")).collect();
         self.core.phase = Phase::StepComplete;
         if unread.is_empty() {
             return Ok(Status::Ok);
         }
         self.log.status(
             Status::Warning,
-            &format!("{}: set, but not read with the other parameters as they are", unread.join(", ")),
+            &format!("set, but not read with the other parameters as they are: {}", unread.join(", ")),
         );
         Ok(Status::Warning)
     }

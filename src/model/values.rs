@@ -85,28 +85,42 @@ impl Values {
         self[Variable::Parameterization] == PHYSICAL_PARAMETERIZATION
     }
 
-    /// Parameters that were given and that nothing reads: the group that is not selected, initial values that do not
-    /// apply, and the restitution factor of a rigid base that is not there.
-    pub fn unread(&self) -> impl Iterator<Item = &'static str> {
-        let group: &[Variable] = if self.is_physical() {
-            &[
-                Variable::DimensionlessAlpha,
-                Variable::DimensionlessP,
-                Variable::DimensionlessEta,
-                Variable::DimensionlessXiV,
-            ]
+    /// Parameters that were given and that nothing reads with the others as they are, each with what it needs.
+    pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        const DIMENSIONLESS: [Variable; 4] = [
+            Variable::DimensionlessAlpha,
+            Variable::DimensionlessP,
+            Variable::DimensionlessEta,
+            Variable::DimensionlessXiV,
+        ];
+        const PHYSICAL: [Variable; 4] =
+            [Variable::PhysicalWidth, Variable::PhysicalHeight, Variable::PhysicalK, Variable::PhysicalC];
+        const VERTICAL: [Variable; 2] = [Variable::InitialV, Variable::InitialVDot];
+        const PULSE: [Variable; 3] = [Variable::PulseAmplitude, Variable::PulsePeriod, Variable::PulseStart];
+        let (other_group, other, [.., stiffness, damping]) = if self.is_physical() {
+            (DIMENSIONLESS, "parameterization = Dimensionless", PHYSICAL)
         } else {
-            &[Variable::PhysicalWidth, Variable::PhysicalHeight, Variable::PhysicalK, Variable::PhysicalC]
+            (PHYSICAL, "parameterization = Physical", DIMENSIONLESS)
         };
-        let rigid = self[Variable::Foundation] == RIGID;
-        let unsettled: &[Variable] = if self[Variable::InitialSettled] != 0.0 || rigid {
-            &[Variable::InitialV, Variable::InitialVDot]
+        let mut unread: Vec<(Variable, &str)> = other_group.map(|variable| (variable, other)).into();
+        if self[Variable::Foundation] == RIGID {
+            let [v, v_dot] = VERTICAL;
+            let of_supports = [stiffness, damping, Variable::LiftOff, v, v_dot];
+            unread.extend(of_supports.map(|variable| (variable, "foundation = Viscoelastic")));
         } else {
-            &[]
-        };
-        let of_the_rigid_base: &[Variable] = if rigid { &[] } else { &[Variable::RestitutionFactor] };
-        let unread = group.iter().chain(unsettled).chain(of_the_rigid_base);
-        unread.filter(|&&v| Some(self[v]) != VARIABLES[v as usize].start).map(|&v| v.name())
+            unread.push((Variable::RestitutionFactor, "foundation = Rigid"));
+            if self[Variable::InitialSettled] != 0.0 {
+                unread.extend(VERTICAL.map(|variable| (variable, "initial.settled = false")));
+            }
+        }
+        if self.pulse().shape == PulseShape::None {
+            unread.extend(PULSE.map(|variable| (variable, "a pulse.shape")));
+        }
+        let given = move |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
+        unread
+            .into_iter()
+            .filter(move |(variable, _)| given(*variable))
+            .map(|(variable, needed)| (variable.name(), needed))
     }
 
     /// The beginning.

@@ -270,7 +270,8 @@ fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFile
         let message = format!("combinations × records × scales are too many rows; expected at most {MOST_ROWS}");
         return Err(source.wrong(&(0..0), message));
     }
-    let mut read = vec![false; given.len()];
+    // What each parameter needs to be read, until a combination reads it.
+    let mut needed: Vec<Option<&str>> = vec![Some("a combination"); given.len()];
     for number in 0..combinations.unwrap_or(0) {
         let combination = sweep.combination(number);
         let values = sweep.values(&combination);
@@ -283,19 +284,13 @@ fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFile
                            or an initial.theta or initial.theta_dot";
             return Err(source.wrong(&line("amplitude").map_or(0..0, |given| given.value.span()), message));
         }
-        let unread: Vec<&str> = values.unread().collect();
-        for (given, read) in given.iter().zip(&mut read) {
-            *read |= !unread.contains(&given.name.as_str());
+        for (given, needed) in given.iter().zip(&mut needed).filter(|(_, needed)| needed.is_some()) {
+            *needed = values.unread().find(|(name, _)| *name == given.name).map(|(_, needed)| needed);
         }
     }
-    match given.iter().zip(&read).find(|(_, read)| !**read) {
-        Some((given, _)) => {
-            let message = format!(
-                "{} is read by no block of the study; expected parameterization = \"Physical\" for physical sizes, \
-                 \"Dimensionless\" for the others, initial.settled = false for initial.v and initial.v_dot, \
-                 foundation = \"Rigid\" for restitution_factor",
-                given.name
-            );
+    match given.iter().zip(&needed).find_map(|(given, needed)| needed.map(|needed| (given, needed))) {
+        Some((given, needed)) => {
+            let message = format!("{} is read by no block of the study; expected {needed}", given.name);
             Err(source.wrong(&given.value.span(), message))
         }
         None => Ok(()),
