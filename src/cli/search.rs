@@ -154,14 +154,14 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 &scan,
                 |progress| Ok(search::damping_against_separation(&block, &common, rate, settings, &scan, progress)?),
                 |found| found.least_without(End::Separated),
-                |found, least| {
+                |found, least, shown| {
                     let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
                     let but = if overturned { ", but overturning where it says so above" } else { "" };
                     match least {
                         Some(least) if found.changes.is_empty() => {
-                            format!("none needed: no separation from xi_v = {least} on{but}")
+                            format!("none needed: no separation from xi_v = {} on{but}", shown(least))
                         }
-                        Some(least) => format!("no separation from xi_v = {least} on{but}"),
+                        Some(least) => format!("no separation from xi_v = {} on{but}", shown(least)),
                         None => format!("separation at xi_v = {to} still; expected a range with a greater --to"),
                     }
                 },
@@ -185,9 +185,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 &scan,
                 |progress| Ok(search::overturning(&block, &shaking, settings, &scan, progress)),
                 |found| found.least(End::Overturned),
-                |_, least| match least {
-                    Some(least) => format!("overturning first at {name} = {least}{unit}"),
-                    None => format!("no overturning from {name} = {from} to {to}{unit}"),
+                |_, least, shown| match least {
+                    Some(least) => format!("overturning first at {name} = {}{unit}", shown(least)),
+                    None => format!("no overturning from {name} = {} to {}{unit}", shown(from), shown(to)),
                 },
             )
         }
@@ -252,7 +252,7 @@ impl SearchOptions {
         scan: &Scan,
         search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<Found<End>> + Send,
         least: impl FnOnce(&Found<End>) -> Option<f64>,
-        answer: impl FnOnce(&Found<End>, Option<f64>) -> String,
+        answer: impl FnOnce(&Found<End>, Option<f64>, &dyn Fn(f64) -> String) -> String,
     ) -> anyhow::Result<()> {
         let file = self.csv.as_deref().map(Pending::new).transpose()?;
         let bar = Mutex::new(Progress::new(scan.points, 0));
@@ -273,16 +273,19 @@ impl SearchOptions {
             Pending::write(vec![(file, table.into_bytes())])?;
         }
         let least = least(&found);
-        let answer = answer(&found, least);
+        let shown = |value: f64| rounded(value, scan.resolution);
+        let answer = answer(&found, least, &shown);
         let mut text = String::new();
         for (from, to, end) in &stretches {
-            text.push_str(&format!("{name} = {from} to {to}{unit}: {end}\n"));
+            text.push_str(&format!("{name} = {} to {}{unit}: {end}\n", shown(*from), shown(*to)));
         }
         let failed = stretches.iter().any(|stretch| stretch.2 == End::Failed).then(|| "some runs failed".to_string());
         let narrow = failed.as_ref().map(|failed| format!("; {failed}")).unwrap_or_default();
         text.push_str(&format!(
             "{answer}\n{} values, {}{unit} apart: what is narrower may be missed; changes within {}{unit}{narrow}\n",
-            scan.points, found.spacing, scan.resolution
+            scan.points,
+            short(found.spacing),
+            scan.resolution
         ));
         let result = SearchResult {
             parameter: name,
@@ -320,4 +323,38 @@ struct Stretch {
     from: f64,
     to: f64,
     outcome: String,
+}
+
+/// A value in the decimals that a resolution supports: the fewest whose last one is no coarser. More than a number of
+/// this kind has are left out.
+fn rounded(value: f64, resolution: f64) -> String {
+    let fine = |decimals: &usize| libm::pow(10.0, -(*decimals as f64)) <= resolution * (1.0 + 1e-9);
+    let exact = value.to_string();
+    match (0..exact.len()).find(fine) {
+        Some(decimals) => format!("{value:.decimals$}"),
+        None => exact,
+    }
+}
+
+/// Three digits of a value.
+fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded;
+
+    #[test]
+    fn as_many_decimals_as_the_resolution_supports() {
+        let pi = std::f64::consts::PI;
+        let cases =
+            [(1e-6, "3.141593"), (2e-6, "3.141593"), (9e-7, "3.1415927"), (0.5, "3.1"), (1.0, "3"), (30.0, "3")];
+        for (resolution, expected) in cases {
+            assert_eq!(rounded(pi, resolution), expected, "{resolution}");
+        }
+        assert_eq!(rounded(0.25, 1e-300), "0.25");
+        assert_eq!(rounded(-1234.5678, 1e-3), "-1234.568");
+        assert_eq!(rounded(pi, 1e-15), "3.141592653589793");
+    }
 }
