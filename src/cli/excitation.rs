@@ -1,12 +1,13 @@
 //! Options that say what moves the ground → records and a pulse.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::input;
+use crate::cli::accelerograms::Accelerograms;
+use crate::cli::given::Given;
 use crate::excitation::{Pulse, PulseShape};
-use crate::records::{ReadOptions, Record, Unit};
+use crate::records::Record;
 use crate::study::ground::Ground;
 
 /// Options that say what moves the ground.
@@ -15,37 +16,27 @@ pub struct Excitation {
     #[command(flatten)]
     pub accelerograms: Accelerograms,
     /// Factor on the accelerograms
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.0)]
     pub scale: f64,
-    /// Pulse, alone or added to the record
-    #[arg(long, value_enum, default_value_t = Shape::None)]
-    pub pulse: Shape,
-    /// Amplitude a_p of the pulse [m/s2]
-    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub amplitude: f64,
-    /// Period T_p of the pulse [s]
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    pub period: f64,
-    /// Time at which the pulse begins [s]
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
-    pub start: f64,
+    #[command(flatten)]
+    pub pulse: PulseOptions,
 }
 
-/// Options that say which records there are.
+/// Options of a pulse.
 #[derive(Args)]
-pub struct Accelerograms {
-    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for standard input
-    #[arg(long, value_name = "FILE")]
-    pub record: Option<PathBuf>,
-    /// Accelerogram of the vertical ground motion; `-` for standard input
-    #[arg(long, value_name = "FILE")]
-    pub vertical: Option<PathBuf>,
-    /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
-    #[arg(long)]
-    pub unit: Option<Unit>,
-    /// Time step of the accelerograms, where they do not say [s]
-    #[arg(long, value_name = "S")]
-    pub dt: Option<f64>,
+pub struct PulseOptions {
+    /// Pulse, alone or added to the record
+    #[arg(id = "pulse", long = "pulse", value_enum, default_value_t = Shape::None)]
+    shape: Shape,
+    /// Amplitude a_p of the pulse [m/s2]
+    #[arg(long, value_name = "A", default_value_t = 0.0)]
+    amplitude: f64,
+    /// Period T_p of the pulse [s]
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    period: f64,
+    /// Time at which the pulse begins [s]
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    start: f64,
 }
 
 /// Shapes of pulses.
@@ -73,41 +64,21 @@ pub struct Motion {
     pub source: String,
 }
 
-impl Accelerograms {
-    /// Whether no record is named.
-    pub fn is_empty(&self) -> bool {
-        self.record.is_none() && self.vertical.is_none()
-    }
-
-    /// Reads the records, with this gravity for those in g (m/s²).
-    pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
-        let options = ReadOptions { unit: self.unit, time_step: self.dt, gravity, ..ReadOptions::default() };
-        let load = |path: &Option<PathBuf>| -> anyhow::Result<Option<Record>> {
-            Ok(path.as_deref().map(|path| input::record(path, &options)).transpose()?)
-        };
-        input::check_one_standard([&self.record, &self.vertical])?;
-        Ok(Ground { horizontal: load(&self.record)?, vertical: load(&self.vertical)? })
-    }
-}
-
 impl Excitation {
-    /// Whether nothing is asked for.
-    pub fn is_empty(&self) -> bool {
-        self.accelerograms.is_empty() && self.pulse == Shape::None
-    }
-
     /// Whether there is a pulse and no record.
     pub fn is_pulse_alone(&self) -> bool {
-        self.accelerograms.is_empty() && self.pulse != Shape::None
+        self.accelerograms.is_empty() && self.pulse.shape != Shape::None
     }
 
     /// Reads the records, with this gravity for those in g (m/s²); `instead` stands for a horizontal one that is not
     /// named.
-    pub fn read(&self, gravity: f64, instead: Option<Record>) -> anyhow::Result<Motion> {
+    pub fn read(&self, given: &Given, gravity: f64, instead: Option<Record>) -> anyhow::Result<Motion> {
         finite("scale", self.scale, |_| true, "a finite factor")?;
+        let has_record = instead.is_some() || !self.accelerograms.is_empty();
+        given.only_if(has_record, &["scale"], "without --record or --vertical")?;
         let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
         let horizontal = horizontal.or(instead);
-        let pulse = self.pulse()?;
+        let pulse = self.pulse.read(given)?;
         let mut words = Vec::new();
         let Accelerograms { record: along, vertical: up, .. } = &self.accelerograms;
         for (direction, record, path) in [("", &horizontal, along), ("vertical ", &vertical, up)] {
@@ -117,23 +88,27 @@ impl Excitation {
             }
         }
         if pulse.shape != PulseShape::None {
-            let name = self.pulse.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default();
+            let name = self.pulse.shape.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default();
             words.push(format!("{name} pulse, a_p = {} m/s², T_p = {} s", pulse.amplitude, pulse.period));
         }
         let ground = Ground { horizontal, vertical }.scaled(self.scale);
         Ok(Motion { ground, pulse, source: words.join(" + ") })
     }
+}
 
-    fn pulse(&self) -> anyhow::Result<Pulse> {
-        let Excitation { pulse, amplitude, period, start, .. } = *self;
+impl PulseOptions {
+    /// The pulse, which may be none.
+    fn read(&self, given: &Given) -> anyhow::Result<Pulse> {
+        let PulseOptions { shape, amplitude, period, start } = *self;
+        given.only_if(shape != Shape::None, &["amplitude", "period", "start"], "without --pulse")?;
         finite("amplitude", amplitude, |_| true, "a finite acceleration")?;
         finite("period", period, |x| x > 0.0, "a time > 0 s")?;
         finite("start", start, |_| true, "a finite time")?;
         anyhow::ensure!(
-            pulse == Shape::None || amplitude != 0.0,
+            shape == Shape::None || amplitude != 0.0,
             "--amplitude = 0 m/s2 makes no pulse; expected the amplitude a_p"
         );
-        Ok(Pulse { shape: pulse.into(), amplitude, period, start })
+        Ok(Pulse { shape: shape.into(), amplitude, period, start })
     }
 }
 

@@ -58,7 +58,7 @@ pub struct PictureOptions {
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Format of a picture whose name has no ending, such as `-`
-    #[arg(long, value_enum, value_name = "FORMAT", requires = "plot")]
+    #[arg(long, value_enum, value_name = "FORMAT")]
     pub plot_format: Option<Format>,
 }
 

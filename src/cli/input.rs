@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use crate::cli::excitation::Accelerograms;
+use crate::cli::accelerograms::Accelerograms;
 use crate::cli::output::Named;
 use crate::records::{self, LARGEST_FILE, ReadOptions, Record, RecordError};
 use crate::study::place::STANDARD;

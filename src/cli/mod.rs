@@ -1,8 +1,10 @@
 //! The command line of the `rocking` program.
 
+mod accelerograms;
 mod excitation;
 mod figures;
 mod formats;
+mod given;
 mod input;
 mod output;
 mod progress;
@@ -17,13 +19,14 @@ mod sweep;
 
 use std::io::ErrorKind;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::study::resumable::TableError;
+use given::Given;
 
 /// A rigid block rocking on viscoelastic supports under earthquakes and pulses.
 ///
-/// Without a command, an embedded record makes a block rock: see `rocking simulate --help`.
+/// Without a command, an example runs: a slender block of the size of a statue under an embedded record.
 #[derive(Parser)]
 #[command(name = "rocking", version, max_term_width = 100)]
 struct Arguments {
@@ -49,6 +52,20 @@ enum Command {
     Man(shell::Man),
 }
 
+/// What runs without a command.
+const EXAMPLE: [&str; 8] = ["rocking", "simulate", "--alpha", "0.15", "--p", "2", "--xi-v", "0.2"];
+
+/// All commands. A value may be a negative number, so that it is not taken for an option but judged as a value.
+fn command() -> clap::Command {
+    fn with_negative_numbers(command: clap::Command) -> clap::Command {
+        let takes_value = |arg: &clap::Arg| arg.get_action().takes_values();
+        command
+            .mut_args(|arg| if takes_value(&arg) { arg.allow_negative_numbers(true) } else { arg })
+            .mut_subcommands(with_negative_numbers)
+    }
+    with_negative_numbers(Arguments::command())
+}
+
 /// What the signal sets; nobody reads it, since the write says the same.
 #[cfg(unix)]
 static BEYOND_LIMIT: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
@@ -61,15 +78,20 @@ pub fn run() -> anyhow::Result<()> {
     // A write beyond the limit of the file size is to fail; the signal would end the program.
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &BEYOND_LIMIT)?;
-    match Arguments::parse().command {
-        Some(Command::Simulate(options)) => simulate::run(&options),
-        Some(Command::Spectrum(options)) => spectrum::run(&options),
+    run_with(&command().get_matches())
+}
+
+fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
+    let given = Given::of(matches);
+    match Arguments::from_arg_matches(matches)?.command {
+        Some(Command::Simulate(options)) => simulate::run(&options, &given),
+        Some(Command::Spectrum(options)) => spectrum::run(&options, &given),
         Some(Command::Sweep(options)) => sweep::run(&options),
-        Some(Command::Search(options)) => search::run(&options),
+        Some(Command::Search(options)) => search::run(&options, &given),
         Some(Command::Figures(options)) => figures::run(&options),
-        Some(Command::Completions(options)) => shell::completions(&options, Arguments::command()),
-        Some(Command::Man(options)) => shell::man(&options, Arguments::command()),
-        None => simulate::run(&simulate::Options::parse_from(["rocking"])),
+        Some(Command::Completions(options)) => shell::completions(&options, command()),
+        Some(Command::Man(options)) => shell::man(&options, command()),
+        None => run_with(&command().get_matches_from(EXAMPLE)),
     }
 }
 

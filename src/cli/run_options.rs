@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use crate::cli::excitation::finite;
+use crate::cli::given::Given;
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written, is_standard_output};
 use crate::simulation::{LiftOff, OnSeparation, Settings};
@@ -72,8 +73,9 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// How to integrate.
-    pub fn settings(&self) -> anyhow::Result<Settings> {
+    /// How to integrate; some block stands `on_supports`, or all on a rigid base.
+    pub fn settings(&self, given: &Given, on_supports: bool) -> anyhow::Result<Settings> {
+        given.only_if(on_supports, &["lift-off"], "on a rigid base")?;
         finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
         let (lift_off, on_separation) = (self.lift_off.into(), self.on_separation.into());
         Ok(Settings { tolerance: self.tolerance, lift_off, on_separation, ..Settings::default() })

@@ -3,12 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
+use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use serde::Serialize;
 
 use crate::block::{Block, Common, Dimensionless, Foundation};
-use crate::cli::excitation::{Accelerograms, Shape, finite};
+use crate::cli::accelerograms::Accelerograms;
+use crate::cli::excitation::{Shape, finite};
 use crate::cli::formats::check_table;
+use crate::cli::given::Given;
 use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
@@ -58,10 +61,10 @@ struct Damping {
 #[derive(Args)]
 struct Overturning {
     /// Shape of the pulse
-    #[arg(long, value_enum, default_value_t = Shape::OneSine, conflicts_with = "record")]
+    #[arg(long, value_enum, default_value_t = Shape::OneSine)]
     pulse: Shape,
-    /// Period T_p of the pulse [s]
-    #[arg(long, value_name = "S", required_unless_present = "record", conflicts_with = "record")]
+    /// Period T_p of the pulse, which has no default [s]
+    #[arg(long, value_name = "S")]
     period: Option<f64>,
     #[command(flatten)]
     accelerograms: Accelerograms,
@@ -84,7 +87,7 @@ struct Overturning {
     #[arg(long)]
     rigid: bool,
     /// Restitution e on the rigid base over Housner's e of epsilon; their product is at most 1
-    #[arg(long, value_name = "FACTOR", requires = "rigid", default_value_t = 1.0)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     restitution_factor: f64,
     #[command(flatten)]
     block: BlockOptions,
@@ -138,7 +141,7 @@ struct SearchOptions {
 }
 
 /// Does what the options say.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     match &options.what {
         What::Damping(damping) => {
             let Damping { rate, from, to, resolution, .. } = *damping;
@@ -169,6 +172,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         }
         What::Overturning(overturning) => {
             let Overturning { xi_v, rigid, restitution_factor, resolution, .. } = *overturning;
+            given.only_if(!rigid, &["eta", "xi-v", "lift-off"], "with --rigid")?;
+            given.only_if(rigid, &["restitution-factor"], "without --rigid")?;
+            given.only_if(!given.has("record"), &["pulse", "period"], "with --record")?;
             overturning.search.check_table(&input::of_records(&overturning.accelerograms))?;
             let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
             let common = Common { restitution_factor, ..overturning.block.common(foundation) };
@@ -204,7 +210,7 @@ impl Overturning {
         }
         anyhow::ensure!(ground.vertical.is_none(), "--vertical without --record; expected both, or a pulse alone");
         anyhow::ensure!(self.pulse != Shape::None, "--pulse none overturns no block; expected a pulse");
-        let period = self.period.unwrap_or_default();
+        let period = self.period.context("--period is missing; expected the period T_p of the pulse, or --record")?;
         finite("period", period, |x| x > 0.0, "a time > 0 s")?;
         let pulse = Pulse { shape: self.pulse.into(), amplitude: 0.0, period, start: 0.0 };
         Ok((Shaking::Pulse(pulse), "a_p", " m/s2", 1.0))

@@ -8,6 +8,7 @@ use clap::{Args, Parser, ValueEnum};
 use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::excitation::{Excitation, Motion, finite};
 use crate::cli::formats::{PictureOptions, check_table};
+use crate::cli::given::Given;
 use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
@@ -26,7 +27,7 @@ const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../r
 /// Options of `rocking simulate`.
 #[derive(Parser)]
 pub struct Options {
-    #[command(flatten, next_help_heading = "Excitation (without any, an embedded record)")]
+    #[command(flatten, next_help_heading = "Excitation (without any, and without a beginning, an embedded record)")]
     excitation: Excitation,
     #[command(flatten)]
     block: BlockOptions,
@@ -65,29 +66,29 @@ pub struct Options {
 #[derive(Args)]
 #[command(next_help_heading = "Block")]
 struct BlockOptions {
-    /// Slenderness angle alpha [rad]; 0.25, for the embedded record 0.15
-    #[arg(long, value_name = "RAD", conflicts_with_all = ["width", "height", "stiffness", "damping"])]
-    alpha: Option<f64>,
-    /// Frequency parameter p [rad/s]; 1, for the embedded record 2
-    #[arg(long, value_name = "RAD/S", conflicts_with_all = ["width", "height", "stiffness", "damping"])]
-    p: Option<f64>,
-    /// Stiffness ratio eta = omega_v/p; 40
-    #[arg(long, conflicts_with_all = ["width", "height", "stiffness", "damping"])]
-    eta: Option<f64>,
-    /// Vertical damping ratio xi_v; 0.1, for the embedded record 0.2
-    #[arg(long, conflicts_with_all = ["width", "height", "stiffness", "damping"])]
-    xi_v: Option<f64>,
-    /// Width of the base, instead of alpha, p, eta, xi_v: all four sizes together [m]
-    #[arg(long, value_name = "M", requires_all = ["height", "stiffness", "damping"])]
+    /// Slenderness angle alpha [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    alpha: f64,
+    /// Frequency parameter p [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
+    p: f64,
+    /// Stiffness ratio eta = omega_v/p
+    #[arg(long, default_value_t = 40.0)]
+    eta: f64,
+    /// Vertical damping ratio xi_v
+    #[arg(long, default_value_t = 0.1)]
+    xi_v: f64,
+    /// Width of the base, with --height, --stiffness and --damping instead of alpha, p, eta and xi_v [m]
+    #[arg(long, value_name = "M")]
     width: Option<f64>,
     /// Twice the height of the centre of mass over the base [m]
-    #[arg(long, value_name = "M", requires = "width")]
+    #[arg(long, value_name = "M")]
     height: Option<f64>,
-    /// Stiffness K of one support [N/m]
-    #[arg(long, value_name = "N/M", requires = "width")]
+    /// Stiffness K of one support; none on a rigid base [N/m]
+    #[arg(long, value_name = "N/M")]
     stiffness: Option<f64>,
-    /// Damping C of one support [N.s/m]
-    #[arg(long, value_name = "N.S/M", requires = "width")]
+    /// Damping C of one support; none on a rigid base [N.s/m]
+    #[arg(long, value_name = "N.S/M")]
     damping: Option<f64>,
     /// Mass M [kg]
     #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
@@ -105,8 +106,8 @@ struct BlockOptions {
     #[arg(long, value_enum, default_value_t = Base::Viscoelastic)]
     foundation: Base,
     /// On the rigid base, restitution e over Housner's e of epsilon; their product is at most 1
-    #[arg(long, value_name = "FACTOR")]
-    restitution_factor: Option<f64>,
+    #[arg(long, value_name = "FACTOR", default_value_t = Common::default().restitution_factor)]
+    restitution_factor: f64,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -118,27 +119,28 @@ enum Base {
 }
 
 #[derive(Args)]
-#[command(next_help_heading = "Beginning")]
+#[command(next_help_heading = "Beginning (without excitation, the block moves freely from it)")]
 struct Beginning {
     /// Rotation at the start, positive to the right [rad]
-    #[arg(long, value_name = "RAD", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
     theta: f64,
     /// Rate of rotation at the start [rad/s]
-    #[arg(long, value_name = "RAD/S", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.0)]
     theta_dot: f64,
     /// Height of the centre of mass over its place at rest, instead of the vertical equilibrium [m]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     v: Option<f64>,
     /// Vertical velocity at the start, instead of the vertical equilibrium [m/s]
-    #[arg(long, value_name = "M/S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M/S")]
     v_dot: Option<f64>,
 }
 
 /// Does what the options say.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
+    options.refuse_unread(given)?;
     let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
     options.csv.as_deref().map_or(Ok(()), check_table)?;
-    let (run, source) = options.run()?;
+    let (run, source) = options.run(given)?;
     let (csv, plot) = options.places()?;
     let named = [("--csv", &csv), ("--plot", &plot)];
     let named: Vec<_> = named.iter().filter_map(|(option, path)| Some(Named::new(option, path.as_deref()?))).collect();
@@ -167,8 +169,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     let written = Written::new([("csv", csv.as_deref()), ("plot", plot.as_deref())]);
     let text = summary(&run, &history, &source, options.events) + &written.lines();
-    let warnings =
-        options.is_embedded().then(|| format!("no excitation was named: the embedded {} was run", EMBEDDED.0));
+    let warnings = is_embedded(given).then(|| format!("no excitation was named: the embedded {} was run", EMBEDDED.0));
     let json = Summary::new(&run, &history, &source, options.events);
     options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
 }
@@ -184,16 +185,26 @@ impl Options {
         Ok((Some(folder.join("rocking.csv")), Some(folder.join("rocking.png"))))
     }
 
-    fn is_embedded(&self) -> bool {
-        let Beginning { theta, theta_dot, v, v_dot } = &self.beginning;
-        let at_rest = *theta == 0.0 && *theta_dot == 0.0 && v.is_none() && v_dot.is_none();
-        self.excitation.is_empty() && at_rest
+    /// Refuses options that nothing would read.
+    fn refuse_unread(&self, given: &Given) -> anyhow::Result<()> {
+        let on_supports = match self.block.foundation {
+            Base::Viscoelastic => true,
+            Base::Rigid => false,
+        };
+        let of_supports = ["eta", "xi-v", "stiffness", "damping", "lift-off", "v", "v-dot"];
+        given.only_if(on_supports, &of_supports, "on a rigid base")?;
+        let needed = "on viscoelastic supports; expected --foundation rigid";
+        given.only_if(!on_supports, &["restitution-factor"], needed)?;
+        given.only_if(self.block.width.is_none(), &["alpha", "p", "eta", "xi-v"], "with --width")?;
+        given.only_if(self.block.width.is_some(), &["height", "stiffness", "damping"], "without --width")?;
+        given.only_if(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
+        given.only_if(!self.quiet, &["events"], "with --quiet")
     }
 
     /// The run, and what excites it.
-    fn run(&self) -> anyhow::Result<(Run, String)> {
+    fn run(&self, given: &Given) -> anyhow::Result<(Run, String)> {
         let block = self.block()?;
-        let Motion { ground, pulse, mut source } = self.excitation.read(self.block.g, self.embedded()?)?;
+        let Motion { ground, pulse, mut source } = self.excitation.read(given, self.block.g, self.embedded(given)?)?;
         if source.is_empty() {
             source = "free motion".into();
         }
@@ -227,9 +238,9 @@ impl Options {
         Ok((run, source))
     }
 
-    /// The record that is run when none is named.
-    fn embedded(&self) -> anyhow::Result<Option<Record>> {
-        if !self.is_embedded() {
+    /// The record that is run when nothing is said of excitation and beginning.
+    fn embedded(&self, given: &Given) -> anyhow::Result<Option<Record>> {
+        if !is_embedded(given) {
             return Ok(None);
         }
         let (name, bytes) = EMBEDDED;
@@ -238,31 +249,33 @@ impl Options {
     }
 
     fn block(&self) -> anyhow::Result<Block> {
-        let BlockOptions { mass, gamma, epsilon, g, foundation, restitution_factor, .. } = self.block;
-        let foundation = match (foundation, restitution_factor) {
-            (Base::Viscoelastic, None) => Foundation::Viscoelastic,
-            (Base::Viscoelastic, Some(factor)) => anyhow::bail!(
-                "--restitution-factor {factor} has no effect on viscoelastic supports; expected --foundation rigid with it"
-            ),
-            (Base::Rigid, _) => Foundation::Rigid,
+        let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } =
+            self.block;
+        let foundation = match foundation {
+            Base::Viscoelastic => Foundation::Viscoelastic,
+            Base::Rigid => Foundation::Rigid,
         };
-        let restitution_factor = restitution_factor.unwrap_or(1.0);
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
-        let BlockOptions { width, height, stiffness, damping, .. } = self.block;
-        if let (Some(width), Some(height), Some(stiffness), Some(damping)) = (width, height, stiffness, damping) {
-            return Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?);
-        }
-        // A slender block of the size of a statue for the embedded record, the paper's block otherwise.
-        let (alpha, p, xi_v) = if self.is_embedded() { (0.15, 2.0, 0.2) } else { (0.25, 1.0, 0.1) };
-        let BlockOptions { alpha: given_alpha, p: given_p, eta, xi_v: given_xi_v, .. } = self.block;
-        let dimensionless = Dimensionless {
-            alpha: given_alpha.unwrap_or(alpha),
-            p: given_p.unwrap_or(p),
-            eta: eta.unwrap_or(40.0),
-            xi_v: given_xi_v.unwrap_or(xi_v),
+        let BlockOptions { width: Some(width), height, stiffness, damping, .. } = self.block else {
+            return Ok(Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?);
         };
-        Ok(Block::from_dimensionless(&dimensionless, &common)?)
+        let height = height.context("--width without --height; expected both")?;
+        let (stiffness, damping) = match (foundation, stiffness, damping) {
+            (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
+            (Foundation::Viscoelastic, ..) => {
+                anyhow::bail!("--width without --stiffness and --damping; expected both, or --foundation rigid")
+            }
+            // The rigid base reads neither; any that make a block will do.
+            (Foundation::Rigid, ..) => (mass * g / height, 0.0),
+        };
+        Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?)
     }
+}
+
+/// Whether nothing is said of excitation and beginning.
+fn is_embedded(given: &Given) -> bool {
+    const MOVES: [&str; 7] = ["record", "vertical", "pulse", "theta", "theta-dot", "v", "v-dot"];
+    !MOVES.iter().any(|option| given.has(option))
 }
 
 /// What happened, for a person.

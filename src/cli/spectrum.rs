@@ -5,6 +5,7 @@ use clap::{Args, Parser, ValueEnum};
 use crate::block::Common;
 use crate::cli::excitation::{Excitation, Motion, finite};
 use crate::cli::formats::{PictureOptions, check_table};
+use crate::cli::given::Given;
 use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::run_options::{RunOptions, StudyOptions};
@@ -19,7 +20,7 @@ pub struct Options {
     #[command(flatten, next_help_heading = "Excitation")]
     excitation: Excitation,
     /// With --vertical: the horizontal motion alone as well, in curves of its own
-    #[arg(long, requires = "vertical", help_heading = "Excitation")]
+    #[arg(long, help_heading = "Excitation")]
     also_horizontal: bool,
     #[command(flatten)]
     blocks: Blocks,
@@ -30,7 +31,7 @@ pub struct Options {
     #[command(flatten)]
     picture: PictureOptions,
     /// What the sizes are drawn over; without it omega_p/p for a pulse, 2pi/p for a record
-    #[arg(long, value_enum, requires = "plot", help_heading = "Results")]
+    #[arg(long, value_enum, help_heading = "Results")]
     over: Option<Over>,
 }
 
@@ -93,13 +94,15 @@ fn base(text: &str) -> anyhow::Result<Base> {
 }
 
 /// Does what the options say.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
+    given.only_if(options.picture.plot.is_some(), &["over", "plot-format"], "without --plot")?;
+    given.only_if(given.has("vertical"), &["also-horizontal"], "without --vertical")?;
     let (csv, plot) = (&options.study.csv, options.picture.plot.as_deref());
     check_table(csv)?;
     let format = options.picture.format()?;
     let outputs = std::iter::once(Named::new("--csv", csv)).chain(plot.map(|path| Named::new("--plot", path)));
     check_distinct(&input::of_records(&options.excitation.accelerograms), &outputs.collect::<Vec<_>>())?;
-    let (spectrum, source) = options.spectrum()?;
+    let (spectrum, source) = options.spectrum(given)?;
     let over = match options.over {
         Some(Over::TwoPiOverP) => Abscissa::TwoPiOverP,
         Some(Over::PulseRatio) => Abscissa::PulseRatio,
@@ -119,9 +122,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 
 impl Options {
     /// The spectrum, and what excites it.
-    fn spectrum(&self) -> anyhow::Result<(Spectrum, String)> {
+    fn spectrum(&self, given: &Given) -> anyhow::Result<(Spectrum, String)> {
         let Blocks { alpha, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
-        let Motion { ground, pulse, source } = self.excitation.read(g, None)?;
+        let Motion { ground, pulse, source } = self.excitation.read(given, g, None)?;
         let nothing = ground.time_step().is_none() && pulse.shape == PulseShape::None;
         anyhow::ensure!(!nothing, "nothing moves the ground; expected --record, --vertical or --pulse");
         finite("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;
@@ -132,14 +135,19 @@ impl Options {
             motions.push(("horizontal".into(), Ground { vertical: None, ..ground.clone() }));
         }
         motions.push((with.into(), ground));
+        let bases = foundation.iter().map(|text| base(text)).collect::<anyhow::Result<Vec<_>>>()?;
+        let on_supports = bases.iter().any(|base| match base {
+            Base::Viscoelastic { .. } => true,
+            Base::Rigid { .. } => false,
+        });
         let spectrum = Spectrum {
             alpha,
             common: Common { mass, gamma, gravity: g, ..Common::default() },
-            bases: foundation.iter().map(|text| base(text)).collect::<anyhow::Result<_>>()?,
+            bases,
             sizes: Sizes { least: p_min, greatest: p_max, count: points },
             motions,
             pulse,
-            settings: self.run.settings()?,
+            settings: self.run.settings(given, on_supports)?,
             duration: self.run.duration()?,
             step: self.run.step()?,
         };

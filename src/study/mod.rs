@@ -3,6 +3,7 @@
 pub mod coming_down;
 pub mod figures;
 pub mod ground;
+pub mod ground_files;
 pub mod history;
 pub mod intensity;
 mod look;

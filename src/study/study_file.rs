@@ -1,6 +1,7 @@
 //! A TOML file → its tables with the line of each key and value, and nothing in them that is not asked for.
 
 use std::ops::Range;
+use std::str::FromStr;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -119,6 +120,13 @@ impl<'a> Section<'a> {
     pub fn text(&self, key: &str) -> Result<Option<&'a str>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         value.get_ref().as_str().map(Some).ok_or_else(|| self.wrong(key, value, "a text in quotes"))
+    }
+
+    /// A text that stands for something else.
+    pub fn parsed<T: FromStr<Err: std::fmt::Display>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
+        let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
+        let parsed = text.parse().map_err(|error| self.source.wrong(&value.span(), format!("{key}: {error}")));
+        parsed.map(Some)
     }
 
     /// A list of finite numbers that fit, not empty.

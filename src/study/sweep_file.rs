@@ -7,9 +7,10 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::values::Values;
 use crate::model::variables::{Kind, Variable};
-use crate::records::{self, ReadOptions, Record, Unit};
+use crate::records::{self, Column, ReadOptions, Record, Setting};
 use crate::simulation::{OnSeparation, Settings};
 use crate::study::ground::Ground;
+use crate::study::ground_files::{Name, Said};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::parameters::Parameter;
 use crate::study::sampling::LatinHypercube;
@@ -18,6 +19,24 @@ use crate::study::sweep::{Design, Factor, Levels, Motion, Sweep};
 
 /// More rows than anybody waits for.
 const MOST_ROWS: u64 = 1_000_000_000;
+
+/// What `[[records]]` may have.
+const RECORD_KEYS: [&str; 14] = [
+    "horizontal",
+    "vertical",
+    "unit",
+    "dt",
+    "format",
+    "channel",
+    "acceleration_column",
+    "time_column",
+    "vertical_unit",
+    "vertical_dt",
+    "vertical_format",
+    "vertical_channel",
+    "vertical_acceleration_column",
+    "vertical_time_column",
+];
 
 /// A parameter of the file and where it stands there.
 struct Given<'a> {
@@ -236,28 +255,58 @@ fn motions(
     };
     let read = |value: Placed| {
         let table = value.get_ref().as_table().ok_or_else(|| root.wrong("records", value, "tables"))?;
-        let keys = ["horizontal", "vertical", "unit", "dt"];
-        let section = Section::new(source, "[[records]]", value.span(), table, &keys)?;
-        let unit = section.text("unit")?.map(str::parse::<Unit>).transpose();
-        let unit = unit.map_err(|error| source.wrong(&value.span(), error.to_string()))?;
-        let time_step = section.number("dt", |x| x > 0.0, "a time > 0 s")?;
-        let options = ReadOptions { unit, time_step, gravity, ..ReadOptions::default() };
-        let load = |key: &str| -> Result<(String, Option<Record>), StudyFileError> {
+        let section = Section::new(source, "[[records]]", value.span(), table, &RECORD_KEYS)?;
+        let said = said(&section, gravity)?;
+        let load = |key: &str, read: &dyn Fn(&Path) -> Result<Record, String>| {
             let (Some(name), Some(value)) = (section.text(key)?, section.get(key)) else {
                 return Ok((String::new(), None));
             };
-            let record = records::read(&folder.join(name), &options);
-            record
-                .map(|record| (name.to_string(), Some(record)))
-                .map_err(|error| source.wrong(&value.span(), error.to_string()))
+            let record = read(&folder.join(name)).map_err(|message| source.wrong(&value.span(), message))?;
+            Ok((name.to_string(), Some(record)))
         };
-        let ((first, horizontal), (second, vertical)) = (load("horizontal")?, load("vertical")?);
+        let (first, horizontal) =
+            load("horizontal", &|path| said.read(false, Name::key, |options| records::read(path, options)))?;
+        let (second, vertical) =
+            load("vertical", &|path| said.read(true, Name::key, |options| records::read(path, options)))?;
         if horizontal.is_none() && vertical.is_none() {
             return Err(section.lacks("horizontal", "a file, horizontal or vertical or both"));
         }
-        Ok(Motion::new([first, second], Ground { horizontal, vertical }, periods))
+        let ground = Ground { horizontal, vertical };
+        if let Some((name, needed)) = said.unread(std::slice::from_ref(&ground)) {
+            let key = name.key();
+            let place = section.get(&key).map_or(value.span(), |value| value.span());
+            return Err(source.wrong(&place, format!("{key} has no effect without {needed}")));
+        }
+        Ok(Motion::new([first, second], ground, periods))
     };
     list.iter().map(read).collect()
+}
+
+/// What `[[records]]` say of their files.
+fn said(section: &Section, gravity: f64) -> Result<Said, StudyFileError> {
+    let of = |vertical: bool| {
+        let key = |setting: Setting| Name { setting, vertical }.key();
+        Ok(ReadOptions {
+            format: section.parsed(&key(Setting::Format))?,
+            unit: section.parsed(&key(Setting::Unit))?,
+            time_step: section.number(&key(Setting::TimeStep), |x| x > 0.0, "a time > 0 s")?,
+            gravity,
+            time_column: column(section, &key(Setting::TimeColumn))?,
+            acceleration_column: column(section, &key(Setting::AccelerationColumn))?,
+            channel: section.integer(&key(Setting::Channel), 1..1001)?.map(|channel| channel as usize),
+        })
+    };
+    Ok(Said { of_both: of(false)?, of_vertical: of(true)? })
+}
+
+/// A column by its name or its number.
+fn column(section: &Section, key: &str) -> Result<Option<Column>, StudyFileError> {
+    match section.get(key).map(|value| value.get_ref()) {
+        Some(DeValue::Integer(_)) => {
+            Ok(section.integer(key, 1..100_001)?.map(|number| Column::Number(number as usize)))
+        }
+        _ => Ok(section.text(key)?.map(|name| Column::Name(name.into()))),
+    }
 }
 
 /// What only shows when all is put together: the number of rows, parameters that nothing reads, and blocks that are none.

@@ -232,7 +232,7 @@ fn the_restitution_factor_is_the_same_to_all_commands() {
 fn a_restitution_factor_without_effect_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let factor = ["--restitution-factor", "0.9", "--csv", "x.csv"];
-    refused(folder.path(), &[&["simulate"], &factor[..]].concat(), &["--restitution-factor 0.9", "--foundation rigid"]);
+    refused(folder.path(), &[&["simulate"], &factor[..]].concat(), &["--restitution-factor", "--foundation rigid"]);
     let output = rocking(folder.path(), &[&["search", "overturning", "--period", "1"], &factor[..]].concat());
     assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains("--rigid"));
     let beyond = ["search", "overturning", "--period", "1", "--rigid", "--restitution-factor", "1.2"];

@@ -1,0 +1,134 @@
+//! Options that name accelerograms, and say of them what their files do not → ground motions.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::excitation::finite;
+use crate::cli::input;
+use crate::records::{Column, Format, ReadOptions, Unit};
+use crate::study::ground::Ground;
+use crate::study::ground_files::{Name, Said};
+
+/// Options that name the records of one ground motion.
+#[derive(Args)]
+pub struct Accelerograms {
+    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for standard input
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Accelerogram of the vertical ground motion; `-` for standard input
+    #[arg(long, value_name = "FILE")]
+    pub vertical: Option<PathBuf>,
+    #[command(flatten)]
+    of_both: OfBoth,
+    #[command(flatten)]
+    of_vertical: OfVertical,
+}
+
+/// What the files do not say.
+#[derive(Args)]
+pub struct OfBoth {
+    /// Unit of the accelerograms, where they do not say: g, m/s2 or cm/s2
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// Time step of the accelerograms, where they do not say [s]
+    #[arg(long, value_name = "S")]
+    dt: Option<f64>,
+    /// Format, where the content does not tell: peer, smc, columns, cosmos, csmip or esm
+    #[arg(long)]
+    format: Option<Format>,
+    /// Channel of COSMOS and CSMIP files that have several, from 1
+    #[arg(long, value_name = "N")]
+    channel: Option<usize>,
+    /// Column of the accelerations in a table: its name, or its number from 1
+    #[arg(long, value_name = "COLUMN")]
+    acceleration_column: Option<Column>,
+    /// Column of the times in a table: its name, or its number from 1
+    #[arg(long, value_name = "COLUMN")]
+    time_column: Option<Column>,
+}
+
+/// What vertical files do not say.
+#[derive(Args)]
+pub struct OfVertical {
+    /// Unit of the vertical accelerogram, instead of --unit
+    #[arg(long, value_name = "UNIT")]
+    vertical_unit: Option<Unit>,
+    /// Time step of the vertical accelerogram, instead of --dt [s]
+    #[arg(long, value_name = "S")]
+    vertical_dt: Option<f64>,
+    /// Format of the vertical accelerogram, instead of --format
+    #[arg(long, value_name = "FORMAT")]
+    vertical_format: Option<Format>,
+    /// Channel of the vertical accelerogram, instead of --channel
+    #[arg(long, value_name = "N")]
+    vertical_channel: Option<usize>,
+    /// Column of the vertical accelerations, instead of --acceleration-column
+    #[arg(long, value_name = "COLUMN")]
+    vertical_acceleration_column: Option<Column>,
+    /// Column of the vertical accelerogram's times, instead of --time-column
+    #[arg(long, value_name = "COLUMN")]
+    vertical_time_column: Option<Column>,
+}
+
+impl Accelerograms {
+    /// Whether no record is named.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_none() && self.vertical.is_none()
+    }
+
+    /// Reads the records, with this gravity for those in g (m/s²).
+    pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
+        let said = Said { of_both: self.of_both.options(gravity)?, of_vertical: self.of_vertical.options()? };
+        input::check_one_standard([&self.record, &self.vertical])?;
+        let read = |path: &Option<PathBuf>, is_vertical| {
+            let read = |path| said.read(is_vertical, Name::option, |options| input::record(path, options));
+            path.as_deref().map(read).transpose().map_err(anyhow::Error::msg)
+        };
+        let ground = Ground { horizontal: read(&self.record, false)?, vertical: read(&self.vertical, true)? };
+        all_read(&said, std::slice::from_ref(&ground))?;
+        Ok(ground)
+    }
+}
+
+/// Refuses options on files that no file has read.
+fn all_read(said: &Said, grounds: &[Ground]) -> anyhow::Result<()> {
+    match said.unread(grounds) {
+        Some((name, needed)) => anyhow::bail!("{} has no effect without {needed}", name.option()),
+        None => Ok(()),
+    }
+}
+
+impl OfBoth {
+    /// What is said, with this gravity for records in g (m/s²).
+    fn options(&self, gravity: f64) -> anyhow::Result<ReadOptions> {
+        Ok(ReadOptions {
+            format: self.format,
+            unit: self.unit,
+            time_step: time_step("dt", self.dt)?,
+            gravity,
+            time_column: self.time_column.clone(),
+            acceleration_column: self.acceleration_column.clone(),
+            channel: self.channel,
+        })
+    }
+}
+
+impl OfVertical {
+    fn options(&self) -> anyhow::Result<ReadOptions> {
+        Ok(ReadOptions {
+            format: self.vertical_format,
+            unit: self.vertical_unit,
+            time_step: time_step("vertical-dt", self.vertical_dt)?,
+            time_column: self.vertical_time_column.clone(),
+            acceleration_column: self.vertical_acceleration_column.clone(),
+            channel: self.vertical_channel,
+            ..ReadOptions::default()
+        })
+    }
+}
+
+fn time_step(option: &str, value: Option<f64>) -> anyhow::Result<Option<f64>> {
+    value.map_or(Ok(()), |value| finite(option, value, |x| x > 0.0, "a time > 0 s"))?;
+    Ok(value)
+}
