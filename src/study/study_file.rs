@@ -123,9 +123,9 @@ impl<'a> Section<'a> {
     }
 
     /// A text that stands for something else.
-    pub fn parsed<T: FromStr<Err: std::fmt::Display>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
+    pub fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
         let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
-        let parsed = text.parse().map_err(|error| self.source.wrong(&value.span(), format!("{key}: {error}")));
+        let parsed = text.parse().map_err(|error| self.source.wrong(&value.span(), error.to_string()));
         parsed.map(Some)
     }
 

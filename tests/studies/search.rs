@@ -90,7 +90,9 @@ fn the_program_tells_what_the_library_finds() {
     let found =
         damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
     let needed = found.least_without(End::Separated).unwrap();
-    assert!(one.contains(&format!("no separation from xi_v = {needed} on")), "{one}");
+    // To 1e-4: 17 digits would claim more than was found.
+    assert!(one.contains(&format!("no separation from xi_v = {needed:.4} on\n")), "{one}");
+    assert!(one.contains(&format!("xi_v = {needed:.4} to 0.4000: ")), "{one}");
     assert!(one.contains("9 values, 0.05 apart") && one.contains("within 0.0001"), "{one}");
     let table = Table::read(&folder.path().join("d.csv"));
     let stretches = found.stretches();
@@ -113,7 +115,9 @@ fn records_are_searched_over_their_scale() {
     let table = Table::read(&folder.path().join("o.csv"));
     assert_eq!((table.number(0, "from"), table.get(0, "outcome")), (1.5, "completed"));
     let row = (0..table.rows.len()).find(|&row| table.get(row, "outcome") == "overturned").unwrap();
-    assert!(told.contains(&format!("overturning first at scale = {}\n", table.get(row, "from"))), "{told}");
+    let least = table.number(row, "from");
+    assert_ne!(table.get(row, "from"), format!("{least:.3}"), "the table has all digits");
+    assert!(told.contains(&format!("overturning first at scale = {least:.3}\n")), "{told}");
     let run = [&["simulate", "--on-separation", "fly", "--csv", "x.csv"], &block[..]].concat();
     for row in 0..table.rows.len() {
         let words = match table.get(row, "outcome") {

@@ -293,7 +293,7 @@ fn wrong_keys_and_values_are_refused_with_their_line() {
         ),
         ("horizontal = \"h.csv\"", "horizontal = \"none.csv\"", "study.toml:14:", "none.csv"),
         ("horizontal = \"h.csv\"", "file = \"h.csv\"", "study.toml:14:", "there is no file in [[records]]"),
-        ("unit = \"m/s2\"", "unit = \"furlong\"", "study.toml:13:", "furlong"),
+        ("unit = \"m/s2\"", "unit = \"furlong\"", "study.toml:15:", "furlong"),
         ("dt = 0.02", "dt = 0", "study.toml:16:", "dt = 0"),
         ("[study]", "[study", "study.toml:2:", "this is no TOML"),
         ("[study]", "[stud]", "study.toml:2:", "there is no stud in the file"),
