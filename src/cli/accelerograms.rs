@@ -92,7 +92,7 @@ impl Accelerograms {
 }
 
 /// Refuses options on files that no file has read.
-fn all_read(said: &Said, grounds: &[Ground]) -> anyhow::Result<()> {
+pub fn all_read(said: &Said, grounds: &[Ground]) -> anyhow::Result<()> {
     match said.unread(grounds) {
         Some((name, needed)) => anyhow::bail!("{} has no effect without {needed}", name.option()),
         None => Ok(()),
@@ -101,7 +101,7 @@ fn all_read(said: &Said, grounds: &[Ground]) -> anyhow::Result<()> {
 
 impl OfBoth {
     /// What is said, with this gravity for records in g (m/s²).
-    fn options(&self, gravity: f64) -> anyhow::Result<ReadOptions> {
+    pub fn options(&self, gravity: f64) -> anyhow::Result<ReadOptions> {
         Ok(ReadOptions {
             format: self.format,
             unit: self.unit,

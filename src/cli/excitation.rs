@@ -26,7 +26,7 @@ pub struct Excitation {
 #[derive(Args)]
 pub struct PulseOptions {
     /// Pulse, alone or added to the record
-    #[arg(id = "pulse", long = "pulse", value_enum, default_value_t = Shape::None)]
+    #[arg(id = "pulse", long = "pulse", value_name = "SHAPE", value_enum, default_value_t = Shape::None)]
     shape: Shape,
     /// Amplitude a_p of the pulse [m/s2]
     #[arg(long, value_name = "A", default_value_t = 0.0)]

@@ -8,6 +8,7 @@ mod given;
 mod input;
 mod output;
 mod progress;
+mod record;
 mod report;
 mod run_options;
 mod search;
@@ -17,6 +18,7 @@ mod spectrum;
 mod summary;
 mod sweep;
 
+use std::any::TypeId;
 use std::io::ErrorKind;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -44,6 +46,8 @@ enum Command {
     Sweep(sweep::Options),
     /// Where the outcome changes: least damping against separation, minimum overturning amplitude
     Search(search::Options),
+    /// What accelerograms hold, in words or as a table of times and accelerations
+    Record(Box<record::Options>),
     /// The figures of Palmeri and Makris (2008), computed anew: pictures with their tables
     Figures(figures::Options),
     /// Prints a script that lets a shell complete the commands and options
@@ -55,12 +59,22 @@ enum Command {
 /// What runs without a command.
 const EXAMPLE: [&str; 8] = ["rocking", "simulate", "--alpha", "0.15", "--p", "2", "--xi-v", "0.2"];
 
-/// All commands. A value may be a negative number, so that it is not taken for an option but judged as a value.
+/// All commands. What follows an option of numbers is its value, `-1e-3` too, and not another option; elsewhere a negative
+/// number is one.
 fn command() -> clap::Command {
+    fn is_number(arg: &clap::Arg) -> bool {
+        let found = arg.get_value_parser().type_id();
+        [TypeId::of::<f64>(), TypeId::of::<u64>(), TypeId::of::<usize>(), TypeId::of::<u16>(), TypeId::of::<u8>()]
+            .iter()
+            .any(|number| found == *number)
+    }
     fn with_negative_numbers(command: clap::Command) -> clap::Command {
-        let takes_value = |arg: &clap::Arg| arg.get_action().takes_values();
         command
-            .mut_args(|arg| if takes_value(&arg) { arg.allow_negative_numbers(true) } else { arg })
+            .mut_args(|arg| match arg.get_action().takes_values() {
+                true if is_number(&arg) => arg.allow_hyphen_values(true),
+                true => arg.allow_negative_numbers(true),
+                false => arg,
+            })
             .mut_subcommands(with_negative_numbers)
     }
     with_negative_numbers(Arguments::command())
@@ -88,6 +102,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Spectrum(options)) => spectrum::run(&options, &given),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Search(options)) => search::run(&options, &given),
+        Some(Command::Record(options)) => record::run(&options),
         Some(Command::Figures(options)) => figures::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, command()),
         Some(Command::Man(options)) => shell::man(&options, command()),

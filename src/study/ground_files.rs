@@ -73,7 +73,8 @@ impl Said {
             let needed = match files.is_empty() {
                 true => needed.into(),
                 false => {
-                    format!("a file of {}", formats.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or "))
+                    let words: Vec<String> = formats.iter().map(ToString::to_string).collect();
+                    format!("a {} file", words.join(" or "))
                 }
             };
             let read = files.iter().any(|record| formats.contains(&record.format));

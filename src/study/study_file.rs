@@ -125,7 +125,7 @@ impl<'a> Section<'a> {
     /// A text that stands for something else.
     pub fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
         let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
-        let parsed = text.parse().map_err(|error| self.source.wrong(&value.span(), error.to_string()));
+        let parsed = text.parse().map_err(|error: T::Err| self.source.wrong(&value.span(), error.to_string()));
         parsed.map(Some)
     }
 
