@@ -38,6 +38,7 @@ impl std::ops::IndexMut<Variable> for Values {
 
 const PHYSICAL_PARAMETERIZATION: f64 = 2.0;
 const RIGID: f64 = Foundation::Rigid as i32 as f64;
+const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 const HOLD_AT_SEPARATION: f64 = OnSeparation::Hold as i32 as f64;
 const FLY: f64 = OnSeparation::Fly as i32 as f64;
 const HOLD_AT_OVERTURNING: f64 = OnOverturning::Hold as i32 as f64;
@@ -59,7 +60,7 @@ impl Values {
             gamma: self[Variable::Gamma],
             epsilon: self[Variable::Epsilon],
             gravity: self[Variable::G],
-            foundation: if self[Variable::Foundation] == RIGID { Foundation::Rigid } else { Foundation::Viscoelastic },
+            foundation: if self.is_rigid() { Foundation::Rigid } else { Foundation::Viscoelastic },
             restitution_factor: self[Variable::RestitutionFactor],
         };
         if self.is_physical() {
@@ -97,16 +98,14 @@ impl Values {
             [Variable::PhysicalWidth, Variable::PhysicalHeight, Variable::PhysicalK, Variable::PhysicalC];
         const VERTICAL: [Variable; 2] = [Variable::InitialV, Variable::InitialVDot];
         const PULSE: [Variable; 3] = [Variable::PulseAmplitude, Variable::PulsePeriod, Variable::PulseStart];
-        let (other_group, other, [.., stiffness, damping]) = if self.is_physical() {
-            (DIMENSIONLESS, "parameterization = Dimensionless", PHYSICAL)
+        let (other_group, other) = if self.is_physical() {
+            (DIMENSIONLESS, "parameterization = Dimensionless")
         } else {
-            (PHYSICAL, "parameterization = Physical", DIMENSIONLESS)
+            (PHYSICAL, "parameterization = Physical")
         };
         let mut unread: Vec<(Variable, &str)> = other_group.map(|variable| (variable, other)).into();
-        if self[Variable::Foundation] == RIGID {
-            let [v, v_dot] = VERTICAL;
-            let of_supports = [stiffness, damping, Variable::LiftOff, v, v_dot];
-            unread.extend(of_supports.map(|variable| (variable, "foundation = Viscoelastic")));
+        if self.is_rigid() {
+            unread.extend([Variable::LiftOff, VERTICAL[0], VERTICAL[1]].map(|variable| (variable, ON_SUPPORTS)));
         } else {
             unread.push((Variable::RestitutionFactor, "foundation = Rigid"));
             if self[Variable::InitialSettled] != 0.0 {
@@ -116,11 +115,27 @@ impl Values {
         if self.pulse().shape == PulseShape::None {
             unread.extend(PULSE.map(|variable| (variable, "a pulse.shape")));
         }
-        let given = move |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
-        unread
-            .into_iter()
-            .filter(move |(variable, _)| given(*variable))
-            .map(|(variable, needed)| (variable.name(), needed))
+        self.given(unread)
+    }
+
+    /// Those of [`Values::unread`], and those of the supports on a rigid base, where only calculated parameters have them.
+    pub fn unread_by_motion(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let supports = match (self.is_rigid(), self.is_physical()) {
+            (false, _) => vec![],
+            (true, true) => vec![Variable::PhysicalK, Variable::PhysicalC],
+            (true, false) => vec![Variable::DimensionlessEta, Variable::DimensionlessXiV],
+        };
+        self.unread().chain(self.given(supports.into_iter().map(|variable| (variable, ON_SUPPORTS)).collect()))
+    }
+
+    /// Those that do not have their start value, with their names.
+    fn given(&self, variables: Vec<(Variable, &'static str)>) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let given = |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
+        variables.into_iter().filter(move |(v, _)| given(*v)).map(|(v, needed)| (v.name(), needed))
+    }
+
+    fn is_rigid(&self) -> bool {
+        self[Variable::Foundation] == RIGID
     }
 
     /// The beginning.

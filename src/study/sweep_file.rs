@@ -334,7 +334,7 @@ fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFile
             return Err(source.wrong(&line("amplitude").map_or(0..0, |given| given.value.span()), message));
         }
         for (given, needed) in given.iter().zip(&mut needed).filter(|(_, needed)| needed.is_some()) {
-            *needed = values.unread().find(|(name, _)| *name == given.name).map(|(_, needed)| needed);
+            *needed = values.unread_by_motion().find(|(name, _)| *name == given.name).map(|(_, needed)| needed);
         }
     }
     match given.iter().zip(&needed).find_map(|(given, needed)| needed.map(|needed| (given, needed))) {

@@ -111,19 +111,29 @@ fn parameters_whose_product_overflows_are_refused() {
     instance.refuses(call!(instance, exit_initialization_mode), &["fmi2ExitInitializationMode"]);
 }
 
-/// A parameter of the group that is not selected is reported, never silently ignored.
+/// A parameter that nothing reads with the others as they are is reported with what it needs, never silently ignored.
 #[test]
 fn parameters_that_are_not_read_are_warned_of() {
-    for (selected, name) in [(1.0, "physical.width"), (2.0, "dimensionless.alpha")] {
+    let cases = [
+        ("parameterization", 1.0, "physical.width", 1.25, "parameterization = Physical"),
+        ("parameterization", 2.0, "dimensionless.alpha", 1.25, "parameterization = Dimensionless"),
+        ("pulse.shape", 1.0, "pulse.amplitude", 5.0, "a pulse.shape"),
+        ("pulse.shape", 1.0, "pulse.period", 0.5, "a pulse.shape"),
+        ("pulse.shape", 1.0, "pulse.start", 1.0, "a pulse.shape"),
+        ("foundation", 2.0, "lift_off", 2.0, "foundation = Viscoelastic"),
+        ("foundation", 2.0, "initial.v", 0.1, "foundation = Viscoelastic"),
+        ("initial.settled", 1.0, "initial.v_dot", 0.1, "initial.settled = false"),
+    ];
+    for (other, value, name, unread, needed) in cases {
         let instance = Instance::new("block");
-        instance.set("parameterization", selected);
-        instance.set(name, 1.25);
+        instance.set(other, value);
+        instance.set(name, unread);
         assert_eq!(instance.setup(None, 0.0, None), OK);
         assert_eq!(call!(instance, enter_initialization_mode), OK);
         assert_eq!(call!(instance, exit_initialization_mode), WARNING);
         let messages = instance.messages();
         let [Message { status: WARNING, category, text, .. }] = messages.as_slice() else { panic!("{messages:?}") };
-        assert!(category == "logStatusWarning" && text.contains(name), "{text}");
+        assert!(category == "logStatusWarning" && text.ends_with(&format!(": {name} needs {needed}")), "{text}");
         instance.step(0.0, 0.1);
     }
 }

@@ -86,10 +86,7 @@ prop_compose! {
             ("pulse.start", pulse.3),
         ]);
         let rigid = ways.0 == 2;
-        // Those of the supports are last in their group: eta and xi_v, or K and C.
-        let supports: Vec<f64> = values[..values.len() - 10].iter().rev().take(2).map(|(_, value)| *value).collect();
-        let as_they_start = [[0.1, 40.0], [4000.0, 800_000.0]].iter().any(|start| supports == start);
-        let mut unread = rigid && !as_they_start || pulse.0 == 1 && (pulse.1, pulse.2, pulse.3) != (0.0, 1.0, 0.0);
+        let mut unread = pulse.0 == 1 && (pulse.1, pulse.2, pulse.3) != (0.0, 1.0, 0.0);
         if !still {
             values.extend([
                 ("initial.theta", start.0),
