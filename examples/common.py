@@ -1,9 +1,10 @@
-"""What the examples share: the FMU's place, an instance of an FMU in fmpy, and an earthquake."""
+"""What the examples share: the places of FMU and program, an instance of an FMU in fmpy, and an earthquake."""
 
+import argparse
 import ctypes
 import os
-import re
 import shutil
+import subprocess
 import sys
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from fmpy.fmi2 import FMU2Slave
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
+ROCKING = Path(os.environ.get("ROCKING", ROOT / "target/release/rocking"))
 RECORD = ROOT / "records/np01002p_4225a_a.smc"
 
 
@@ -70,17 +72,25 @@ def instance(path, start_values=None, tolerance=None):
         opened.close()
 
 
-def read_smc(path=RECORD) -> tuple[float, np.ndarray]:
-    """Sampling interval [s] and accelerations [m/s2] of a USGS record in SMC format."""
-    lines = Path(path).read_text().splitlines()
-    integers = [int(word) for line in lines[11:17] for word in line.split()]
-    reals = [float(line[k : k + 15]) for line in lines[17:27] for k in range(0, 75, 15)]
-    comments = integers[15]
-    text = "\n".join(lines[27 + comments :])
-    values = np.array([float(number) for number in re.findall(r"[-+]?\d*\.\d+(?:E[-+]\d+)?", text)])
-    if len(values) < integers[16]:
-        raise ValueError(f"{path}: {len(values)} samples found, {integers[16]} expected")
-    return 1 / reals[1], 0.01 * values[: integers[16]]
+def read_record(path=RECORD, *options) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and accelerations [m/s2] of a record of any format that `rocking` reads; `options` are those of
+    `rocking record`, such as "--unit=g"."""
+    run = subprocess.run([ROCKING, "record", path, "--csv=-", *options], capture_output=True, text=True)
+    if run.returncode != 0:
+        raise ValueError(run.stderr.strip())
+    return tuple(np.loadtxt(run.stdout.splitlines(), delimiter=",", skiprows=1, unpack=True))
+
+
+def picture(arguments: argparse.Namespace, folder: Path) -> Path:
+    """Where the picture of the example in `folder` goes: to the folder in which it is started, or to its page."""
+    return folder / "result.png" if arguments.update else Path(f"{folder.name}.png")
+
+
+def parser(description: str) -> argparse.ArgumentParser:
+    """Options that all examples of a coupling have."""
+    found = argparse.ArgumentParser(description=description.splitlines()[0])
+    found.add_argument("--update", action="store_true", help="renew the picture of this example's page")
+    return found
 
 
 def load_tbb() -> None:

@@ -1,28 +1,31 @@
 # %% [markdown]
 # # A block in an earthquake
 #
-# Cells for Jupyter (by jupytext) or an editor that knows `# %%`; also a plain script. Start it in the project's folder, after
-# `cargo build --release` and `pip install -r tests/python/requirements.txt -r examples/python/requirements.txt`.
+# Cells for Jupyter (by jupytext) or an editor that knows `# %%`; also a plain script, after `cargo build --release` and
+# `pip install -r tests/python/requirements.txt -r examples/python/requirements.txt`.
 
 # %%
 import sys
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from fmpy import simulate_fmu
 
-sys.path.insert(0, "examples")
-from common import BLOCK, read_smc
+# A notebook has no `__file__`; it is started somewhere in the project.
+here = Path(__file__).resolve() if "__file__" in globals() else Path.cwd()
+sys.path.insert(0, str(next(p / "examples" for p in [here, *here.parents] if (p / "examples/common.py").exists())))
+from common import BLOCK, RECORD, read_record
 
 # %% [markdown]
 # ## The record
 # APEEL Array #2, Redwood City, in the Loma Prieta earthquake of 1989; U.S. Geological Survey, public domain. Doubled, so that
-# the block rocks.
+# the block rocks. `read_record` takes files of every format that `rocking` reads.
 
 # %%
-dt, a_gx = read_smc("records/np01002p_4225a_a.smc")
+time, a_gx = read_record(RECORD)
 a_gx = 2 * a_gx
-time = dt * np.arange(len(a_gx))
+dt = time[1] - time[0]
 print(f"{len(a_gx)} samples every {dt:g} s, greatest acceleration {np.abs(a_gx).max():.2f} m/s²")
 
 # %% [markdown]

@@ -3,10 +3,12 @@
     python examples/python/spectrum.py                            # one process
     python examples/python/spectrum.py --dask                     # all cores of this machine
     python examples/python/spectrum.py --dask tcp://scheduler:8786   # a cluster that runs already
+    python examples/python/spectrum.py --record my.csv --scale 1 --unit g   # a record of any format that rocking reads
 
 The FMU's bytes go to the workers with the work, so that a cluster needs no common disk, only fmpy, and machines of the kind
 that the FMU was built on. Writes spectrum.png to the folder in which it is started. The numbers are those of
-`rocking spectrum` to the last bit: the same blocks, runs of the same duration, and steps that end at the same times.
+`rocking spectrum --duration` to the last bit: the same blocks, runs of the same duration, and steps that end at the same
+times.
 """
 
 import argparse
@@ -43,10 +45,11 @@ def unpacked(fmu: bytes):
     return read_model_description(path), extract(path, folder / "unpacked")
 
 
-def run(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alpha: float, p: float) -> tuple[float, str]:
+def run(fmu: bytes, times: np.ndarray, record: np.ndarray, duration: float, fly: bool, alpha: float,
+        p: float) -> tuple[float, str]:
     """The greatest rotation [rad] of a block of slenderness `alpha` [rad] and frequency parameter `p` [rad/s] under a
-    record [m/s2] with a sample every `dt` [s], linear in between, and how its run ends: completed, 20/p after the record,
-    or before that overturned or separated; with `fly`, a block that leaves the ground flies and lands."""
+    record [m/s2] with evenly spaced samples at `times` [s], linear in between, and how its run ends: completed, after
+    `duration` [s], or before that overturned or separated; with `fly`, a block that leaves the ground flies and lands."""
     from fmpy.fmi2 import FMU2Slave
 
     description, folder = unpacked(fmu)
@@ -54,7 +57,7 @@ def run(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alpha: float, p: f
     slave = FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="block",
                       modelIdentifier=description.coSimulation.modelIdentifier)
     slave.instantiate()
-    slave.setupExperiment(startTime=0.0)
+    slave.setupExperiment(startTime=times[0])
     start = FOUNDATION | {"dimensionless.alpha": alpha, "dimensionless.p": p, "a_gx": record[0]}
     slave.setReal([references[name] for name in start], start.values())
     # 3 is Fly; with Hold, 2, the block stays as it is when it separates or overturns, while time goes on.
@@ -63,11 +66,13 @@ def run(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alpha: float, p: f
     slave.exitInitializationMode()
 
     # A step from each sample to the next, and one from the last, with which the ground motion ends, to the end of the run.
-    times = np.append(np.arange(len(record)) * dt, (len(record) - 1) * dt + 20 / p)
-    values, slopes = np.append(record[:-1], 0), np.append(np.diff(record) / dt, 0)
+    end = times[0] + duration
+    stops = np.append(times[times < end], end)
+    values, slopes = np.append(record[:-1], 0), np.append(np.diff(record) / (times[1] - times[0]), 0)
     ground = [references["a_gx"]]
-    # The difference of two neighbouring times has no rounding error, and added to the first it gives the second; dt may not.
-    for time, step, value, slope in zip(times, np.diff(times), values, slopes):
+    # The difference of two neighbouring times has no rounding error, and added to the first it gives the second; the
+    # record's time step may not.
+    for time, step, value, slope in zip(stops, np.diff(stops), values, slopes):
         slave.setReal(ground, [value])
         slave.setRealInputDerivatives(ground, [1], [slope])
         slave.doStep(time, step)
@@ -75,19 +80,21 @@ def run(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alpha: float, p: f
     separated, overturned = slave.getBoolean([references["separated"], references["overturned"]])
     slave.terminate()
     slave.freeInstance()
-    return peak, "separated" if separated else "overturned" if overturned else "completed"
+    # A block that leaves the ground on its way over is both.
+    return peak, "overturned" if overturned else "separated" if separated else "completed"
 
 
-def spectrum(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alphas, ps, client=None) -> tuple[np.ndarray, np.ndarray]:
+def spectrum(fmu: bytes, times: np.ndarray, record: np.ndarray, duration: float, fly: bool, alphas, ps,
+             client=None) -> tuple[np.ndarray, np.ndarray]:
     """Greatest rotations [rad] and how the runs end, by slenderness and frequency parameter; on the cluster of `client`, a
     `dask.distributed.Client`, if there is one."""
     blocks = list(product(map(float, alphas), map(float, ps)))
     if client is None:
-        found = [run(fmu, dt, record, fly, *block) for block in blocks]
+        found = [run(fmu, times, record, duration, fly, *block) for block in blocks]
     else:
         # Each worker gets FMU and record once.
-        shared = client.scatter([fmu, record], broadcast=True)
-        futures = [client.submit(run, shared[0], dt, shared[1], fly, *block, pure=False) for block in blocks]
+        shared = client.scatter([fmu, times, record], broadcast=True)
+        futures = [client.submit(run, *shared, duration, fly, *block, pure=False) for block in blocks]
         found = client.gather(futures)
     shape = len(alphas), len(ps)
     peaks, ends = zip(*found)
@@ -96,17 +103,24 @@ def spectrum(fmu: bytes, dt: float, record: np.ndarray, fly: bool, alphas, ps, c
 
 def main() -> None:
     sys.path.insert(0, str(EXAMPLES))
-    from common import BLOCK, RECORD, read_smc
+    from common import BLOCK, RECORD, read_record
 
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--record", default=RECORD, help="a record in SMC format")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0],
+                                     epilog="Other options, such as --unit and --dt, go to `rocking record`.")
+    parser.add_argument("--record", default=RECORD, help="a record of any format that `rocking` reads")
     parser.add_argument("--scale", type=float, default=2.0, help="what the record is multiplied by")
-    parser.add_argument("--on-separation", choices=["end", "fly"], default="fly",
+    parser.add_argument("--duration", type=float, help="of all runs [s]; without it 20/p of the largest block after the record")
+    parser.add_argument("--on-separation", choices=["terminate", "fly"], default="fly",
                         help="what happens at complete separation")
     parser.add_argument("--dask", nargs="?", const="", metavar="ADDRESS",
                         help="use dask.distributed: at ADDRESS, or all cores here")
-    options = parser.parse_args()
-    dt, record = read_smc(options.record)
+    options, reading = parser.parse_known_args()
+    try:
+        times, record = read_record(options.record, *reading)
+    except ValueError as error:
+        parser.error(str(error))
+    ps = sizes(0.8, 3.2, 25)
+    duration = options.duration or float(times[-1] - times[0] + 20 / ps.min())
     client = None
     if options.dask is not None:
         from dask.distributed import Client, LocalCluster
@@ -114,9 +128,8 @@ def main() -> None:
         client = Client(options.dask or LocalCluster(threads_per_worker=1, dashboard_address=None))
         # Workers elsewhere do not have this file.
         client.upload_file(__file__)
-    ps = sizes(0.8, 3.2, 25)
     fly = options.on_separation == "fly"
-    peaks, ends = spectrum(BLOCK.read_bytes(), dt, options.scale * record, fly, SLENDERNESS, ps, client)
+    peaks, ends = spectrum(BLOCK.read_bytes(), times, options.scale * record, duration, fly, SLENDERNESS, ps, client)
     if client is not None:
         client.close()
 
@@ -128,16 +141,16 @@ def main() -> None:
     _, axis = plt.subplots(figsize=(9, 5), layout="constrained")
     for lane, (alpha, row, end) in enumerate(zip(SLENDERNESS, peaks, ends)):
         completed = end == "completed"
-        line, = axis.plot(2 / ps, np.where(completed, row / alpha, np.nan), "o-", ms=3, label=f"alpha = {alpha:g} rad")
+        line, = axis.plot(2 * np.pi / ps, np.where(completed, row / alpha, np.nan), "o-", ms=3, label=f"alpha = {alpha:g} rad")
         for word, mark in (("overturned", "x"), ("separated", "^")):
-            axis.plot(2 / ps[end == word], np.full((end == word).sum(), 1.6 - 0.07 * lane), mark, color=line.get_color())
-    axis.set(xlabel="2/p [s]", ylabel="greatest rotation / alpha",
+            axis.plot(2 * np.pi / ps[end == word], np.full((end == word).sum(), 1.6 - 0.07 * lane), mark, color=line.get_color())
+    axis.set(xlabel="2π/p [s]", ylabel="greatest rotation / alpha",
              title="Rocking spectrum (crosses: overturned" + (")" if fly else ", triangles: separated)"))
     axis.grid(alpha=0.3)
     axis.legend()
     plt.savefig("spectrum.png", dpi=90)
     counts = ", ".join(f"{(ends == word).sum()} {word}" for word in ("completed", "separated", "overturned"))
-    print(f"{ends.size} blocks: {counts}; spectrum.png")
+    print(f"{ends.size} blocks, {duration:g} s each: {counts}; spectrum.png")
 
 
 if __name__ == "__main__":

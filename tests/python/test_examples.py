@@ -178,6 +178,25 @@ def test_the_same_block_in_every_master(fmu, master):
     assert np.abs(theta - expected).max() < 1e-12
 
 
+def test_an_example_leaves_its_page_alone(fmu, tmp_path, monkeypatch):
+    need("matplotlib")
+    import one_line
+
+    page = EXAMPLES / "coupling/one_line/result.png"
+    before = page.read_bytes()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(one_line, "MASTERS", {"fmpy": one_line.with_fmpy})
+    monkeypatch.setattr(sys, "argv", ["one_line.py"])
+    one_line.main()
+    assert page.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["one_line.png"]
+    # With --update, the page's picture is the one that is written.
+    monkeypatch.setattr(one_line, "HERE", tmp_path)
+    monkeypatch.setattr(sys, "argv", ["one_line.py", "--update"])
+    one_line.main()
+    assert (tmp_path / "result.png").exists()
+
+
 def test_fmi_sim_takes_a_record(fmu, loma_prieta, tmp_path):
     if shutil.which("fmi-sim") is None:
         pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
@@ -222,12 +241,13 @@ def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
 
 @pytest.fixture(scope="module")
 def loma_prieta():
-    from common import read_smc
+    from common import read_record
 
-    dt, record = read_smc()
+    times, record = read_record()
+    dt = times[1]
     # As the record's header has it: 200 samples a second, 7183 of them, -222.5 cm/s2 at 7.55 s.
-    assert (dt, len(record)) == (0.005, 7183)
-    assert abs(record.min() + 2.2252) < 1e-9 and np.abs(record).argmax() * dt == pytest.approx(7.55)
+    assert (dt, len(record)) == (0.005, 7183) and np.array_equal(times, dt * np.arange(7183))
+    assert abs(record.min() + 2.2252) < 1e-9 and times[np.abs(record).argmax()] == pytest.approx(7.55)
     return dt, 2 * record[:3000]
 
 
@@ -235,16 +255,28 @@ def loma_prieta():
 GRID = (0.15, 0.3), (0.8, 3.2, 5)
 
 
+DURATION = 50.0  # s
+
+
 def few_blocks(fmu, fly, **options):
     import spectrum
-    from common import read_smc
+    from common import read_record
 
     alphas, ps = GRID[0], spectrum.sizes(*GRID[1])
-    dt, record = read_smc()
-    return spectrum.spectrum(Path(fmu).read_bytes(), dt, 2 * record, fly, alphas, ps, **options)
+    times, record = read_record()
+    return spectrum.spectrum(Path(fmu).read_bytes(), times, 2 * record, DURATION, fly, alphas, ps, **options)
 
 
-@pytest.mark.parametrize("separation", ["end", "fly"])
+def rocking_spectrum(table, *options):
+    """The rows of a table of `rocking spectrum`, their columns by the names without units."""
+    from common import ROCKING
+
+    subprocess.run([ROCKING, "spectrum", *options, "--csv", table], check=True, stdout=subprocess.DEVNULL)
+    lines = (line for line in table.read_text().splitlines() if not line.startswith("#"))
+    return [{name.split(" [")[0]: value for name, value in row.items()} for row in csv.DictReader(lines)]
+
+
+@pytest.mark.parametrize("separation", ["terminate", "fly"])
 def test_a_spectrum_is_that_of_the_program(fmu, tmp_path, separation):
     """To the last bit: the table's digits bring the program's numbers back exactly."""
     import spectrum
@@ -253,20 +285,49 @@ def test_a_spectrum_is_that_of_the_program(fmu, tmp_path, separation):
     peaks, ends = few_blocks(fmu, separation == "fly")
     alphas, (least, greatest, count) = GRID
     for alpha, row, end in zip(alphas, peaks, ends):
-        table = tmp_path / f"{alpha}.csv"
-        subprocess.run([EXAMPLES.parent / "target/release/rocking", "spectrum", "--record", RECORD, "--scale=2",
-                        f"--alpha={alpha}", "--foundation=40,0.1,0.4", f"--p-min={least}", f"--p-max={greatest}",
-                        f"--points={count}", f"--on-separation={separation}", "--csv", table],
-                       check=True, stdout=subprocess.DEVNULL)
-        lines = table.read_text().splitlines()
-        expected = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+        expected = rocking_spectrum(
+            tmp_path / f"{alpha}.csv", "--record", RECORD, "--scale=2", f"--alpha={alpha}", "--foundation=40,0.1,0.4",
+            f"--p-min={least}", f"--p-max={greatest}", f"--points={count}", f"--on-separation={separation}",
+            f"--duration={DURATION}")
         assert [float(block["p"]) for block in expected] == list(spectrum.sizes(*GRID[1]))
-        for block, peak, word in zip(expected, row, end):
-            told = block["peak.theta/alpha"]
-            assert float(told) == peak / alpha if word == "completed" else told == word
+        assert [block["outcome"] for block in expected] == list(end)
+        assert [float(block["peak.theta/alpha"]) for block in expected] == list(row / alpha)
     # Without blocks that fall, fly and rock, the test would not see what it is for; and size protects.
     assert (ends[0, 0], ends[1, 1]) == ("overturned", "completed" if separation == "fly" else "separated")
     assert (ends[:, 2:] == "completed").all() and (np.diff(peaks[:, 2:]) < 0).all()
+
+
+def test_a_spectrum_takes_records_of_other_formats(fmu, tmp_path):
+    """Columns of their own time axis, in cm/s2: the same bits again. What `rocking` refuses is refused in its words."""
+    import spectrum
+    from common import read_record
+
+    file = tmp_path / "shaking.txt"
+    time = 2.5 + 0.0625 * np.arange(80)
+    np.savetxt(file, np.column_stack([time, 300 * np.sin(3 * time)]))
+    times, record = read_record(file, "--unit", "cm/s2")
+    assert np.array_equal(times, time) and np.allclose(record, 3 * np.sin(3 * time), rtol=0, atol=1e-15)
+    ps = spectrum.sizes(1.0, 3.0, 3)
+    peaks, ends = spectrum.spectrum(Path(fmu).read_bytes(), times, record, 20.0, True, [0.25], ps)
+    expected = rocking_spectrum(tmp_path / "s.csv", "--record", file, "--unit=cm/s2", "--foundation=40,0.1,0.4",
+                                "--p-min=1", "--p-max=3", "--points=3", "--duration=20")
+    assert [float(block["peak.theta/alpha"]) for block in expected] == list(peaks[0] / 0.25)
+    assert peaks[0, 0] > 0.01
+    with pytest.raises(ValueError, match="no unit in the file and none given; expected --unit g, m/s2 or cm/s2"):
+        read_record(file)
+
+
+def test_a_spectrum_is_drawn_where_it_is_started(fmu, tmp_path, monkeypatch, capsys):
+    need("matplotlib")
+    import spectrum
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.txt").write_text("0.3\n-0.3\n" * 50)
+    arguments = ["--record", "short.txt", "--unit=g", "--dt=0.1", "--scale=1", "--duration=12"]
+    monkeypatch.setattr(sys, "argv", ["spectrum.py", *arguments])
+    spectrum.main()
+    assert "75 blocks, 12 s each" in capsys.readouterr().out
+    assert (tmp_path / "spectrum.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_spectrum_is_the_same_on_a_cluster(fmu):
@@ -284,13 +345,21 @@ def test_a_spectrum_is_the_same_on_a_cluster(fmu):
     assert np.array_equal(peaks, elsewhere[0]) and np.array_equal(ends, elsewhere[1])
 
 
-def test_the_script_with_cells(fmu, monkeypatch, capsys):
+@pytest.mark.parametrize("notebook", [False, True])
+def test_the_script_with_cells(fmu, tmp_path, monkeypatch, capsys, notebook):
+    """From any folder; in a notebook, which has no `__file__`, from any folder of the project."""
     need("matplotlib")
     import matplotlib
 
     matplotlib.use("Agg")
-    monkeypatch.chdir(EXAMPLES.parent)
-    found = runpy.run_path(str(EXAMPLES / "python/record.py"))
+    script = EXAMPLES / "python/record.py"
+    if notebook:
+        monkeypatch.chdir(script.parent)
+        found = {}
+        exec(script.read_text(), found)
+    else:
+        monkeypatch.chdir(tmp_path)
+        found = runpy.run_path(str(script))
     assert "still standing" in capsys.readouterr().out
     result = found["result"]
     assert 0.02 < np.abs(result["theta"]).max() < 0.2

@@ -2,7 +2,8 @@
 
     python examples/coupling/bridge/bridge.py
 
-Writes result.png beside this file, and bridge.ssp to the folder that is given as argument, if one is.
+Writes bridge.png to the folder in which it is started (with --update, result.png beside this file), and bridge.ssp to the
+folder that is given as argument, if one is.
 """
 
 import sys
@@ -16,7 +17,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
-from common import BLOCK, Instance, load_tbb, read_smc
+from common import BLOCK, Instance, load_tbb, parser, picture, read_record
 
 MOTIONS = ("u", "u_dot", "v", "v_dot", "theta", "theta_dot")
 FORCES = ("F_x", "F_z", "M_y")
@@ -62,7 +63,8 @@ def build_parts(folder, scale: float = 2.0, begin: float = 3.0) -> dict[str, Pat
     from pythonfmu.builder import FmuBuilder
 
     folder = Path(folder)
-    dt, record = read_smc()
+    time, record = read_record()
+    dt = time[1] - time[0]
     samples = scale * record[round(begin / dt) :]
     samples[: round(0.2 / dt)] *= np.linspace(0, 1, round(0.2 / dt))
     (folder / "record.csv").write_text("\n".join(map(repr, map(float, [dt, *samples]))))
@@ -217,8 +219,11 @@ def plot(h: float, runs: dict[str, dict[str, np.ndarray]], path) -> None:
 
 
 def main() -> None:
+    options = parser(__doc__)
+    options.add_argument("folder", nargs="?", help="where bridge.ssp is kept")
+    arguments = options.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        folder = sys.argv[1] if len(sys.argv) > 1 else temporary
+        folder = arguments.folder or temporary
         parts = build_parts(temporary)
         ssp = build_ssp(folder, parts)
         h, stop = 0.002, 10.0
@@ -228,7 +233,7 @@ def main() -> None:
                   f"{np.abs(run['tower_2.theta']).max():.6f} rad, energy missing {100 * missing(run):.3f} %")
         print("greatest difference of the rotations:",
               max(np.abs(runs["libcosim"][name] - runs["ecos"][name]).max() for name in ("tower_1.theta", "tower_2.theta")), "rad")
-        plot(h, runs, HERE / "result.png")
+        plot(h, runs, picture(arguments, HERE))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 
     python examples/coupling/one_line/one_line.py
 
-Each function gives the rotation [rad] after every step of 10 ms. Writes result.png beside this file.
+Each function gives the rotation [rad] after every step of 10 ms. Writes one_line.png to the folder in which it is started;
+with --update, result.png beside this file.
 """
 
 import subprocess
@@ -14,7 +15,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
-from common import BLOCK, load_tbb
+from common import BLOCK, load_tbb, parser, picture
 
 START = {"initial.theta": 0.15}
 STOP, STEP = 10.0, 0.01  # s
@@ -72,6 +73,7 @@ MASTERS = {"fmpy": with_fmpy, "libcosimpy": with_libcosimpy, "ecospy": with_ecos
 
 
 def main() -> None:
+    arguments = parser(__doc__).parse_args()
     import matplotlib
 
     matplotlib.use("Agg")
@@ -92,7 +94,7 @@ def main() -> None:
     axis.set(xlabel="time [s]", ylabel="rotation [rad]")
     axis.grid(alpha=0.3)
     axis.legend()
-    plt.savefig(HERE / "result.png", dpi=90)
+    plt.savefig(picture(arguments, HERE), dpi=90)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 
     python examples/coupling/roof/roof.py
 
-Writes result.png beside this file, and what the README's table says to the terminal.
+Writes roof.png to the folder in which it is started (with --update, result.png beside this file), and what the README's
+table says to the terminal.
 """
 
 import sys
@@ -14,7 +15,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
-from common import BLOCK, Instance, instance, read_smc
+from common import BLOCK, Instance, instance, parser, picture, read_record
 
 MASS, GRAVITY = 1500.0, 9.81  # kg, m/s2
 WEIGHT = MASS * GRAVITY
@@ -124,8 +125,8 @@ def couple(frame_fmu, h: float, stop: float, iterated: bool, scale: float = 1.8,
 
     Explicit: the frame steps with the force of the step before, then the block with the roof's motion. Iterated: both
     step again until they agree to `tolerance` [m/s2]."""
-    dt, record = read_smc()
-    sample = lambda t: scale * np.interp(t, dt * np.arange(len(record)) - begin, record)
+    time, record = read_record()
+    sample = lambda t: scale * np.interp(t, time - begin, record)
     history = History(h)
     with (instance(frame_fmu, {"F_z": -WEIGHT}) as frame,
           instance(BLOCK, EQUIPMENT | (start_values or {}), tolerance=1e-10) as block):
@@ -216,6 +217,7 @@ def plot(runs: dict[tuple[bool, float], History], path) -> None:
 
 
 def main() -> None:
+    arguments = parser(__doc__).parse_args()
     with tempfile.TemporaryDirectory() as folder:
         frame = build_frame(folder)
         runs = {}
@@ -225,7 +227,7 @@ def main() -> None:
                 run = runs[iterated, h] = couple(frame, h, 6.0, iterated)
                 print(f"{'iterated' if iterated else 'explicit'}  {1000 * h:4.0f} ms  {np.mean(run.iterations):7.1f}"
                       f"  {np.abs(run['theta']).max():13.4f} rad  {100 * missing(run):20.2f} %  {run.dashpots:28.0f} J")
-    plot(runs, HERE / "result.png")
+    plot(runs, picture(arguments, HERE))
 
 
 if __name__ == "__main__":
