@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector4};
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::events::{Event, EventKind};
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::outputs::Observation;
-use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::system::surfaces::{Event, EventKind};
 
 /// A wide block on soft supports with strong dampers, for which the horizontal constraint makes the most of a difference.
 fn block() -> Block {

@@ -6,6 +6,8 @@
 mod free_motion;
 #[path = "inputs/numbers.rs"]
 mod numbers;
+#[path = "inputs/patterns.rs"]
+mod patterns;
 #[path = "inputs/record.rs"]
 mod record;
 #[path = "inputs/settings.rs"]

@@ -21,4 +21,5 @@ pub mod spectrum_plot;
 pub mod study_file;
 pub mod sweep;
 pub mod sweep_file;
+mod sweep_records;
 pub mod table;

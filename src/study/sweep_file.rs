@@ -7,36 +7,16 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::values::Values;
 use crate::model::variables::{Kind, Variable};
-use crate::records::{self, Column, ReadOptions, Record, Setting};
 use crate::simulation::{OnSeparation, Settings};
-use crate::study::ground::Ground;
-use crate::study::ground_files::{Name, Said};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::parameters::Parameter;
 use crate::study::sampling::LatinHypercube;
 use crate::study::study_file::{Placed, Section, Source, StudyFileError, number};
-use crate::study::sweep::{Design, Factor, Levels, Motion, Sweep};
+use crate::study::sweep::{Design, Factor, Levels, Sweep};
+use crate::study::sweep_records;
 
 /// More rows than anybody waits for.
 const MOST_ROWS: u64 = 1_000_000_000;
-
-/// What `[[records]]` may have.
-const RECORD_KEYS: [&str; 14] = [
-    "horizontal",
-    "vertical",
-    "unit",
-    "dt",
-    "format",
-    "channel",
-    "acceleration_column",
-    "time_column",
-    "vertical_unit",
-    "vertical_dt",
-    "vertical_format",
-    "vertical_channel",
-    "vertical_acceleration_column",
-    "vertical_time_column",
-];
 
 /// A parameter of the file and where it stands there.
 struct Given<'a> {
@@ -67,7 +47,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
         )?
         .unwrap_or_default();
-    let motions = motions(&root, source, &given, folder, &periods)?;
+    let motions = sweep_records::read(&root, source, folder, &periods, || gravity(&given, source))?;
     let scales = study.numbers("scales", |x| x != 0.0, "a list of factors that are not 0, as in [0.5, 1.0]")?;
     let without = motions.iter().all(|motion| motion.ground.time_step().is_none());
     for key in ["scales", "periods"] {
@@ -232,80 +212,15 @@ fn range(
     }
 }
 
-/// The ground motions, or the one that is none.
-fn motions(
-    root: &Section,
-    source: Source,
-    given: &[Given],
-    folder: &Path,
-    periods: &[f64],
-) -> Result<Vec<Motion>, StudyFileError> {
-    let Some(value) = root.get("records") else {
-        return Ok(vec![Motion::new(Default::default(), Ground::default(), periods)]);
-    };
-    let list = value.get_ref().as_array().filter(|list| !list.is_empty());
-    let list = list.ok_or_else(|| root.wrong("records", value, "[[records]], a table for each ground motion"))?;
-    let gravity = match given.iter().find(|given| given.parameter.metadata.variable == Variable::G) {
-        None => Values::default()[Variable::G],
-        Some(Given { levels: Levels::List(values), .. }) if values.len() == 1 => values[0],
+/// The gravity by which records in g are read (m/s²).
+fn gravity(given: &[Given], source: Source) -> Result<f64, StudyFileError> {
+    match given.iter().find(|given| given.parameter.metadata.variable == Variable::G) {
+        None => Ok(Values::default()[Variable::G]),
+        Some(Given { levels: Levels::List(values), .. }) if values.len() == 1 => Ok(values[0]),
         Some(Given { value, .. }) => {
             let message = "g takes several values; expected one, by which records in g are read";
-            return Err(source.wrong(&value.span(), message));
+            Err(source.wrong(&value.span(), message))
         }
-    };
-    let read = |value: Placed| {
-        let table = value.get_ref().as_table().ok_or_else(|| root.wrong("records", value, "tables"))?;
-        let section = Section::new(source, "[[records]]", value.span(), table, &RECORD_KEYS)?;
-        let said = said(&section, gravity)?;
-        let load = |key: &str, read: &dyn Fn(&Path) -> Result<Record, String>| {
-            let (Some(name), Some(value)) = (section.text(key)?, section.get(key)) else {
-                return Ok((String::new(), None));
-            };
-            let record = read(&folder.join(name)).map_err(|message| source.wrong(&value.span(), message))?;
-            Ok((name.to_string(), Some(record)))
-        };
-        let (first, horizontal) =
-            load("horizontal", &|path| said.read(false, Name::key, |options| records::read(path, options)))?;
-        let (second, vertical) =
-            load("vertical", &|path| said.read(true, Name::key, |options| records::read(path, options)))?;
-        if horizontal.is_none() && vertical.is_none() {
-            return Err(section.lacks("horizontal", "a file, horizontal or vertical or both"));
-        }
-        let ground = Ground { horizontal, vertical };
-        if let Some((name, needed)) = said.unread(std::slice::from_ref(&ground)) {
-            let key = name.key();
-            let place = section.get(&key).map_or(value.span(), |value| value.span());
-            return Err(source.wrong(&place, format!("{key} has no effect without {needed}")));
-        }
-        Ok(Motion::new([first, second], ground, periods))
-    };
-    list.iter().map(read).collect()
-}
-
-/// What `[[records]]` say of their files.
-fn said(section: &Section, gravity: f64) -> Result<Said, StudyFileError> {
-    let of = |vertical: bool| {
-        let key = |setting: Setting| Name { setting, vertical }.key();
-        Ok(ReadOptions {
-            format: section.parsed(&key(Setting::Format))?,
-            unit: section.parsed(&key(Setting::Unit))?,
-            time_step: section.number(&key(Setting::TimeStep), |x| x > 0.0, "a time > 0 s")?,
-            gravity,
-            time_column: column(section, &key(Setting::TimeColumn))?,
-            acceleration_column: column(section, &key(Setting::AccelerationColumn))?,
-            channel: section.integer(&key(Setting::Channel), 1..1001)?.map(|channel| channel as usize),
-        })
-    };
-    Ok(Said { of_both: of(false)?, of_vertical: of(true)? })
-}
-
-/// A column by its name or its number.
-fn column(section: &Section, key: &str) -> Result<Option<Column>, StudyFileError> {
-    match section.get(key).map(|value| value.get_ref()) {
-        Some(DeValue::Integer(_)) => {
-            Ok(section.integer(key, 1..100_001)?.map(|number| Column::Number(number as usize)))
-        }
-        _ => Ok(section.text(key)?.map(|name| Column::Name(name.into()))),
     }
 }
 

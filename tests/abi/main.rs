@@ -21,8 +21,8 @@ mod host;
 mod life_cycle;
 mod logging;
 mod reference;
+mod rigid_base;
 #[path = "../common/skipped.rs"]
 mod skipped;
-mod rigid_base;
 mod state;
 mod stepping;

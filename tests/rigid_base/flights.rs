@@ -1,11 +1,11 @@
 //! Separation, sliding, flight and landing, against closed forms and equations that are integrated here.
 
 use rocking_block::block::Block;
-use rocking_block::events::{Event, EventKind};
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::outputs::Observation;
-use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Simulation};
+use rocking_block::system::surfaces::{Event, EventKind};
 
 use crate::{G, block, close, go, held, seen, start};
 

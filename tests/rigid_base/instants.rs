@@ -3,11 +3,11 @@
 //! `H = M (a_gx + h θ̈)`, with θ̈ < 0 for a_gx > 0.
 
 use rocking_block::block::Block;
-use rocking_block::events::EventKind;
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::outputs::Observation;
-use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Simulation};
+use rocking_block::system::surfaces::EventKind;
 
 use crate::{G, block, close, go, held, seen, start};
 

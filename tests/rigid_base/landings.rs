@@ -6,15 +6,15 @@
 use nalgebra::{Matrix2, Vector2};
 use rocking_block::block::Block;
 use rocking_block::contact::Contacts;
-use rocking_block::dynamics::{Footing, State};
-use rocking_block::events::{Event, EventKind, Surface};
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
-use rocking_block::impact::Velocities;
-use rocking_block::now::{Motion, Pose};
-use rocking_block::outputs::Observation;
-use rocking_block::regime::{Corner, Regime};
+use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, LiftOff, OnSeparation, Simulation};
-use rocking_block::transitions::System;
+use rocking_block::system::dynamics::{Footing, State};
+use rocking_block::system::impact::Velocities;
+use rocking_block::system::now::{Motion, Pose};
+use rocking_block::system::surfaces::{Event, EventKind, Surface};
+use rocking_block::system::transitions::System;
 
 use crate::{G, block, go, held, seen, start};
 

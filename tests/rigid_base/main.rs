@@ -7,10 +7,10 @@ mod properties;
 mod restitution;
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
-use rocking_block::events::Event;
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::outputs::Observation;
+use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_block::system::surfaces::Event;
 
 /// Gravity of the blocks (m/s²).
 pub const G: f64 = 9.81;

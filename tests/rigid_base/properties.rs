@@ -4,10 +4,10 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
-use rocking_block::events::Event;
+use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::regime::{Corner, Regime};
 use rocking_block::simulation::{Initial, OnSeparation, Simulation};
+use rocking_block::system::surfaces::Event;
 
 use crate::{G, start};
 
