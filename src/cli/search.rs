@@ -331,8 +331,8 @@ struct Stretch {
     outcome: String,
 }
 
-/// A value in the decimals that a resolution supports: the fewest whose last one is no coarser. More than a number of
-/// this kind has are left out.
+/// A value in the decimals that a resolution supports: the fewest whose last one is no coarser. A value with fewer digits
+/// than that is printed as it is.
 fn rounded(value: f64, resolution: f64) -> String {
     let fine = |decimals: &usize| libm::pow(10.0, -(*decimals as f64)) <= resolution * (1.0 + 1e-9);
     let exact = value.to_string();

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::{folder, made, names, refused, rocking, text};
 
-const COMMANDS: [&str; 7] = ["simulate", "spectrum", "sweep", "search", "figures", "completions", "man"];
+const COMMANDS: [&str; 8] = ["simulate", "spectrum", "sweep", "record", "search", "figures", "completions", "man"];
 
 /// Whether there is a tool; the test says so where there is not.
 fn have(program: &str) -> bool {
