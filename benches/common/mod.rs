@@ -32,7 +32,7 @@ pub fn right_hand_side(block: &Block, regime: Regime, excitation: &Excitation, t
     let forcing = excitation.at(time);
     instant_of(block, regime, (*state).into(), Footing::AT_START, forcing, |x| Rate {
         state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
-        powers: x.powers(block, regime, forcing).into(),
+        quadratures: x.powers(block, regime, forcing).into(),
     })
 }
 

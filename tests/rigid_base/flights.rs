@@ -3,7 +3,6 @@
 use rocking_block::block::Block;
 use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Simulation};
 use rocking_block::system::surfaces::{Event, EventKind};
 

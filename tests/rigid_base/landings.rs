@@ -10,11 +10,11 @@ use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, LiftOff, OnSeparation, Simulation};
+use rocking_block::system::System;
 use rocking_block::system::dynamics::{Footing, State};
 use rocking_block::system::impact::Velocities;
 use rocking_block::system::now::{Motion, Pose};
 use rocking_block::system::surfaces::{Event, EventKind, Surface};
-use rocking_block::system::transitions::System;
 
 use crate::{G, block, go, held, seen, start};
 
