@@ -45,7 +45,7 @@ enum Command {
     /// Any parameters over grids or samples, many records, several scale factors: a table for fragility curves
     Sweep(sweep::Options),
     /// Where the outcome changes: least damping against separation, minimum overturning amplitude
-    Search(search::Options),
+    Search(Box<search::Options>),
     /// What accelerograms hold, in words or as a table of times and accelerations
     Record(Box<record::Options>),
     /// The figures of Palmeri and Makris (2008), computed anew: pictures with their tables

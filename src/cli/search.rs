@@ -35,7 +35,7 @@ enum What {
     /// Least damping xi_v against complete separation in free vibration from theta_dot(0) = 0.95 alpha p
     Damping(Damping),
     /// Minimum amplitude of a pulse, or factor on a record, that overturns a block
-    Overturning(Overturning),
+    Overturning(Box<Overturning>),
 }
 
 #[derive(Args)]
@@ -171,7 +171,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             )
         }
         What::Overturning(overturning) => {
-            let Overturning { xi_v, rigid, restitution_factor, resolution, .. } = *overturning;
+            let Overturning { xi_v, rigid, restitution_factor, resolution, .. } = **overturning;
             given.only_if(!rigid, &["eta", "xi-v", "lift-off"], "with --rigid")?;
             given.only_if(rigid, &["restitution-factor"], "without --rigid")?;
             given.only_if(!given.has("record"), &["pulse", "period"], "with --record")?;

@@ -108,12 +108,10 @@ impl Change<'_> {
                 // What rounding left of a zero, and then the rate decides.
                 let n = if n.abs() <= Surface::Reaction(corner).rounding(block) { 0.0 } else { n };
                 match self.leaves(corner, n, rate, resolution, &now) {
-                    None => {}
-                    Some(Leaving::Lifts) => {
-                        if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) {
-                            leaving = Some((corner, n));
-                        }
+                    Some(Leaving::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
+                        leaving = Some((corner, n));
                     }
+                    Some(Leaving::Lifts) | None => {}
                     Some(Leaving::Held) => {
                         self.pose.contacts.let_bear();
                         self.set(corner, Contact::Held);
