@@ -15,7 +15,8 @@ pub fn build(out: &Path) -> Result<PathBuf, String> {
     let (host, target) = (variable("HOST")?, variable("TARGET")?);
     let release = variable("PROFILE")? == "release";
     let mut command = inner_cargo()?;
-    command.args(["rustc", "--lib", "--crate-type", "cdylib", "--no-default-features", "--locked", "--target-dir"]);
+    command.args(["rustc", "--lib", "--crate-type", "cdylib", "--no-default-features", "--features", "exports"]);
+    command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
     // The library carries no path of this machine, and none of its names but those that it exports.
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols").env("CARGO_PROFILE_DEV_DEBUG", "0");

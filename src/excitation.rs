@@ -257,6 +257,11 @@ impl Excitation {
         (velocity, way)
     }
 
+    /// Whether nothing of it changes.
+    pub fn is_constant(&self) -> bool {
+        self.wave.is_none() && [self.x, self.z, self.moment].iter().all(|ramp| ramp.rate == 0.0)
+    }
+
     /// Circular frequency of the pulse that acts (rad/s), zero if none does.
     pub fn frequency(&self) -> f64 {
         self.wave.map_or(0.0, |wave| wave.omega)

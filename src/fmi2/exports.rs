@@ -1,7 +1,7 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
-//! and hands on to [`Instance`].
+//! and hands on to [`Instance`]. The names are exported with the feature `exports`, which only the FMU's library has.
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
@@ -18,19 +18,19 @@ use crate::fmi2::types::*;
 use crate::model::variables::Kind;
 
 /// The platform of the types: "default".
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
     c"default".as_ptr()
 }
 
 /// The version of the interface: "2.0".
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
 /// A new instance, or null. The resource location is not needed and not judged.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2Instantiate(
     instance_name: fmi2String,
     fmu_type: fmi2Type,
@@ -46,14 +46,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
 }
 
 /// Frees an instance; nothing for null.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
     // SAFETY: `component` is null or an instance that lives, and is not used after this (standard, 2.1.5).
     unsafe { boundary::free_instance(component) }
 }
 
 /// Which messages are told.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     component: fmi2Component,
     logging_on: fmi2Boolean,
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 }
 
 /// Tolerance, start and stop of the run.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetupExperiment(
     component: fmi2Component,
     tolerance_defined: fmi2Boolean,
@@ -91,35 +91,35 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 }
 
 /// Begins the initialization.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::EnterInitializationMode, Instance::enter_initialization_mode) }
 }
 
 /// Ends the initialization: the parameters become a block.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::ExitInitializationMode, Instance::exit_initialization_mode) }
 }
 
 /// Ends the run.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::Terminate, Instance::terminate) }
 }
 
 /// Back to where instantiation left the instance.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::Reset, Instance::reset) }
 }
 
 /// Reads Real variables.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetReal(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn fmi2GetReal(
 }
 
 /// Reads Integer variables and enumerations.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetInteger(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -157,7 +157,7 @@ pub unsafe extern "C" fn fmi2GetInteger(
 }
 
 /// Reads Boolean variables.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetBoolean(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -176,7 +176,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
 }
 
 /// There are no String variables: refused unless the count is 0.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetString(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -195,7 +195,7 @@ pub unsafe extern "C" fn fmi2GetString(
 }
 
 /// Sets Real variables, all or none.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetReal(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -213,7 +213,7 @@ pub unsafe extern "C" fn fmi2SetReal(
 }
 
 /// Sets Integer variables and enumerations, all or none.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetInteger(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -231,7 +231,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
 }
 
 /// Sets Boolean variables, all or none.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetBoolean(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -249,7 +249,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
 }
 
 /// There are no String variables: refused unless the count is 0.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetString(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -267,7 +267,7 @@ pub unsafe extern "C" fn fmi2SetString(
 }
 
 /// Saves the state.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` points to null or to
     // a state that this function gave and that was not freed (standard, 2.1.8).
@@ -275,7 +275,7 @@ pub unsafe extern "C" fn fmi2GetFMUstate(component: fmi2Component, state: *mut f
 }
 
 /// Goes back to a saved state.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was given by
     // `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and not freed (standard, 2.1.8).
@@ -283,7 +283,7 @@ pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FM
 }
 
 /// Frees a saved state.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` is null, or points to
     // null or to a state that was not freed (standard, 2.1.8).
@@ -291,7 +291,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut 
 }
 
 /// Bytes that a saved state takes.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     component: fmi2Component,
     state: fmi2FMUstate,
@@ -308,7 +308,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
 }
 
 /// A saved state as bytes.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(
     component: fmi2Component,
     state: fmi2FMUstate,
@@ -326,7 +326,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 }
 
 /// A saved state from bytes.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     component: fmi2Component,
     bytes: *const fmi2Byte,
@@ -344,7 +344,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
 }
 
 /// Derivatives of outputs with respect to inputs, in a direction.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     component: fmi2Component,
     unknowns: *const fmi2ValueReference,
@@ -369,7 +369,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
 }
 
 /// How inputs change in the next step.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -388,7 +388,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
 }
 
 /// How outputs change now.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     component: fmi2Component,
     references: *const fmi2ValueReference,
@@ -409,7 +409,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
 }
 
 /// Goes on by a communication step.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2DoStep(
     component: fmi2Component,
     time: fmi2Real,
@@ -421,14 +421,14 @@ pub unsafe extern "C" fn fmi2DoStep(
 }
 
 /// Refused: steps are synchronous.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::CancelStep, refused) }
 }
 
 /// Status of the last step.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
@@ -445,7 +445,7 @@ pub unsafe extern "C" fn fmi2GetStatus(
 }
 
 /// The time up to which the last step came.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetRealStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
@@ -462,7 +462,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
 }
 
 /// There is no such status.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetIntegerStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
@@ -477,7 +477,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
 }
 
 /// Whether the run came to its end.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
@@ -494,7 +494,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
 }
 
 /// There is no such status, since no step is ever pending.
-#[unsafe(no_mangle)]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetStringStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,

@@ -148,6 +148,18 @@ pub enum SimulationError {
         /// Time of the last good state (s).
         time: f64,
     },
+    /// The motion takes more steps than any call in good faith.
+    #[error(
+        "stopped at t = {time} s after {steps} steps towards t = {until} s: the motion is too fast for a step so long"
+    )]
+    TooManySteps {
+        /// Time that was reached (s).
+        time: f64,
+        /// Time that was asked for, or that of a kink of the excitation before it (s).
+        until: f64,
+        /// Steps that were taken.
+        steps: u64,
+    },
     /// The regime changed again and again without time going on.
     #[error("{count} events in the same instant t = {time} s leave no regime that lasts")]
     NoRegime {
@@ -240,10 +252,11 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Progress, SimulationError> {
         let block = self.system.block;
+        let mut budget = stepping::MOST_STEPS;
         while self.pose.time < until && self.ending.is_none() {
             let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
             let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, &block);
-            self.smooth_piece(stop, &block, &excitation, observer)?;
+            self.smooth_piece(stop, &block, &excitation, &mut budget, observer)?;
         }
         match self.ending {
             Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),

@@ -22,6 +22,9 @@ struct Limits {
     longest: f64,
 }
 
+/// Steps that a call may take. What a call asks for in good faith takes far fewer; with this many it ends in seconds.
+pub(super) const MOST_STEPS: u64 = 2_000_000;
+
 /// The longest step over the reciprocal of the fastest circular frequency.
 const LONGEST: f64 = 2.0;
 
@@ -44,6 +47,7 @@ impl Simulation {
         stop: f64,
         block: &Block,
         excitation: &Excitation,
+        budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let mut here = self.now(block, excitation);
@@ -51,8 +55,14 @@ impl Simulation {
         if let Some(corner) = self.system.leaving_rigid_base(&here) {
             here = self.apply(Surface::Reaction(corner), &here, observer)?;
         }
+        let steady = excitation.is_constant();
         while self.pose.time < stop && self.ending.is_none() {
+            if steady && here.rests() {
+                self.rest(stop);
+                break;
+            }
             let limits = self.limits(excitation.frequency());
+            self.spend(budget, stop, limits.longest)?;
             if let Some(there) = self.short_step(stop, &here, &limits) {
                 here = there;
                 continue;
@@ -88,6 +98,25 @@ impl Simulation {
                 self.pose.contacts.let_bear();
             }
         }
+        Ok(())
+    }
+
+    /// A block at rest stays so while the excitation does not change; what is left of its motion goes.
+    fn rest(&mut self, stop: f64) {
+        self.pose.time = stop;
+        self.pose.state[1] = 0.0;
+        self.pose.state[3] = 0.0;
+        self.events_in_this_instant = 0;
+    }
+
+    /// Takes a step from the budget of a call. None can lead to a time near which the clock does not resolve the motion.
+    fn spend(&self, budget: &mut u64, until: f64, longest: f64) -> Result<(), SimulationError> {
+        let time = self.pose.time;
+        let resolved = f64::EPSILON * (until - time) < longest;
+        if *budget == 0 || !resolved {
+            return Err(SimulationError::TooManySteps { time, until, steps: MOST_STEPS - *budget });
+        }
+        *budget -= 1;
         Ok(())
     }
 

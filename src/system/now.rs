@@ -141,6 +141,19 @@ impl Now<'_> {
         kinetic + potential
     }
 
+    /// Whether the block stands on both corners and what moves it, and how it moves, is below what rounding leaves of the
+    /// reactions: it is at rest.
+    pub fn rests(&self) -> bool {
+        let Instant { theta_dot, theta_ddot, w_dot, w_ddot, .. } = self.instant;
+        let Block { r0, omega_v, .. } = *self.block;
+        let rounding = Surface::Reaction(Corner::Left).rounding(self.block);
+        let below = |rotation: f64, vertical: f64| r0 * rotation.abs() + vertical.abs() <= rounding;
+        self.regime == Regime::FullContact
+            && self.footing.grips()
+            && below(theta_ddot, w_ddot)
+            && below(omega_v * theta_dot, omega_v * w_dot)
+    }
+
     /// Whether a corner that was held bears weight again.
     pub fn bears(&self, corner: Corner) -> bool {
         self.instant.reaction[corner.index()] > Surface::Reaction(corner).rounding(self.block)

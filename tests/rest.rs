@@ -1,0 +1,87 @@
+//! A block that has come to rest, and steps that no motion needs.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Inputs, Pulse, Ramp};
+use rocking_block::simulation::{Initial, Settings, Simulation, SimulationError};
+
+fn block(foundation: Foundation, xi_v: f64) -> Block {
+    let common = Common { foundation, ..Common::default() };
+    Block::from_dimensionless(&Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v }, &common).unwrap()
+}
+
+fn start(block: Block, initial: Initial) -> Simulation {
+    Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &Inputs::default())
+}
+
+fn pushed(time: f64, a_gx: f64) -> Inputs {
+    Inputs { time, a_gx: Ramp::held(a_gx), ..Inputs::default() }
+}
+
+/// Motion decays to rest, not to numbers that are too small to be computed with; from there on a step of any length costs
+/// one evaluation, and what moves the ground moves the block again.
+#[test]
+fn a_block_that_has_decayed_is_at_rest() {
+    let block = block(Foundation::Viscoelastic, 0.1);
+    let mut simulation = start(block, Initial { theta: 0.001, ..Initial::default() });
+    simulation.advance(1000.0, &Inputs::default(), &mut |_| ()).unwrap();
+    assert!(simulation.state().iter().all(|x| *x == 0.0 || x.is_normal()), "{:?}", simulation.state());
+    let energies = simulation.energies();
+    assert!(energies.residual.abs() < 1e-8 * energies.dashpots, "{energies:?}");
+    let (state, evaluations) = (*simulation.state(), simulation.counts().evaluations);
+    for time in [1001.0, 1e6, 1e300] {
+        simulation.advance(time, &Inputs::default(), &mut |_| ()).unwrap();
+        assert_eq!((simulation.time(), *simulation.state()), (time, state));
+    }
+    assert_eq!(simulation.counts().evaluations, evaluations + 3);
+
+    let mut simulation = start(block, Initial { theta: 0.001, ..Initial::default() });
+    simulation.advance(1000.0, &Inputs::default(), &mut |_| ()).unwrap();
+    simulation.advance(1000.1, &pushed(1000.0, 0.1), &mut |_| ()).unwrap();
+    assert!(simulation.state()[1].abs() > 1e-4, "{:?}", simulation.state());
+}
+
+/// Under a constant push the block comes to rest where the supports balance it: with `S = sin θ`, `c = cos θ`,
+/// `ω_v² b² S c = −h c a_gx + h S g` (docs/model.md, full contact without motion).
+#[test]
+fn a_pushed_block_rests_where_the_supports_balance_it() {
+    let block = block(Foundation::Viscoelastic, 0.2);
+    let mut simulation = start(block, Initial::default());
+    let inputs = pushed(0.0, 0.3);
+    simulation.advance(100.0, &inputs, &mut |_| ()).unwrap();
+    let evaluations = simulation.counts().evaluations;
+    simulation.advance(1e9, &inputs.moved_to(100.0), &mut |_| ()).unwrap();
+    assert_eq!(simulation.counts().evaluations, evaluations + 1);
+    let seen = simulation.observe(&inputs.moved_to(1e9));
+    let (sin, cos) = seen.theta.sin_cos();
+    let Block { b, h, omega_v, gravity, .. } = block;
+    let balance = omega_v * omega_v * b * b * sin * cos + h * cos * 0.3 - h * sin * gravity;
+    assert!(balance.abs() < 1e-11 * gravity * h, "{balance} at θ = {}", seen.theta);
+    assert!(seen.theta < -1e-4, "it leans away from the push: {}", seen.theta);
+    assert_eq!([seen.theta_dot, seen.v_dot], [0.0; 2]);
+}
+
+#[test]
+fn a_block_on_the_rigid_base_rests_for_ever() {
+    let mut simulation = start(block(Foundation::Rigid, 0.1), Initial::default());
+    simulation.advance(1e300, &pushed(0.0, 1.0), &mut |_| ()).unwrap();
+    assert_eq!(simulation.counts().evaluations, 1);
+    // It stands on both corners, and the push makes one of them bear more.
+    let [left, right] = simulation.observe(&pushed(1e300, 1.0)).reaction;
+    assert!(left > right && right > 0.0);
+}
+
+/// Without damping a block never rests. A step that would take for ever ends with an error that says how far it came, and
+/// the run can go on from there.
+#[test]
+fn a_step_that_would_take_for_ever_ends() {
+    let mut simulation = start(block(Foundation::Viscoelastic, 0.0), Initial { theta: 1e-4, ..Initial::default() });
+    let error = simulation.advance(1e300, &Inputs::default(), &mut |_| ()).unwrap_err();
+    assert_eq!(error, SimulationError::TooManySteps { time: 0.0, until: 1e300, steps: 0 });
+    let error = simulation.advance(1e9, &Inputs::default(), &mut |_| ()).unwrap_err();
+    let SimulationError::TooManySteps { time, until, steps } = error else { panic!("{error}") };
+    assert_eq!((time, until), (simulation.time(), 1e9));
+    assert_eq!(simulation.counts().steps + simulation.counts().rejected, steps);
+    assert!(time > 1000.0, "{time}");
+    assert!(error.to_string().contains(&format!("t = {time} s after {steps} steps towards t = ")), "{error}");
+    simulation.advance(time + 1.0, &Inputs::default(), &mut |_| ()).unwrap();
+}
