@@ -298,13 +298,7 @@ impl Instance {
         for (&reference, &value) in references.iter().zip(values) {
             self.core.values[VARIABLES[reference as usize].variable] = real(value);
         }
-        match self.core.phase {
-            Phase::Instantiated | Phase::InitializationMode => self.forget(),
-            _ => {
-                self.refresh_inputs();
-                self.seen = None;
-            }
-        }
+        self.take_up_values();
         Ok(Status::Ok)
     }
 
@@ -320,10 +314,17 @@ impl Instance {
         Ok(())
     }
 
-    /// Inputs that were set between steps act at once on what is seen.
-    fn refresh_inputs(&mut self) {
-        let time = self.core.simulation.as_ref().map_or(self.core.experiment.start, Simulation::time);
-        self.core.inputs = self.core.values.inputs(time, &self.core.rates);
+    /// Values that were set act from here on: until initialization ends on the whole block, between steps on what is seen. Even
+    /// if only rates of inputs were set, these are rounded in another way then, so that nothing is seen again as it was.
+    fn take_up_values(&mut self) {
+        match self.core.phase {
+            Phase::Instantiated | Phase::InitializationMode => self.forget(),
+            Phase::StepComplete | Phase::StepFailed | Phase::Terminated | Phase::Error | Phase::Fatal => {
+                let time = self.core.simulation.as_ref().map_or(self.core.experiment.start, Simulation::time);
+                self.core.inputs = self.core.values.inputs(time, &self.core.rates);
+                self.seen = None;
+            }
+        }
     }
 
     /// Reads values of one type.
@@ -430,7 +431,7 @@ impl Instance {
                 }
             }
         }
-        self.refresh_inputs();
+        self.take_up_values();
         Ok(Status::Ok)
     }
 

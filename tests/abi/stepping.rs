@@ -309,3 +309,49 @@ fn the_start_time_is_where_time_begins() {
         assert!(difference <= 1e-8 * ALPHA, "from {start} s on theta differs by {difference:e}");
     }
 }
+
+/// What is seen in initialization mode is that of the inputs as they are, whatever was read before.
+#[test]
+fn inputs_act_at_once_in_initialization_mode() {
+    let instance = Instance::new("block");
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    for a_gx in [2.0, -1.0, 0.5] {
+        instance.set("a_gx", a_gx);
+        // A block that stands still on its supports: only H, which moves it along with the ground, and its lever turn it.
+        let (h, u_ddot) = (instance.get("H"), instance.get("u_ddot"));
+        assert!((h - instance.get("mass") * (u_ddot + a_gx)).abs() < 1e-9 * h.abs(), "H = {h} N at {a_gx} m/s2");
+        let mut derivative = f64::NAN;
+        let (of, to) = (reference("H"), reference("a_gx"));
+        assert_eq!(call!(instance, get_directional_derivative, &of, 1, &to, 1, &1.0, &mut derivative), OK);
+        assert!((derivative * a_gx - h).abs() < 1e-9 * h.abs(), "dH/da_gx = {derivative} at {a_gx} m/s2");
+    }
+}
+
+/// Whether outputs are read between two calls makes no difference to any bit that follows.
+#[test]
+fn reading_between_calls_changes_no_bit() {
+    let run = |reads: bool| {
+        let instance = Instance::new("block");
+        instance.set("initial.theta", 0.003);
+        instance.initialize(None);
+        let mut seen = Vec::new();
+        for i in 0..40 {
+            let x = f64::from(i);
+            instance.set("a_gx", (0.7 * x).sin());
+            instance.set("F_x", 1234.5 * (0.3 * x).cos());
+            if reads {
+                instance.output_bits();
+            }
+            instance.set_rate("a_gx", 17.3 * (0.2 * x).cos());
+            instance.set_rate("F_x", -4321.0);
+            instance.step(0.013 * x, 0.013 * (x + 1.0) - 0.013 * x);
+            if reads {
+                instance.output_bits();
+            }
+            instance.set_rate("a_gx", 0.1);
+            seen.push(instance.output_bits());
+        }
+        seen
+    };
+    assert_eq!(run(true), run(false));
+}
