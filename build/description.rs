@@ -23,9 +23,19 @@ pub struct Variable {
     pub start: Option<f64>,
     pub min: Option<f64>,
     pub max: Option<f64>,
+    /// The name of its type.
+    pub declared_type: Option<String>,
     /// The items, if it is an enumeration.
     pub items: Vec<Item>,
 }
+
+/// The parts into which the code's variables fall: in the file, and what each variable of them is called in the code.
+const ROLES: [(&str, &str, &str); 4] = [
+    ("Input", "Input", "An input"),
+    ("Parameter", "Parameter", "A parameter"),
+    ("CalculatedParameter", "Derived", "A calculated parameter"),
+    ("Output", "Output", "An output"),
+];
 
 pub struct Item {
     pub name: String,
@@ -133,7 +143,8 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
         return Err(wrong("has a unit if, and only if, it is Real"));
     }
     let description = attribute(node, "description")?.to_string();
-    Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, items })
+    let declared_type = declared_type.map(str::to_string);
+    Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, declared_type, items })
 }
 
 fn items(declaration: Node) -> Result<Vec<Item>, String> {
@@ -209,26 +220,82 @@ impl Description {
             writeln!(code, "    /// `{}`: {}.", variable.name, variable.description.replace('|', "\\|"))?;
             writeln!(code, "    {},", identifier(&variable.name))?;
         }
-        writeln!(code, "}}\n/// All variables, by value reference.")?;
+        writeln!(code, "}}")?;
+        self.write_roles(code)?;
+        self.write_choices(code)?;
+        writeln!(code, "/// All variables, by value reference.")?;
         writeln!(code, "pub static VARIABLES: [Metadata; {}] = [", self.variables.len())?;
         for v in &self.variables {
             let items: Vec<i32> = v.items.iter().map(|item| item.value).collect();
+            let [variable, role] = [identifier(&v.name), role(v).into()];
             writeln!(
                 code,
-                "    Metadata {{ variable: Variable::{}, name: {:?}, kind: Kind::{}, causality: Causality::{}, \
-                 variability: Variability::{}, start: {:?}, min: {:?}, max: {:?}, items: &{items:?} }},",
-                identifier(&v.name),
-                v.name,
-                v.kind,
-                v.causality,
-                v.variability,
-                v.start,
-                v.min,
-                v.max,
+                "    Metadata {{ variable: Variable::{variable}, name: {:?}, kind: Kind::{}, causality: Causality::{}, \
+                 role: Role::{role}({role}::{variable}), variability: Variability::{}, start: {:?}, min: {:?}, \
+                 max: {:?}, items: &{items:?} }},",
+                v.name, v.kind, v.causality, v.variability, v.start, v.min, v.max,
             )?;
         }
         writeln!(code, "];")
     }
+
+    /// An enumeration a part, so that the code that handles a part does not compile if it leaves out a variable.
+    fn write_roles(&self, code: &mut String) -> std::fmt::Result {
+        for (_, role_name, article) in ROLES {
+            let of_role: Vec<&Variable> = self.variables.iter().filter(|v| role(v) == role_name).collect();
+            writeln!(code, "/// {article} of modelDescription.xml.")?;
+            writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {role_name} {{")?;
+            for variable in &of_role {
+                writeln!(code, "    /// `{}`.\n    {},", variable.name, identifier(&variable.name))?;
+            }
+            writeln!(code, "}}\nimpl {role_name} {{\n    /// All of them, by value reference.")?;
+            writeln!(code, "    pub const ALL: [{role_name}; {}] = [", of_role.len())?;
+            for variable in &of_role {
+                writeln!(code, "        {role_name}::{},", identifier(&variable.name))?;
+            }
+            writeln!(
+                code,
+                "    ];\n    /// The variable.\n    pub fn variable(self) -> Variable {{\n        match self {{"
+            )?;
+            for variable in &of_role {
+                let name = identifier(&variable.name);
+                writeln!(code, "            {role_name}::{name} => Variable::{name},")?;
+            }
+            writeln!(code, "        }}\n    }}\n}}")?;
+        }
+        Ok(())
+    }
+
+    /// The items of each enumeration, so that the code that handles one does not compile if it leaves out an item.
+    fn write_choices(&self, code: &mut String) -> std::fmt::Result {
+        let mut written = BTreeSet::new();
+        writeln!(code, "/// The enumerations of modelDescription.xml.\npub mod choices {{\n    use super::Choice;")?;
+        for variable in &self.variables {
+            let Some(name) = variable.declared_type.as_ref().filter(|_| !variable.items.is_empty()) else { continue };
+            if !written.insert(name) {
+                continue;
+            }
+            writeln!(code, "    /// Items of `{name}`.\n    #[derive(Clone, Copy, Debug, PartialEq, Eq)]")?;
+            writeln!(code, "    pub enum {name} {{")?;
+            for Item { name, value, description } in &variable.items {
+                writeln!(code, "        /// {description}.\n        {name} = {value},")?;
+            }
+            writeln!(code, "    }}\n    impl Choice for {name} {{\n        const ALL: &'static [{name}] = &[")?;
+            for item in &variable.items {
+                writeln!(code, "            {name}::{},", item.name)?;
+            }
+            writeln!(
+                code,
+                "        ];\n        fn number(self) -> i32 {{\n            self as i32\n        }}\n    }}"
+            )?;
+        }
+        writeln!(code, "}}")
+    }
+}
+
+/// What the code calls the part to which a variable belongs.
+fn role(variable: &Variable) -> &'static str {
+    ROLES.iter().find(|(causality, ..)| *causality == variable.causality).map_or("", |(_, role, _)| role)
 }
 
 /// `dimensionless.xi_v` → `DimensionlessXiV`.

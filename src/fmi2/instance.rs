@@ -7,8 +7,8 @@ use crate::excitation::Inputs;
 use crate::fmi2::calls::{Call, Phase};
 use crate::fmi2::log::{Category, Log};
 use crate::fmi2::types::{Status, StatusKind};
-use crate::model::values::{INPUTS, Values, derived, history, history_rate, inputs, real_output};
-use crate::model::variables::{Causality, Kind, Metadata, VARIABLES, Variability, Variable};
+use crate::model::values::{PerInput, Values, derived, inputs, source};
+use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks;
 use crate::simulation::{Energies, Progress, Settings, Simulation};
@@ -47,7 +47,7 @@ pub struct Core {
     experiment: Experiment,
     values: Values,
     /// Rates of the inputs, and whether they were set since the last step: otherwise the next step holds the inputs.
-    rates: [f64; INPUTS.len()],
+    rates: PerInput,
     rates_are_new: bool,
     /// The block in motion; before initialization ends, what it would start as, if that is known.
     simulation: Option<Simulation>,
@@ -74,7 +74,7 @@ impl Core {
             phase: Phase::Instantiated,
             experiment: Experiment::default(),
             values: Values::default(),
-            rates: [0.0; INPUTS.len()],
+            rates: PerInput::default(),
             rates_are_new: false,
             simulation: None,
             inputs: Inputs::default(),
@@ -220,7 +220,7 @@ impl Instance {
             return Err(Fault::error(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
         }
         if !*rates_are_new {
-            *rates = [0.0; INPUTS.len()];
+            *rates = PerInput::default();
         }
         let inputs = values.inputs(time, rates);
         simulation.set_time(time);
@@ -235,8 +235,8 @@ impl Instance {
             Fault::error(error.to_string())
         })?;
         *rates_are_new = false;
-        for (input, rate) in INPUTS.into_iter().zip(rates) {
-            values[input] += *rate * (simulation.time() - time);
+        for (input, rate) in Input::ALL.into_iter().zip(rates) {
+            values[input.variable()] += *rate * (simulation.time() - time);
         }
         log.tell(
             Status::Ok,
@@ -339,24 +339,22 @@ impl Instance {
             known(reference, kind)?;
         }
         for (&reference, value) in references.iter().zip(values) {
-            value.write(convert(self.value(VARIABLES[reference as usize].variable)?));
+            value.write(convert(self.value(&VARIABLES[reference as usize])?));
         }
         Ok(Status::Ok)
     }
 
-    fn value(&mut self, variable: Variable) -> Result<f64, Fault> {
-        let metadata = &VARIABLES[variable as usize];
-        match metadata.causality {
-            Causality::Parameter | Causality::Input => Ok(self.core.values[variable]),
-            Causality::CalculatedParameter => {
+    fn value(&mut self, metadata: &Metadata) -> Result<f64, Fault> {
+        match metadata.role {
+            Role::Parameter(_) | Role::Input(_) => Ok(self.core.values[metadata.variable]),
+            Role::Derived(parameter) => {
                 let block = match &self.core.simulation {
                     Some(simulation) => *simulation.block(),
                     None => self.block()?,
                 };
-                derived(variable, &block)
-                    .ok_or_else(|| Fault::error(format!("{} is not derived from the block", metadata.name)))
+                Ok(derived(parameter, &block))
             }
-            Causality::Output => {
+            Role::Output(output) => {
                 let (seen, energies) = match self.seen {
                     Some(seen) => seen,
                     None => {
@@ -366,7 +364,7 @@ impl Instance {
                     }
                 };
                 let (simulation, _) = self.preview()?;
-                Ok(real_output(variable, &seen, &energies, |variable| history(variable, simulation)))
+                Ok(source(output).value(&seen, &energies, simulation))
             }
         }
     }
@@ -406,10 +404,7 @@ impl Instance {
     /// `fmi2SetRealInputDerivatives`, order 1 only.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let metadata = known(reference, Kind::Real)?;
-            if metadata.causality != Causality::Input {
-                return Err(Fault::error(format!("{} is no input; only inputs have set derivatives", metadata.name)));
-            }
+            let (_, metadata) = input(reference, "has set derivatives")?;
             if order != 1 {
                 return Err(Fault::error(format!("derivative of {} of order {order}; expected 1", metadata.name)));
             }
@@ -421,15 +416,12 @@ impl Instance {
             }
         }
         if !self.core.rates_are_new {
-            self.core.rates = [0.0; INPUTS.len()];
+            self.core.rates = PerInput::default();
             self.core.rates_are_new = true;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            for (input, rate) in INPUTS.into_iter().zip(&mut self.core.rates) {
-                if input as u32 == reference {
-                    *rate = value;
-                }
-            }
+            let (input, _) = input(reference, "has set derivatives")?;
+            self.core.rates[input as usize] = value;
         }
         self.take_up_values();
         Ok(Status::Ok)
@@ -443,18 +435,18 @@ impl Instance {
         values: &mut [MaybeUninit<f64>],
     ) -> Answer {
         for (&reference, &order) in references.iter().zip(orders) {
-            let metadata = output(reference, "has derivatives in time")?;
+            let (_, metadata) = output(reference, "has derivatives in time")?;
             if order != 1 {
                 return Err(Fault::error(format!("derivative of {} of order {order}; expected 1", metadata.name)));
             }
         }
         let (simulation, inputs) = self.preview()?;
         let seen = simulation.observe_rates(&inputs);
-        let (rates, samples) = (seen.map(|x| x.eps), peaks::channels(&seen));
-        let energies = simulation.energy_rates(&inputs);
-        let history = |variable| history_rate(variable, &samples, &simulation.peaks());
+        let (rates, channels) = (seen.map(|x| x.eps), peaks::channels(&seen));
+        let (energy_rates, peaks) = (simulation.energy_rates(&inputs), simulation.peaks());
         for (&reference, value) in references.iter().zip(values) {
-            value.write(real_output(VARIABLES[reference as usize].variable, &rates, &energies, history));
+            let (output, _) = output(reference, "has derivatives in time")?;
+            value.write(source(output).rate(&rates, &energy_rates, &channels, &peaks));
         }
         Ok(Status::Ok)
     }
@@ -470,26 +462,23 @@ impl Instance {
         for &reference in unknowns {
             output(reference, "can be differentiated")?;
         }
-        let mut components = [0.0; INPUTS.len()];
+        let mut components = PerInput::default();
         for (&reference, &component) in knowns.iter().zip(direction) {
-            let metadata = known(reference, Kind::Real)?;
-            let Some(input) = INPUTS.iter().position(|&input| input == metadata.variable) else {
-                return Err(Fault::error(format!("derivative with respect to {}; expected an input", metadata.name)));
-            };
+            let (input, metadata) = input(reference, "is a direction")?;
             if !component.is_finite() {
                 return Err(Fault::error(format!(
                     "direction {component} of {}; expected a finite number",
                     metadata.name
                 )));
             }
-            components[input] += component;
+            components[input as usize] += component;
         }
-        let along = inputs(0.0, components, &[0.0; INPUTS.len()]);
+        let along = inputs(0.0, components, &PerInput::default());
         let (simulation, at) = self.preview()?;
         let derivative = simulation.observe_direction(&at, &along).map(|x| x.eps);
         for (&reference, value) in unknowns.iter().zip(sensitivities) {
-            let variable = VARIABLES[reference as usize].variable;
-            value.write(real_output(variable, &derivative, &Energies::default(), |_| 0.0));
+            let (output, _) = output(reference, "can be differentiated")?;
+            value.write(source(output).sensitivity(&derivative));
         }
         Ok(Status::Ok)
     }
@@ -523,10 +512,26 @@ fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
     Ok(metadata)
 }
 
-fn output(reference: u32, what: &str) -> Result<&'static Metadata, Fault> {
+/// The Real output of this number.
+fn output(reference: u32, what: &str) -> Result<(Output, &'static Metadata), Fault> {
     let metadata = known(reference, Kind::Real)?;
-    if metadata.causality != Causality::Output {
-        return Err(Fault::error(format!("{} is a {}; only an output {what}", metadata.name, metadata.causality)));
+    match metadata.role {
+        Role::Output(output) => Ok((output, metadata)),
+        Role::Input(_) | Role::Parameter(_) | Role::Derived(_) => {
+            let Metadata { name, causality, .. } = metadata;
+            Err(Fault::error(format!("{name} is a {causality}; only an output {what}")))
+        }
     }
-    Ok(metadata)
+}
+
+/// The input of this number.
+fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault> {
+    let metadata = known(reference, Kind::Real)?;
+    match metadata.role {
+        Role::Input(input) => Ok((input, metadata)),
+        Role::Output(_) | Role::Parameter(_) | Role::Derived(_) => {
+            let Metadata { name, causality, .. } = metadata;
+            Err(Fault::error(format!("{name} is a {causality}; only an input {what}")))
+        }
+    }
 }

@@ -2,13 +2,13 @@
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use crate::model::variables::{Causality, VARIABLES, Variable};
+use crate::model::variables::{Causality, Choice, Derived, Input, Output, Parameter, VARIABLES, Variable, choices};
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
 
-/// The inputs, in the order of their ramps.
-pub const INPUTS: [Variable; 5] = [Variable::AGx, Variable::AGz, Variable::FX, Variable::FZ, Variable::MY];
+/// Values of all inputs, in the order of [`Input::ALL`], or what else there is one of for each.
+pub type PerInput = [f64; Input::ALL.len()];
 
 /// Values of all variables that are set from outside, by value reference; those of the others stay at 0.
 ///
@@ -36,13 +36,7 @@ impl std::ops::IndexMut<Variable> for Values {
     }
 }
 
-const PHYSICAL_PARAMETERIZATION: f64 = 2.0;
-const RIGID: f64 = Foundation::Rigid as i32 as f64;
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
-const HOLD_AT_SEPARATION: f64 = OnSeparation::Hold as i32 as f64;
-const FLY: f64 = OnSeparation::Fly as i32 as f64;
-const HOLD_AT_OVERTURNING: f64 = OnOverturning::Hold as i32 as f64;
-const KEEP_MOMENTUM: f64 = 2.0;
 
 impl Values {
     /// Whether these are values of this FMU: one a variable, each within its limits.
@@ -60,7 +54,7 @@ impl Values {
             gamma: self[Variable::Gamma],
             epsilon: self[Variable::Epsilon],
             gravity: self[Variable::G],
-            foundation: if self.is_rigid() { Foundation::Rigid } else { Foundation::Viscoelastic },
+            foundation: self.foundation(),
             restitution_factor: self[Variable::RestitutionFactor],
         };
         if self.is_physical() {
@@ -82,48 +76,73 @@ impl Values {
         }
     }
 
+    /// The item of an enumeration.
+    fn choice<C: Choice>(&self, variable: Variable) -> C {
+        C::of(self[variable])
+            .unwrap_or_else(|| unreachable!("{} = {} is checked where it is set", variable.name(), self[variable]))
+    }
+
     fn is_physical(&self) -> bool {
-        self[Variable::Parameterization] == PHYSICAL_PARAMETERIZATION
+        match self.choice(Variable::Parameterization) {
+            choices::Parameterization::Dimensionless => false,
+            choices::Parameterization::Physical => true,
+        }
+    }
+
+    fn foundation(&self) -> Foundation {
+        match self.choice(Variable::Foundation) {
+            choices::Foundation::Viscoelastic => Foundation::Viscoelastic,
+            choices::Foundation::Rigid => Foundation::Rigid,
+        }
+    }
+
+    /// What a parameter needs to be read, if it is not there with the other parameters as they are.
+    fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
+        let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
+        match parameter {
+            Parameter::DimensionlessAlpha
+            | Parameter::DimensionlessP
+            | Parameter::DimensionlessEta
+            | Parameter::DimensionlessXiV => physical.then_some("parameterization = Dimensionless"),
+            Parameter::PhysicalWidth | Parameter::PhysicalHeight | Parameter::PhysicalK | Parameter::PhysicalC => {
+                (!physical).then_some("parameterization = Physical")
+            }
+            Parameter::LiftOff => rigid.then_some(ON_SUPPORTS),
+            Parameter::InitialV | Parameter::InitialVDot if rigid => Some(ON_SUPPORTS),
+            Parameter::InitialV | Parameter::InitialVDot => {
+                (self[Variable::InitialSettled] != 0.0).then_some("initial.settled = false")
+            }
+            Parameter::RestitutionFactor => (!rigid).then_some("foundation = Rigid"),
+            Parameter::PulseAmplitude | Parameter::PulsePeriod | Parameter::PulseStart => {
+                (self.pulse().shape == PulseShape::None).then_some("a pulse.shape")
+            }
+            Parameter::Parameterization
+            | Parameter::Mass
+            | Parameter::Gamma
+            | Parameter::Epsilon
+            | Parameter::G
+            | Parameter::Foundation
+            | Parameter::OnSeparation
+            | Parameter::OnOverturning
+            | Parameter::InitialTheta
+            | Parameter::InitialThetaDot
+            | Parameter::InitialSettled
+            | Parameter::PulseShape => None,
+        }
     }
 
     /// Parameters that were given and that nothing reads with the others as they are, each with what it needs.
     pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        const DIMENSIONLESS: [Variable; 4] = [
-            Variable::DimensionlessAlpha,
-            Variable::DimensionlessP,
-            Variable::DimensionlessEta,
-            Variable::DimensionlessXiV,
-        ];
-        const PHYSICAL: [Variable; 4] =
-            [Variable::PhysicalWidth, Variable::PhysicalHeight, Variable::PhysicalK, Variable::PhysicalC];
-        const VERTICAL: [Variable; 2] = [Variable::InitialV, Variable::InitialVDot];
-        const PULSE: [Variable; 3] = [Variable::PulseAmplitude, Variable::PulsePeriod, Variable::PulseStart];
-        let (other_group, other) = if self.is_physical() {
-            (DIMENSIONLESS, "parameterization = Dimensionless")
-        } else {
-            (PHYSICAL, "parameterization = Physical")
-        };
-        let mut unread: Vec<(Variable, &str)> = other_group.map(|variable| (variable, other)).into();
-        if self.is_rigid() {
-            unread.extend([Variable::LiftOff, VERTICAL[0], VERTICAL[1]].map(|variable| (variable, ON_SUPPORTS)));
-        } else {
-            unread.push((Variable::RestitutionFactor, "foundation = Rigid"));
-            if self[Variable::InitialSettled] != 0.0 {
-                unread.extend(VERTICAL.map(|variable| (variable, "initial.settled = false")));
-            }
-        }
-        if self.pulse().shape == PulseShape::None {
-            unread.extend(PULSE.map(|variable| (variable, "a pulse.shape")));
-        }
-        self.given(unread)
+        let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
+        self.given(Parameter::ALL.into_iter().filter_map(lacking).collect())
     }
 
     /// Those of [`Values::unread`], and those of the supports on a rigid base, where only calculated parameters have them.
     pub fn unread_by_motion(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        let supports = match (self.is_rigid(), self.is_physical()) {
-            (false, _) => vec![],
-            (true, true) => vec![Variable::PhysicalK, Variable::PhysicalC],
-            (true, false) => vec![Variable::DimensionlessEta, Variable::DimensionlessXiV],
+        let supports = match (self.foundation(), self.is_physical()) {
+            (Foundation::Viscoelastic, _) => vec![],
+            (Foundation::Rigid, true) => vec![Variable::PhysicalK, Variable::PhysicalC],
+            (Foundation::Rigid, false) => vec![Variable::DimensionlessEta, Variable::DimensionlessXiV],
         };
         self.unread().chain(self.given(supports.into_iter().map(|variable| (variable, ON_SUPPORTS)).collect()))
     }
@@ -132,10 +151,6 @@ impl Values {
     fn given(&self, variables: Vec<(Variable, &'static str)>) -> impl Iterator<Item = (&'static str, &'static str)> {
         let given = |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
         variables.into_iter().filter(move |(v, _)| given(*v)).map(|(v, needed)| (v.name(), needed))
-    }
-
-    fn is_rigid(&self) -> bool {
-        self[Variable::Foundation] == RIGID
     }
 
     /// The beginning.
@@ -150,12 +165,14 @@ impl Values {
 
     /// The pulse.
     pub fn pulse(&self) -> Pulse {
-        let shape = [PulseShape::None, PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2]
-            .into_iter()
-            .find(|&shape| f64::from(shape as i32) == self[Variable::PulseShape])
-            .unwrap_or(PulseShape::None);
         Pulse {
-            shape,
+            shape: match self.choice(Variable::PulseShape) {
+                choices::PulseShape::None => PulseShape::None,
+                choices::PulseShape::OneSine => PulseShape::OneSine,
+                choices::PulseShape::OneCosine => PulseShape::OneCosine,
+                choices::PulseShape::C1 => PulseShape::C1,
+                choices::PulseShape::C2 => PulseShape::C2,
+            },
             amplitude: self[Variable::PulseAmplitude],
             period: self[Variable::PulsePeriod],
             start: self[Variable::PulseStart],
@@ -166,124 +183,155 @@ impl Values {
     pub fn settings(&self, tolerance: Option<f64>) -> Settings {
         Settings {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
-            on_separation: match self[Variable::OnSeparation] {
-                HOLD_AT_SEPARATION => OnSeparation::Hold,
-                FLY => OnSeparation::Fly,
-                _ => OnSeparation::Terminate,
+            on_separation: match self.choice(Variable::OnSeparation) {
+                choices::OnSeparation::Terminate => OnSeparation::Terminate,
+                choices::OnSeparation::Hold => OnSeparation::Hold,
+                choices::OnSeparation::Fly => OnSeparation::Fly,
             },
-            on_overturning: match self[Variable::OnOverturning] {
-                HOLD_AT_OVERTURNING => OnOverturning::Hold,
-                _ => OnOverturning::Terminate,
+            on_overturning: match self.choice(Variable::OnOverturning) {
+                choices::OnOverturning::Terminate => OnOverturning::Terminate,
+                choices::OnOverturning::Hold => OnOverturning::Hold,
             },
-            lift_off: if self[Variable::LiftOff] == KEEP_MOMENTUM { LiftOff::KeepMomentum } else { LiftOff::KeepRates },
+            lift_off: match self.choice(Variable::LiftOff) {
+                choices::LiftOff::KeepRates => LiftOff::KeepRates,
+                choices::LiftOff::KeepMomentum => LiftOff::KeepMomentum,
+            },
         }
     }
 
     /// The inputs from `time` on, changing at these rates.
-    pub fn inputs(&self, time: f64, rates: &[f64; INPUTS.len()]) -> Inputs {
-        inputs(time, INPUTS.map(|input| self[input]), rates)
+    pub fn inputs(&self, time: f64, rates: &PerInput) -> Inputs {
+        inputs(time, Input::ALL.map(|input| self[input.variable()]), rates)
     }
 }
 
 /// Inputs from their values and rates.
-pub fn inputs(time: f64, values: [f64; INPUTS.len()], rates: &[f64; INPUTS.len()]) -> Inputs {
-    let ramp = |i: usize| Ramp { value: values[i], rate: rates[i] };
-    Inputs { time, a_gx: ramp(0), a_gz: ramp(1), f_x: ramp(2), f_z: ramp(3), m_y: ramp(4) }
+pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
+    let mut inputs = Inputs { time, ..Inputs::default() };
+    for ((input, value), &rate) in Input::ALL.into_iter().zip(values).zip(rates) {
+        let ramp = match input {
+            Input::AGx => &mut inputs.a_gx,
+            Input::AGz => &mut inputs.a_gz,
+            Input::FX => &mut inputs.f_x,
+            Input::FZ => &mut inputs.f_z,
+            Input::MY => &mut inputs.m_y,
+        };
+        *ramp = Ramp { value, rate };
+    }
+    inputs
 }
 
-/// The value of a calculated parameter; `None` for other variables.
-pub fn derived(variable: Variable, block: &Block) -> Option<f64> {
-    Some(match variable {
-        Variable::DerivedAlpha => block.alpha,
-        Variable::DerivedR0 => block.r0,
-        Variable::DerivedI0 => block.inertia(),
-        Variable::DerivedP => block.p,
-        Variable::DerivedOmegaV => block.omega_v,
-        Variable::DerivedK => block.stiffness,
-        Variable::DerivedC => block.damping,
-        Variable::DerivedEta => block.eta(),
-        Variable::DerivedXiV => block.xi_v,
-        Variable::DerivedDeltaS => block.static_deflection(),
-        Variable::DerivedE => block.restitution(),
-        Variable::DerivedEMax => block.max_restitution(),
-        Variable::DerivedThetaSeparation => block.separation_angle(),
-        Variable::DerivedWidth => 2.0 * block.b,
-        Variable::DerivedHeight => 2.0 * block.h,
-        _ => return None,
-    })
-}
-
-/// The value of an output from what is seen, or its rate where rates are given.
-pub fn real_output(
-    variable: Variable,
-    seen: &Observation<f64>,
-    energies: &Energies,
-    history: impl FnOnce(Variable) -> f64,
-) -> f64 {
-    match variable {
-        Variable::Theta => seen.theta,
-        Variable::ThetaDot => seen.theta_dot,
-        Variable::ThetaDdot => seen.theta_ddot,
-        Variable::V => seen.v,
-        Variable::VDot => seen.v_dot,
-        Variable::VDdot => seen.v_ddot,
-        Variable::U => seen.u,
-        Variable::UDot => seen.u_dot,
-        Variable::UDdot => seen.u_ddot,
-        Variable::NL => seen.reaction[0],
-        Variable::NR => seen.reaction[1],
-        Variable::H => seen.horizontal,
-        Variable::MBase => seen.base_moment,
-        Variable::VL => seen.corner[0],
-        Variable::VR => seen.corner[1],
-        Variable::UpliftL => seen.uplift[0],
-        Variable::UpliftR => seen.uplift[1],
-        Variable::EnergyTotal => energies.total,
-        Variable::EnergyKinetic => energies.kinetic,
-        Variable::EnergyPotential => energies.potential,
-        Variable::EnergyInput => energies.input,
-        Variable::EnergyDashpots => energies.dashpots,
-        Variable::EnergyImpacts => energies.impacts,
-        Variable::EnergyConstraint => energies.constraint,
-        Variable::EnergyResidual => energies.residual,
-        Variable::FrictionDemand => seen.friction_demand,
-        Variable::Regime => f64::from(seen.regime.number()),
-        other => history(other),
+/// The value of a calculated parameter.
+pub fn derived(parameter: Derived, block: &Block) -> f64 {
+    match parameter {
+        Derived::DerivedAlpha => block.alpha,
+        Derived::DerivedR0 => block.r0,
+        Derived::DerivedI0 => block.inertia(),
+        Derived::DerivedP => block.p,
+        Derived::DerivedOmegaV => block.omega_v,
+        Derived::DerivedK => block.stiffness,
+        Derived::DerivedC => block.damping,
+        Derived::DerivedEta => block.eta(),
+        Derived::DerivedXiV => block.xi_v,
+        Derived::DerivedDeltaS => block.static_deflection(),
+        Derived::DerivedE => block.restitution(),
+        Derived::DerivedEMax => block.max_restitution(),
+        Derived::DerivedThetaSeparation => block.separation_angle(),
+        Derived::DerivedWidth => 2.0 * block.b,
+        Derived::DerivedHeight => 2.0 * block.h,
     }
 }
 
-/// The value of an output that holds what was since the start; 0 for other variables.
-pub fn history(variable: Variable, simulation: &Simulation) -> f64 {
-    let peaks = simulation.peaks();
-    let counts = simulation.counts();
-    let ended_by = |is: fn(Ending) -> bool| f64::from(u8::from(simulation.ending().is_some_and(|(end, _)| is(end))));
-    match variable {
-        Variable::PeakTheta => peaks.theta,
-        Variable::PeakN => peaks.reaction,
-        Variable::PeakH => peaks.horizontal,
-        Variable::PeakUplift => peaks.uplift,
-        Variable::PeakFrictionDemand => peaks.friction_demand,
-        Variable::EventsLastTime => simulation.last_event(),
-        Variable::EventsImpacts => f64::from(counts.impacts),
-        Variable::EventsLiftoffs => f64::from(counts.liftoffs),
-        Variable::Separated => ended_by(Ending::is_separation),
-        Variable::Overturned => ended_by(Ending::is_overturning),
-        _ => 0.0,
+/// Where the value of an output comes from, and with it its derivatives.
+pub enum Source {
+    /// What is seen at an instant; of rates its rate, of sensitivities its sensitivity.
+    Seen(fn(&Observation<f64>) -> f64),
+    /// The energies, or their rates.
+    Energy(fn(&Energies) -> f64),
+    /// The greatest value since the start: it grows with a value that stands at it and grows.
+    Peak(Channel),
+    /// What changes at events only.
+    Discrete(fn(&Observation<f64>, &Simulation) -> f64),
+}
+
+/// Where an output comes from.
+pub fn source(output: Output) -> Source {
+    use Source::{Discrete, Energy, Peak, Seen};
+    match output {
+        Output::Theta => Seen(|seen| seen.theta),
+        Output::ThetaDot => Seen(|seen| seen.theta_dot),
+        Output::ThetaDdot => Seen(|seen| seen.theta_ddot),
+        Output::V => Seen(|seen| seen.v),
+        Output::VDot => Seen(|seen| seen.v_dot),
+        Output::VDdot => Seen(|seen| seen.v_ddot),
+        Output::U => Seen(|seen| seen.u),
+        Output::UDot => Seen(|seen| seen.u_dot),
+        Output::UDdot => Seen(|seen| seen.u_ddot),
+        Output::NL => Seen(|seen| seen.reaction[0]),
+        Output::NR => Seen(|seen| seen.reaction[1]),
+        Output::H => Seen(|seen| seen.horizontal),
+        Output::MBase => Seen(|seen| seen.base_moment),
+        Output::VL => Seen(|seen| seen.corner[0]),
+        Output::VR => Seen(|seen| seen.corner[1]),
+        Output::UpliftL => Seen(|seen| seen.uplift[0]),
+        Output::UpliftR => Seen(|seen| seen.uplift[1]),
+        Output::FrictionDemand => Seen(|seen| seen.friction_demand),
+        Output::EnergyTotal => Energy(|energies| energies.total),
+        Output::EnergyKinetic => Energy(|energies| energies.kinetic),
+        Output::EnergyPotential => Energy(|energies| energies.potential),
+        Output::EnergyInput => Energy(|energies| energies.input),
+        Output::EnergyDashpots => Energy(|energies| energies.dashpots),
+        Output::EnergyImpacts => Energy(|energies| energies.impacts),
+        Output::EnergyConstraint => Energy(|energies| energies.constraint),
+        Output::EnergyResidual => Energy(|energies| energies.residual),
+        Output::PeakTheta => Peak(Channel::Theta),
+        Output::PeakN => Peak(Channel::Reaction),
+        Output::PeakH => Peak(Channel::Horizontal),
+        Output::PeakUplift => Peak(Channel::Uplift),
+        Output::PeakFrictionDemand => Peak(Channel::FrictionDemand),
+        Output::Regime => Discrete(|seen, _| f64::from(seen.regime.number())),
+        Output::EventsLastTime => Discrete(|_, simulation| simulation.last_event()),
+        Output::EventsImpacts => Discrete(|_, simulation| f64::from(simulation.counts().impacts)),
+        Output::EventsLiftoffs => Discrete(|_, simulation| f64::from(simulation.counts().liftoffs)),
+        Output::Separated => Discrete(|_, simulation| ended_by(simulation, Ending::is_separation)),
+        Output::Overturned => Discrete(|_, simulation| ended_by(simulation, Ending::is_overturning)),
     }
 }
 
-/// The rate of an output that holds what was since the start: a peak grows with a value that stands at it and grows;
-/// the others change at events only.
-pub fn history_rate(variable: Variable, now: &Channels, peaks: &Peaks) -> f64 {
-    let channel = match variable {
-        Variable::PeakTheta => Channel::Theta,
-        Variable::PeakN => Channel::Reaction,
-        Variable::PeakH => Channel::Horizontal,
-        Variable::PeakUplift => Channel::Uplift,
-        Variable::PeakFrictionDemand => Channel::FrictionDemand,
-        _ => return 0.0,
-    };
-    peaks.rate(channel, now)
+fn ended_by(simulation: &Simulation, is: fn(Ending) -> bool) -> f64 {
+    f64::from(u8::from(simulation.ending().is_some_and(|(ending, _)| is(ending))))
+}
+
+impl Source {
+    /// The value.
+    pub fn value(&self, seen: &Observation<f64>, energies: &Energies, simulation: &Simulation) -> f64 {
+        match self {
+            Source::Seen(of) => of(seen),
+            Source::Energy(of) => of(energies),
+            Source::Peak(channel) => simulation.peaks().of(*channel),
+            Source::Discrete(of) => of(seen, simulation),
+        }
+    }
+
+    /// Its rate of change, from those of what is seen and of the energies; `now` and `peaks` are what stands at a peak, and
+    /// grows.
+    pub fn rate(&self, rates: &Observation<f64>, energy_rates: &Energies, now: &Channels, peaks: &Peaks) -> f64 {
+        match self {
+            Source::Seen(of) => of(rates),
+            Source::Energy(of) => of(energy_rates),
+            Source::Peak(channel) => peaks.rate(*channel, now),
+            Source::Discrete(_) => 0.0,
+        }
+    }
+
+    /// Its derivative with respect to the inputs at one instant, from those of what is seen. Energies and what was since the
+    /// start do not depend on them.
+    pub fn sensitivity(&self, sensitivities: &Observation<f64>) -> f64 {
+        match self {
+            Source::Seen(of) => of(sensitivities),
+            Source::Energy(_) | Source::Peak(_) | Source::Discrete(_) => 0.0,
+        }
+    }
 }
 
 impl Variable {

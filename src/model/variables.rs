@@ -55,6 +55,33 @@ impl std::fmt::Display for Causality {
     }
 }
 
+/// The part to which a variable belongs. Who handles a part handles each of its variables, or does not compile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Set from outside at any time.
+    Input(Input),
+    /// Set from outside before initialization ends.
+    Parameter(Parameter),
+    /// Follows from parameters.
+    Derived(Derived),
+    /// Put out.
+    Output(Output),
+}
+
+/// The items of an enumeration.
+pub trait Choice: Copy + 'static {
+    /// All items.
+    const ALL: &'static [Self];
+
+    /// The number of an item.
+    fn number(self) -> i32;
+
+    /// The item of a number, if it has one.
+    fn of(value: f64) -> Option<Self> {
+        Self::ALL.iter().copied().find(|item| f64::from(item.number()) == value)
+    }
+}
+
 /// When a variable changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
@@ -77,6 +104,8 @@ pub struct Metadata {
     pub kind: Kind,
     /// What it is for.
     pub causality: Causality,
+    /// The same, with the variable among those of its part.
+    pub role: Role,
     /// When it changes.
     pub variability: Variability,
     /// Its start value, with 0 and 1 for false and true.
