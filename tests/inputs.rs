@@ -12,6 +12,8 @@ mod patterns;
 mod record;
 #[path = "inputs/settings.rs"]
 mod settings;
+#[path = "inputs/several.rs"]
+mod several;
 #[path = "inputs/without_effect.rs"]
 mod without_effect;
 

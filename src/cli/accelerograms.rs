@@ -1,11 +1,12 @@
 //! Options that name accelerograms, and say of them what their files do not → ground motions.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use crate::cli::excitation::finite;
 use crate::cli::input;
+use crate::cli::output::Named;
 use crate::records::{Column, Format, ReadOptions, Unit};
 use crate::study::ground::Ground;
 use crate::study::ground_files::{Name, Said};
@@ -23,6 +24,31 @@ pub struct Accelerograms {
     of_both: OfBoth,
     #[command(flatten)]
     of_vertical: OfVertical,
+}
+
+/// Options that name the records of several ground motions.
+#[derive(Args)]
+pub struct ManyAccelerograms {
+    /// Accelerograms of horizontal ground motions, one or several: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for
+    /// standard input
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    record: Vec<PathBuf>,
+    /// Accelerograms of their vertical ground motions, in the same order; `-` for standard input
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    vertical: Vec<PathBuf>,
+    #[command(flatten)]
+    of_both: OfBoth,
+    #[command(flatten)]
+    of_vertical: OfVertical,
+}
+
+/// The files of one ground motion.
+#[derive(Clone, Copy)]
+pub struct Files<'a> {
+    /// That of the horizontal one.
+    pub along: Option<&'a Path>,
+    /// That of the vertical one.
+    pub up: Option<&'a Path>,
 }
 
 /// What the files do not say.
@@ -71,24 +97,70 @@ pub struct OfVertical {
     vertical_time_column: Option<Column>,
 }
 
+impl Files<'_> {
+    /// The files by the options that name them.
+    pub fn named(&self) -> Vec<Named> {
+        let files = [("--record", self.along), ("--vertical", self.up)];
+        files.into_iter().filter_map(|(option, path)| Some(Named::new(option, path?))).collect()
+    }
+}
+
 impl Accelerograms {
     /// Whether no record is named.
     pub fn is_empty(&self) -> bool {
         self.record.is_none() && self.vertical.is_none()
     }
 
+    /// The files.
+    pub fn files(&self) -> Files<'_> {
+        Files { along: self.record.as_deref(), up: self.vertical.as_deref() }
+    }
+
     /// Reads the records, with this gravity for those in g (m/s²).
     pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
-        let said = Said { of_both: self.of_both.options(gravity)?, of_vertical: self.of_vertical.options()? };
-        input::check_one_standard([&self.record, &self.vertical])?;
-        let read = |path: &Option<PathBuf>, is_vertical| {
-            let read = |path| said.read(is_vertical, Name::option, |options| input::record(path, options));
-            path.as_deref().map(read).transpose().map_err(anyhow::Error::msg)
-        };
-        let ground = Ground { horizontal: read(&self.record, false)?, vertical: read(&self.vertical, true)? };
-        all_read(&said, std::slice::from_ref(&ground))?;
-        Ok(ground)
+        let grounds = read(&[self.files()], &self.of_both, &self.of_vertical, gravity)?;
+        Ok(grounds.into_iter().next().unwrap_or_default())
     }
+}
+
+impl ManyAccelerograms {
+    /// Whether no record is named.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_empty() && self.vertical.is_empty()
+    }
+
+    /// The files, at least those of one ground motion, which may be none.
+    pub fn files(&self) -> Vec<Files<'_>> {
+        let count = self.record.len().max(self.vertical.len()).max(1);
+        let files = |i| Files {
+            along: self.record.get(i).map(PathBuf::as_path),
+            up: self.vertical.get(i).map(PathBuf::as_path),
+        };
+        (0..count).map(files).collect()
+    }
+
+    /// Reads the records of each ground motion, with this gravity for those in g (m/s²).
+    pub fn read(&self, gravity: f64) -> anyhow::Result<Vec<Ground>> {
+        let (along, up) = (self.record.len(), self.vertical.len());
+        anyhow::ensure!(
+            along == 0 || up == 0 || along == up,
+            "--record names {along} files and --vertical {up}; expected as many, in the same order"
+        );
+        read(&self.files(), &self.of_both, &self.of_vertical, gravity)
+    }
+}
+
+fn read(files: &[Files], of_both: &OfBoth, of_vertical: &OfVertical, gravity: f64) -> anyhow::Result<Vec<Ground>> {
+    let said = Said { of_both: of_both.options(gravity)?, of_vertical: of_vertical.options()? };
+    input::check_one_standard(files.iter().flat_map(|files| [files.along, files.up]).flatten())?;
+    let read = |path: Option<&Path>, is_vertical| {
+        let read = |path| said.read(is_vertical, Name::option, |options| input::record(path, options));
+        path.map(read).transpose().map_err(anyhow::Error::msg)
+    };
+    let ground = |files: &Files| Ok(Ground { horizontal: read(files.along, false)?, vertical: read(files.up, true)? });
+    let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
+    all_read(&said, &grounds)?;
+    Ok(grounds)
 }
 
 /// Refuses options on files that no file has read.

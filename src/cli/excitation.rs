@@ -4,11 +4,13 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::accelerograms::Accelerograms;
+use crate::cli::accelerograms::{Accelerograms, Files, ManyAccelerograms};
 use crate::cli::given::Given;
 use crate::excitation::{Pulse, PulseShape};
 use crate::records::Record;
 use crate::study::ground::Ground;
+use crate::study::intensity::pga;
+use crate::study::spectrum_statistics::direction;
 
 /// Options that say what moves the ground.
 #[derive(Args)]
@@ -20,6 +22,18 @@ pub struct Excitation {
     pub scale: f64,
     #[command(flatten)]
     pub pulse: PulseOptions,
+}
+
+/// Options that say what moves the ground, in one way or in several.
+#[derive(Args)]
+pub struct Excitations {
+    #[command(flatten)]
+    pub accelerograms: ManyAccelerograms,
+    /// Factor on the accelerograms
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    #[command(flatten)]
+    pulse: PulseOptions,
 }
 
 /// Options of a pulse.
@@ -64,36 +78,92 @@ pub struct Motion {
     pub source: String,
 }
 
+/// What moves the ground in each of several ways.
+pub struct Motions {
+    /// Records, scaled, with their names; at least one, which may be none.
+    pub grounds: Vec<(String, Ground)>,
+    /// Pulse, the same for all.
+    pub pulse: Pulse,
+    /// All in words.
+    pub source: String,
+}
+
 impl Excitation {
+    /// Reads the records, with this gravity for those in g (m/s²); `instead` stands for a horizontal one that is not
+    /// named.
+    pub fn read(&self, given: &Given, gravity: f64, instead: Option<Record>) -> anyhow::Result<Motion> {
+        let has_record = instead.is_some() || !self.accelerograms.is_empty();
+        check_scale(given, self.scale, has_record)?;
+        let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
+        let ground = Ground { horizontal: horizontal.or(instead), vertical }.scaled(self.scale);
+        let pulse = self.pulse.read(given)?;
+        let mut words = words(&ground, self.accelerograms.files(), gravity);
+        words.extend(self.pulse.words(&pulse));
+        Ok(Motion { ground, pulse, source: words.join(" + ") })
+    }
+}
+
+impl Excitations {
     /// Whether there is a pulse and no record.
     pub fn is_pulse_alone(&self) -> bool {
         self.accelerograms.is_empty() && self.pulse.shape != Shape::None
     }
 
-    /// Reads the records, with this gravity for those in g (m/s²); `instead` stands for a horizontal one that is not
-    /// named.
-    pub fn read(&self, given: &Given, gravity: f64, instead: Option<Record>) -> anyhow::Result<Motion> {
-        finite("scale", self.scale, |_| true, "a finite factor")?;
-        let has_record = instead.is_some() || !self.accelerograms.is_empty();
-        given.only_if(has_record, &["scale"], "without --record or --vertical")?;
-        let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
-        let horizontal = horizontal.or(instead);
+    /// Reads the records, with this gravity for those in g (m/s²).
+    pub fn read(&self, given: &Given, gravity: f64) -> anyhow::Result<Motions> {
+        check_scale(given, self.scale, !self.accelerograms.is_empty())?;
+        let grounds = self.accelerograms.read(gravity)?;
+        let grounds: Vec<Ground> = grounds.into_iter().map(|ground| ground.scaled(self.scale)).collect();
         let pulse = self.pulse.read(given)?;
-        let mut words = Vec::new();
-        let Accelerograms { record: along, vertical: up, .. } = &self.accelerograms;
-        for (direction, record, path) in [("", &horizontal, along), ("vertical ", &vertical, up)] {
-            if let Some(record) = record {
-                let pga = record.peak().acceleration.abs() * self.scale.abs() / gravity;
-                words.push(format!("{direction}{}, {pga:.3} g", title(record, path.as_deref())));
+        let files = self.accelerograms.files();
+        let mut words = match (grounds.as_slice(), files.as_slice()) {
+            ([ground], [files]) => words(ground, *files, gravity),
+            _ => {
+                let pgas = grounds.iter().filter_map(|ground| ground.horizontal.as_ref().or(ground.vertical.as_ref()));
+                let pgas: Vec<f64> = pgas.map(|record| pga(record) / gravity).collect();
+                let [least, greatest] = [f64::min, f64::max].map(|of| pgas.iter().copied().reduce(of).unwrap_or(0.0));
+                vec![format!("{} records, {least:.3} to {greatest:.3} g", grounds.len())]
             }
+        };
+        words.extend(self.pulse.words(&pulse));
+        let names = names(&files);
+        if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            anyhow::bail!("--record names {name} twice; expected each record once");
         }
-        if pulse.shape != PulseShape::None {
-            let name = self.pulse.shape.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default();
-            words.push(format!("{name} pulse, a_p = {} m/s², T_p = {} s", pulse.amplitude, pulse.period));
-        }
-        let ground = Ground { horizontal, vertical }.scaled(self.scale);
-        Ok(Motion { ground, pulse, source: words.join(" + ") })
+        let grounds = names.into_iter().zip(grounds).collect();
+        Ok(Motions { grounds, pulse, source: words.join(" + ") })
     }
+}
+
+fn check_scale(given: &Given, scale: f64, has_record: bool) -> anyhow::Result<()> {
+    finite("scale", scale, |_| true, "a finite factor")?;
+    given.only_if(has_record, &["scale"], "without --record or --vertical")
+}
+
+/// What the records of a ground motion are, and their PGA in units of this gravity (m/s²).
+fn words(ground: &Ground, files: Files, gravity: f64) -> Vec<String> {
+    let parts = [("", &ground.horizontal, files.along), ("vertical ", &ground.vertical, files.up)];
+    let parts = parts.into_iter().filter_map(|(direction, record, path)| {
+        let record = record.as_ref()?;
+        Some(format!("{direction}{}, {:.3} g", title(record, path), pga(record) / gravity))
+    });
+    parts.collect()
+}
+
+/// Names of ground motions: that of a single one says which directions it has, others have those of their files, with
+/// folders if two would be called the same.
+pub fn names(files: &[Files]) -> Vec<String> {
+    if let [files] = files {
+        return vec![direction(files.up.is_some()).into()];
+    }
+    let name = |of: fn(&Path) -> String| {
+        let name =
+            |files: &Files| [files.along, files.up].into_iter().flatten().map(of).collect::<Vec<_>>().join(" + ");
+        files.iter().map(name).collect::<Vec<_>>()
+    };
+    let short = name(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into());
+    let is_twice = short.iter().enumerate().any(|(i, name)| short[..i].contains(name));
+    if is_twice { name(|path| path.display().to_string()) } else { short }
 }
 
 impl PulseOptions {
@@ -109,6 +179,15 @@ impl PulseOptions {
             "--amplitude = 0 m/s2 makes no pulse; expected the amplitude a_p"
         );
         Ok(Pulse { shape: shape.into(), amplitude, period, start })
+    }
+}
+
+impl PulseOptions {
+    /// The pulse in words, if it is one.
+    fn words(&self, pulse: &Pulse) -> Option<String> {
+        let name = self.shape.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default();
+        let Pulse { shape, amplitude, period, .. } = pulse;
+        (*shape != PulseShape::None).then(|| format!("{name} pulse, a_p = {amplitude} m/s², T_p = {period} s"))
     }
 }
 

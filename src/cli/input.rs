@@ -1,12 +1,10 @@
 //! Names of inputs → their content, `-` for that of standard input.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Context;
 
-use crate::cli::accelerograms::Accelerograms;
-use crate::cli::output::Named;
 use crate::records::{self, LARGEST_FILE, ReadOptions, Record, RecordError};
 use crate::study::place::STANDARD;
 
@@ -35,16 +33,12 @@ pub fn text(path: &Path) -> anyhow::Result<(String, String)> {
     Ok((name, text))
 }
 
-/// Refuses two records that are both read from standard input.
-pub fn check_one_standard(paths: [&Option<PathBuf>; 2]) -> anyhow::Result<()> {
-    let both = paths.iter().all(|path| path.as_deref() == Some(Path::new(STANDARD)));
-    anyhow::ensure!(!both, "--record - and --vertical - both read standard input; expected a file for one of them");
+/// Refuses records of which more than one is read from standard input.
+pub fn check_one_standard<'a>(paths: impl Iterator<Item = &'a Path>) -> anyhow::Result<()> {
+    let count = paths.filter(|path| *path == Path::new(STANDARD)).count();
+    anyhow::ensure!(
+        count < 2,
+        "{count} records are read from {STANDARD_INPUT}; expected files for all but one of them"
+    );
     Ok(())
-}
-
-/// The records of a command as its inputs.
-pub fn of_records(accelerograms: &Accelerograms) -> Vec<Named> {
-    let Accelerograms { record, vertical, .. } = accelerograms;
-    let records = [("--record", record), ("--vertical", vertical)];
-    records.into_iter().filter_map(|(option, path)| Some(Named::new(option, path.as_deref()?))).collect()
 }

@@ -14,6 +14,7 @@ use crate::simulation::{LiftOff, OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::resumable::{Failures, Opening, ResumableTable};
 use crate::study::runner::{self, Made, Study};
+use crate::study::spectrum_statistics::CurveSummary;
 
 /// What stays the same when a corner lifts from full contact.
 #[derive(Clone, Copy, ValueEnum)]
@@ -133,16 +134,25 @@ impl StudyOptions {
         Ok((made?, table))
     }
 
-    /// Reports what was made; runs that failed are an error. `source` says what excites the blocks, where one motion
-    /// does for all.
-    pub fn report(&self, command: &str, made: &Made, source: Option<&str>, plot: Option<&Path>) -> anyhow::Result<()> {
+    /// Reports what was made; runs that failed are an error. `source` says what excites the blocks, where one says it for
+    /// all; `curves` are those of a spectrum, `others` what was written besides the table.
+    pub fn report(
+        &self,
+        command: &str,
+        made: &Made,
+        source: Option<&str>,
+        curves: &[CurveSummary],
+        others: &[(&'static str, Option<&Path>)],
+    ) -> anyhow::Result<()> {
         let Made { rows, before, failures: Failures { count, first }, ref reason } = *made;
-        let written = Written::new([("csv", Some(self.csv.as_path())), ("plot", plot)]);
+        let written = Written::new([("csv", Some(self.csv.as_path()))].into_iter().chain(others.iter().copied()));
         let excitation = source.map(|source| format!("excitation    {source}\n")).unwrap_or_default();
-        let text = format!("{excitation}rows          {rows}, of which {before} were there\n{}", written.lines());
+        let curve_lines = CurveSummary::lines(curves);
+        let rows_line = format!("rows          {rows}, of which {before} were there\n");
+        let text = format!("{excitation}{curve_lines}{rows_line}{}", written.lines());
         let why = reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
         let failed = (count > 0).then(|| format!("{count} of {rows} runs failed, the first in row {first}{why}"));
-        let result = StudyResult { excitation: source, rows, rows_before: before, failed: count };
+        let result = StudyResult { excitation: source, curves, rows, rows_before: before, failed: count };
         self.report.print(command, &written, failed.as_slice(), &text, &result)?;
         failed.map_or(Ok(()), |failed| anyhow::bail!(failed))
     }
@@ -152,6 +162,8 @@ impl StudyOptions {
 struct StudyResult<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     excitation: Option<&'a str>,
+    #[serde(skip_serializing_if = "<[CurveSummary]>::is_empty")]
+    curves: &'a [CurveSummary],
     rows: u64,
     rows_before: u64,
     failed: u64,

@@ -12,7 +12,6 @@ use crate::cli::accelerograms::Accelerograms;
 use crate::cli::excitation::{Shape, finite};
 use crate::cli::formats::check_table;
 use crate::cli::given::Given;
-use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
@@ -175,7 +174,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             given.only_if(!rigid, &["eta", "xi-v", "lift-off"], "with --rigid")?;
             given.only_if(rigid, &["restitution-factor"], "without --rigid")?;
             given.only_if(!given.has("record"), &["pulse", "period"], "with --record")?;
-            overturning.search.check_table(&input::of_records(&overturning.accelerograms))?;
+            overturning.search.check_table(&overturning.accelerograms.files().named())?;
             let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
             let common = Common { restitution_factor, ..overturning.block.common(foundation) };
             let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;

@@ -9,7 +9,6 @@ use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::excitation::{Excitation, Motion, finite};
 use crate::cli::formats::{PictureOptions, check_table};
 use crate::cli::given::Given;
-use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
@@ -144,7 +143,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     let (csv, plot) = options.places()?;
     let named = [("--csv", &csv), ("--plot", &plot)];
     let named: Vec<_> = named.iter().filter_map(|(option, path)| Some(Named::new(option, path.as_deref()?))).collect();
-    check_distinct(&input::of_records(&options.excitation.accelerograms), &named)?;
+    check_distinct(&options.excitation.accelerograms.files().named(), &named)?;
     let csv_file = csv.as_deref().map(Pending::new).transpose()?;
     let picture_file = plot.as_deref().map(Pending::new).transpose()?;
 

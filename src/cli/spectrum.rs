@@ -1,24 +1,29 @@
 //! `rocking spectrum`: options → peak rotations of blocks of all sizes → a table and a picture.
 
+use std::path::PathBuf;
+
 use clap::{Args, Parser, ValueEnum};
 
 use crate::block::Common;
-use crate::cli::excitation::{Excitation, Motion, finite};
+use crate::cli::accelerograms::Files;
+use crate::cli::excitation::{Excitations, Motions, finite, names};
 use crate::cli::formats::{PictureOptions, check_table};
 use crate::cli::given::Given;
-use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
+use crate::cli::report::is_standard_output;
 use crate::cli::run_options::{RunOptions, StudyOptions};
 use crate::excitation::PulseShape;
 use crate::study::ground::Ground;
+use crate::study::records_plot;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
 use crate::study::spectrum_plot::{self, Abscissa};
+use crate::study::spectrum_statistics::Statistics;
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
 pub struct Options {
     #[command(flatten, next_help_heading = "Excitation")]
-    excitation: Excitation,
+    excitation: Excitations,
     /// With --vertical: the horizontal motion alone as well, in curves of its own
     #[arg(long, help_heading = "Excitation")]
     also_horizontal: bool,
@@ -33,6 +38,9 @@ pub struct Options {
     /// What the sizes are drawn over; without it omega_p/p for a pulse, 2pi/p for a record
     #[arg(long, value_enum, help_heading = "Results")]
     over: Option<Over>,
+    /// With several records: table of the statistics over them, for each foundation and size
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    statistics: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -98,10 +106,15 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     given.only_if(options.picture.plot.is_some(), &["over", "plot-format"], "without --plot")?;
     given.only_if(given.has("vertical"), &["also-horizontal"], "without --vertical")?;
     let (csv, plot) = (&options.study.csv, options.picture.plot.as_deref());
+    let statistics_path = options.statistics.as_deref();
     check_table(csv)?;
+    statistics_path.map_or(Ok(()), check_table)?;
     let format = options.picture.format()?;
-    let outputs = std::iter::once(Named::new("--csv", csv)).chain(plot.map(|path| Named::new("--plot", path)));
-    check_distinct(&input::of_records(&options.excitation.accelerograms), &outputs.collect::<Vec<_>>())?;
+    let outputs = [("--csv", Some(csv.as_path())), ("--plot", plot), ("--statistics", statistics_path)];
+    let outputs: Vec<Named> = outputs.iter().filter_map(|(option, path)| Some(Named::new(option, (*path)?))).collect();
+    let files = options.excitation.accelerograms.files();
+    check_distinct(&files.iter().flat_map(Files::named).collect::<Vec<_>>(), &outputs)?;
+    given.only_if(files.len() > 1, &["statistics"], "without several records")?;
     let (spectrum, source) = options.spectrum(given)?;
     let over = match options.over {
         Some(Over::TwoPiOverP) => Abscissa::TwoPiOverP,
@@ -112,29 +125,45 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
     anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2pi/p");
     let picture = plot.map(Pending::new).transpose()?;
-    let (made, table) = options.study.run(&spectrum, picture.is_some())?;
+    let statistics_file = statistics_path.map(Pending::new).transpose()?;
+    // A reader of standard output who has seen enough ends the work, unless something else is made of the rows.
+    let read_back = picture.is_some() || statistics_file.is_some() || !is_standard_output(csv);
+    let (made, table) = options.study.run(&spectrum, read_back)?;
+    let statistics = if read_back { Statistics::of(&spectrum, table.read_back()?) } else { Ok(Statistics::default()) };
+    let statistics = statistics.map_err(|error| anyhow::anyhow!("{}: {error}", csv.display()))?;
+    let mut written = Vec::new();
     if let (Some(file), Some(format)) = (picture, format) {
-        let svg = spectrum_plot::spectrum(&spectrum, table.read_back()?, over, &source)?;
-        Pending::write(vec![(file, format.encode(&svg)?)])?;
+        let svg = match files.len() {
+            1 => spectrum_plot::spectrum(&spectrum, table.read_back()?, over, &source)?,
+            _ => records_plot::spectrum(&spectrum, &statistics, table.read_back()?, over, &source)?,
+        };
+        written.push((file, format.encode(&svg)?));
     }
-    options.study.report("spectrum", &made, Some(&source), plot)
+    if let Some(file) = statistics_file {
+        written.push((file, statistics.table(&spectrum)?));
+    }
+    Pending::write(written)?;
+    let others = [("statistics", statistics_path), ("plot", plot)];
+    options.study.report("spectrum", &made, Some(&source), &statistics.curves, &others)
 }
 
 impl Options {
     /// The spectrum, and what excites it.
     fn spectrum(&self, given: &Given) -> anyhow::Result<(Spectrum, String)> {
         let Blocks { alpha, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
-        let Motion { ground, pulse, source } = self.excitation.read(given, g, None)?;
-        let nothing = ground.time_step().is_none() && pulse.shape == PulseShape::None;
+        let Motions { grounds, pulse, source } = self.excitation.read(given, g)?;
+        let nothing = self.excitation.accelerograms.is_empty() && pulse.shape == PulseShape::None;
         anyhow::ensure!(!nothing, "nothing moves the ground; expected --record, --vertical or --pulse");
         finite("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;
         finite("p-max", p_max, |x| x > p_min, "a frequency above --p-min")?;
-        let with = if ground.vertical.is_some() { "horizontal + vertical" } else { "horizontal" };
         let mut motions = Vec::new();
         if self.also_horizontal {
-            motions.push(("horizontal".into(), Ground { vertical: None, ..ground.clone() }));
+            let files = self.excitation.accelerograms.files();
+            let along = files.iter().map(|files| Files { up: None, ..*files }).collect::<Vec<_>>();
+            let alone = grounds.iter().map(|(_, ground)| Ground { vertical: None, ..ground.clone() });
+            motions.extend(names(&along).into_iter().zip(alone));
         }
-        motions.push((with.into(), ground));
+        motions.extend(grounds);
         let bases = foundation.iter().map(|text| base(text)).collect::<anyhow::Result<Vec<_>>>()?;
         let on_supports = bases.iter().any(|base| match base {
             Base::Viscoelastic { .. } => true,

@@ -42,5 +42,5 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let records: Vec<_> = records.map(|name| Named::new("the record", &folder.join(name))).collect();
     check_distinct(&records, &table)?;
     let (made, _) = study.run(&sweep, false)?;
-    study.report("sweep", &made, None, None)
+    study.report("sweep", &made, None, &[], &[])
 }

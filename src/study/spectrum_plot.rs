@@ -1,9 +1,11 @@
 //! The table of a spectrum → a drawing: peak rotations over size, and where blocks separated or fell over.
 
+use std::f64::consts::TAU;
 use std::io::Read;
 
 use plotters::prelude::*;
 
+use crate::excitation::Pulse;
 use crate::study::look::Look;
 use crate::study::outcome::End;
 use crate::study::picture::{FONT_FAMILY, PictureError};
@@ -44,6 +46,22 @@ struct Stretch {
 }
 
 impl Abscissa {
+    /// Its name and unit.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Abscissa::TwoPiOverP => "2π / p (s)",
+            Abscissa::PulseRatio => "ω_p / p",
+        }
+    }
+
+    /// That of a block with this p (rad/s).
+    pub(super) fn of(self, p: f64, pulse: &Pulse) -> f64 {
+        match self {
+            Abscissa::TwoPiOverP => TAU / p,
+            Abscissa::PulseRatio => TAU / pulse.period / p,
+        }
+    }
+
     fn column(self) -> &'static str {
         match self {
             Abscissa::TwoPiOverP => "2pi/p [s]",
@@ -114,7 +132,11 @@ pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &s
     Ok(svg)
 }
 
-fn read(spectrum: &Spectrum, table: impl Read, over: Abscissa) -> Result<Curves, Box<dyn std::error::Error>> {
+pub(super) fn read(
+    spectrum: &Spectrum,
+    table: impl Read,
+    over: Abscissa,
+) -> Result<Curves, Box<dyn std::error::Error>> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
     Curves::gather(
         spectrum,
@@ -147,6 +169,21 @@ impl Curves {
             }
         }
         Ok(Curves(curves))
+    }
+
+    /// The pieces of a curve between blocks that have no peak rotation.
+    pub(super) fn pieces(&self, curve: usize) -> Vec<Vec<(f64, f64)>> {
+        let mut pieces = vec![Vec::new()];
+        for stretch in &self.0[curve] {
+            if let Some(piece) = pieces.last_mut() {
+                piece.extend(&stretch.points);
+            }
+            if !stretch.is_whole() {
+                pieces.push(Vec::new());
+            }
+        }
+        pieces.retain(|piece| !piece.is_empty());
+        pieces
     }
 
     /// Height of the lanes under a chart (pixels).
@@ -188,7 +225,7 @@ pub(super) fn panel(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let (chart, lanes) = area.split_vertically(area.dim_in_pixel().1 - curves.lanes());
     let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
-    let curves = &curves.0;
+    let (all, curves) = (curves, &curves.0);
     let stretches = || curves.iter().flatten();
     let (from, to) =
         stretches().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.from), high.max(s.to)));
@@ -210,10 +247,7 @@ pub(super) fn panel(
         .label_style(text(26))
         .axis_desc_style(text(28))
         .y_desc("peak |θ| / α")
-        .x_desc(match over {
-            Abscissa::TwoPiOverP => "2π / p (s)",
-            Abscissa::PulseRatio => "ω_p / p",
-        })
+        .x_desc(over.name())
         .x_labels(12)
         .y_labels(8)
         .x_label_formatter(&|x| short(*x))
@@ -221,16 +255,7 @@ pub(super) fn panel(
         .draw()?;
     for (i, curve) in curves.iter().enumerate() {
         let look = Look::of(i);
-        let mut path: Vec<(f64, f64)> = Vec::new();
-        let mut pixels = Vec::new();
-        for stretch in curve {
-            path.extend(&stretch.points);
-            if !stretch.is_whole() {
-                pixels.push(std::mem::take(&mut path));
-            }
-        }
-        pixels.push(path);
-        for path in pixels.into_iter().filter(|path| !path.is_empty()) {
+        for path in all.pieces(i) {
             let at: Vec<(i32, i32)> = path.iter().map(|point| context.backend_coord(point)).collect();
             look.draw(root, &at)?;
         }
@@ -294,7 +319,13 @@ fn outcomes(
 /// What a curve is, in words.
 fn name(spectrum: &Spectrum, curve: usize) -> String {
     let place = spectrum.place(curve as u64 * spectrum.sizes.count);
-    let base = match spectrum.bases[place.base] {
+    let base = base_name(spectrum.bases[place.base]);
+    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[place.motion].0) } else { base }
+}
+
+/// A foundation in words.
+pub(super) fn base_name(base: Base) -> String {
+    match base {
         Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => "rigid base".into(),
         Base::Rigid { epsilon, restitution_factor: 1.0 } => format!("rigid base, ε = {}", short(epsilon)),
         Base::Rigid { epsilon, restitution_factor } => {
@@ -303,8 +334,7 @@ fn name(spectrum: &Spectrum, curve: usize) -> String {
         Base::Viscoelastic { eta, xi_v, epsilon } => {
             format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
         }
-    };
-    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[place.motion].0) } else { base }
+    }
 }
 
 #[derive(Clone, Copy)]
