@@ -1,0 +1,176 @@
+//! Landings, grips and changes of the pivot, beside the momenta that they keep and the velocities that they ask for.
+
+use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::contact::{Corner, Regime};
+use rocking_block::system::impact::{self, Velocities};
+
+fn block() -> Block {
+    let common = Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, ..Common::default() };
+    Block::from_dimensionless(&Dimensionless { alpha: 0.42, p: 1.7, eta: 11.0, xi_v: 0.2 }, &common).unwrap()
+}
+
+const BEFORE: [Velocities; 3] = [
+    Velocities { u_dot: 0.7, v_dot: -1.1, theta_dot: 0.5 },
+    Velocities { u_dot: -0.4, v_dot: -0.6, theta_dot: -1.2 },
+    Velocities { u_dot: 1.3, v_dot: 0.2, theta_dot: 0.3 },
+];
+
+const ANGLES: [f64; 4] = [0.0, 0.02, -0.2, 0.35];
+
+/// A point of the base at this distance to the right of its middle, as seen from the centre of mass: to the right, and up.
+fn arm(block: &Block, theta: f64, along: f64) -> [f64; 2] {
+    let (sin, cos) = theta.sin_cos();
+    [along * cos - block.h * sin, -along * sin - block.h * cos]
+}
+
+/// Velocity of that point: to the right, and up. θ̇ is clockwise.
+fn velocity(of: Velocities, [x, z]: [f64; 2]) -> [f64; 2] {
+    [of.u_dot + z * of.theta_dot, of.v_dot - x * of.theta_dot]
+}
+
+fn corner(block: &Block, corner: Corner) -> f64 {
+    match corner {
+        Corner::Left => -block.b,
+        Corner::Right => block.b,
+    }
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-13
+}
+
+/// The horizontal and vertical impulses per mass that make this change, and what is left of the change of rotation when both
+/// act at these points.
+fn impulses(block: &Block, [before, after]: [Velocities; 2], h_at: [f64; 2], n_at: [f64; 2]) -> ([f64; 2], f64) {
+    let (h, n) = (after.u_dot - before.u_dot, after.v_dot - before.v_dot);
+    let turn = h_at[1] * h - n_at[0] * n;
+    ([h, n], block.i0 * (after.theta_dot - before.theta_dot) - turn)
+}
+
+/// All situations: a corner, a rotation, velocities before.
+fn every(mut look: impl FnMut(&Block, Corner, f64, Velocities)) {
+    let block = block();
+    for on in Corner::BOTH {
+        for theta in ANGLES {
+            BEFORE.into_iter().for_each(|before| look(&block, on, theta, before));
+        }
+    }
+}
+
+#[test]
+fn a_landing_with_grip_stops_the_corner_horizontally() {
+    every(|block, on, theta, before| {
+        let at = arm(block, theta, corner(block, on));
+        for rate in [0.0, 0.4, -0.1] {
+            let after = impact::landing_with_grip(block, on, theta, before, rate);
+            let [along, up] = velocity(after, at);
+            assert!(close(along, 0.0) && close(up, rate), "{on:?} {theta} {before:?}: {along} {up}");
+            let (_, rest) = impulses(block, [before, after], at, at);
+            assert!(close(rest, 0.0), "{on:?} {theta} {before:?}: {rest}");
+        }
+    });
+}
+
+#[test]
+fn a_landing_without_grip_has_a_vertical_impulse_only() {
+    every(|block, on, theta, before| {
+        let at = arm(block, theta, corner(block, on));
+        for rate in [0.0, 0.4] {
+            let after = impact::landing_without_grip(block, on, theta, before, rate);
+            assert!(close(velocity(after, at)[1], rate), "{on:?} {theta} {before:?}");
+            let ([horizontal, _], rest) = impulses(block, [before, after], at, at);
+            assert!(horizontal == 0.0 && close(rest, 0.0), "{on:?} {theta} {before:?}: {horizontal} {rest}");
+        }
+    });
+}
+
+#[test]
+fn a_landing_on_both_gives_each_corner_its_rate() {
+    let block = block();
+    for theta in ANGLES {
+        for before in BEFORE {
+            for rates in [[0.0, 0.0], [0.3, -0.2], [0.1, 0.4]] {
+                let ([left, right], after) = impact::landing_on_both(&block, theta, before, rates);
+                let arms = [-block.b, block.b].map(|along| arm(&block, theta, along));
+                let middle = arm(&block, theta, 0.0);
+                assert!(close(velocity(after, middle)[0], 0.0), "the middle of the base is held");
+                for (at, rate) in arms.into_iter().zip(rates) {
+                    assert!(close(velocity(after, at)[1], rate), "{theta} {before:?}");
+                }
+                assert!(close(left + right, after.v_dot - before.v_dot), "{theta} {before:?}");
+                let horizontal = after.u_dot - before.u_dot;
+                let turn = middle[1] * horizontal - arms[0][0] * left - arms[1][0] * right;
+                assert!(close(block.i0 * (after.theta_dot - before.theta_dot), turn), "{theta} {before:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_grip_is_a_horizontal_impulse_that_stops_what_is_held() {
+    let block = block();
+    for (regime, along) in
+        [(Regime::FullContact, 0.0), (Regime::TiltingLeft, -block.b), (Regime::TiltingRight, block.b)]
+    {
+        for theta in ANGLES {
+            for before in BEFORE {
+                let after = impact::grip(&block, regime, theta, before);
+                let at = arm(&block, theta, along);
+                assert!(close(velocity(after, at)[0], 0.0), "{regime} {theta} {before:?}");
+                let ([_, vertical], rest) = impulses(&block, [before, after], at, at);
+                assert!(vertical == 0.0 && close(rest, 0.0), "{regime} {theta} {before:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_landing_beside_a_standing_corner_keeps_what_it_says() {
+    every(|block, on, theta, before| {
+        // The other corner stands: its horizontal velocity is zero.
+        let standing = arm(block, theta, -corner(block, on));
+        let before = Velocities { u_dot: -standing[1] * before.theta_dot, ..before };
+        let at = arm(block, theta, corner(block, on));
+        let (v_dot, theta_dot) = impact::landing(block, on, theta, before.v_dot, before.theta_dot);
+        let middle = arm(block, theta, 0.0);
+        let after = Velocities { u_dot: -middle[1] * theta_dot, v_dot, theta_dot };
+        let [rate, now] = [before, after].map(|velocities| velocity(velocities, at)[1]);
+        assert!(close(now, block.epsilon * rate), "{on:?} {theta} {before:?}");
+        let (_, rest) = impulses(block, [before, after], at, at);
+        assert!(close(rest, 0.0), "{on:?} {theta} {before:?}: {rest}");
+        assert!(close(impact::corner_rate(block, on, theta, v_dot, theta_dot), now));
+        assert!(close(impact::height_over(block, on, theta), -at[1]));
+    });
+}
+
+/// At a lift-off that keeps the momentum there is no impulse but that of what is held from then on.
+#[test]
+fn a_new_pivot_keeps_the_momentum_about_it() {
+    every(|block, pivot, theta, before| {
+        let middle = arm(block, theta, 0.0);
+        let at = arm(block, theta, corner(block, pivot));
+        let before = Velocities { u_dot: -middle[1] * before.theta_dot, ..before };
+        let theta_dot = impact::new_pivot(block, pivot, theta, before.theta_dot);
+        let after = Velocities { u_dot: -at[1] * theta_dot, theta_dot, ..before };
+        let (_, rest) = impulses(block, [before, after], at, at);
+        assert!(close(rest, 0.0), "{pivot:?} {theta} {before:?}: {rest}");
+    });
+}
+
+/// A vertical impulse at a corner that is guided, so that it moves vertically only, from the kinetic energies.
+#[test]
+fn a_landing_of_a_guided_corner_takes_the_energy_that_is_said() {
+    every(|block, on, theta, before| {
+        let at = arm(block, theta, corner(block, on));
+        let guided = |v_dot: f64, theta_dot: f64| Velocities { u_dot: -at[1] * theta_dot, v_dot, theta_dot };
+        let before = guided(before.v_dot, before.theta_dot);
+        let rate = velocity(before, at)[1];
+        // J at the corner: Δv̇ = J, (i0 + z²) Δθ̇ = −x J, and the rate becomes ε times what it was.
+        let turning = block.i0 + at[1] * at[1];
+        let impulse = (block.epsilon - 1.0) * rate / (1.0 + at[0] * at[0] / turning);
+        let after = guided(before.v_dot + impulse, before.theta_dot - at[0] * impulse / turning);
+        assert!(close(velocity(after, at)[1], block.epsilon * rate));
+        let lost = before.kinetic(block) - after.kinetic(block);
+        assert!(close(impact::landing_loss(block, on, theta, rate), lost), "{on:?} {theta}: {lost}");
+    });
+}
