@@ -9,6 +9,9 @@ const VALUES: &str = "0.1\n-0.3\n0.2\n";
 /// Times and two components.
 const TABLE: &str = "t,north,east [m/s2]\n0,0.1,1\n0.5,-0.3,3\n1,0.2,2\n";
 
+/// An error, and the option that settles it with its value.
+type Settled = (&'static str, &'static [&'static str]);
+
 /// A CSMIP file of two channels, in cm/s².
 fn channels() -> String {
     let channel = |number: usize, peak: f64| {
@@ -53,7 +56,7 @@ fn near(found: [f64; 2], expected: [f64; 2]) {
 fn the_option_that_an_error_names_settles_it() {
     let folder = folder();
     let path = folder.path();
-    let cases: [(&str, &[(&str, &[&str])], f64); 3] = [
+    let cases: [(&str, &[Settled], f64); 3] = [
         (
             "a.txt",
             &[

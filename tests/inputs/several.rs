@@ -213,7 +213,7 @@ fn the_picture_shows_records_mean_and_what_is_left_out() {
     // A thin line for each stretch of blocks that stand, and one in the key.
     let all = Table::read(&path.join("all.csv"));
     let stands = |row: usize| all.get(row, "outcome") == "completed";
-    let begins = |row: usize| stands(row) && (row % 7 == 0 || !stands(row - 1));
+    let begins = |row: usize| stands(row) && (row.is_multiple_of(7) || !stands(row - 1));
     let stretches = (0..all.rows.len()).filter(|&row| begins(row)).count();
     assert!(stretches > 8 || (0..56).any(|row| !stands(row)));
     let lines = svg.matches("stroke=\"#7D7D7D\"").count();

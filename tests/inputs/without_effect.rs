@@ -46,6 +46,9 @@ fn options_of_pulses_and_records_need_one() {
         has_no_effect(&["search", "overturning", "--record", RECORD], &options, "with --record");
     }
     has_no_effect(&["simulate", "--quiet"], &["--events"], "with --quiet");
+    for command in [&["simulate"][..], &with_record] {
+        has_no_effect(command, &["--plot-format", "png"], "without --plot");
+    }
 }
 
 #[test]
@@ -68,6 +71,10 @@ fn options_of_supports_need_them() {
     for options in [["--eta", "40"], ["--xi-v", "0.1"], ["--lift-off", "keep-rates"]] {
         has_no_effect(&["search", "overturning", "--period", "1", "--rigid"], &options, "with --rigid");
     }
+    let factor = ["--restitution-factor", "0.9"];
+    let expected = "on viscoelastic supports; expected --foundation rigid";
+    has_no_effect(&[&["simulate"], &PULSE[..]].concat(), &factor, expected);
+    has_no_effect(&["search", "overturning", "--period", "1"], &factor, "without --rigid");
     let folder = tempfile::tempdir().unwrap();
     let both = [&spectrum[..], &["--foundation", "40,0.1,0", "--lift-off", "keep-rates"]].concat();
     made(folder.path(), &both);
