@@ -215,9 +215,13 @@ fn the_picture_shows_records_mean_and_what_is_left_out() {
     let stands = |row: usize| all.get(row, "outcome") == "completed";
     let begins = |row: usize| stands(row) && (row.is_multiple_of(7) || !stands(row - 1));
     let stretches = (0..all.rows.len()).filter(|&row| begins(row)).count();
-    assert!(stretches > 8 || (0..56).any(|row| !stands(row)));
-    let lines = svg.matches("stroke=\"#7D7D7D\"").count();
-    assert_eq!(lines, stretches + 1);
+    let drawn = |colour: &str| svg.lines().filter(|line| line.contains(colour)).count();
+    assert_eq!(drawn("stroke=\"#7D7D7D\""), stretches + 1);
+    // A black bar for each size of a foundation that some record overturns, and one in the key.
+    let falls = |row: usize| (0..4).any(|motion| all.get(14 * motion + row, "outcome") == "overturned");
+    let sizes = (0..14).filter(|&row| falls(row)).count();
+    let bars = svg.lines().filter(|line| line.starts_with("<rect") && line.contains("fill=\"#191919\"")).count();
+    assert!(sizes > 0 && bars == sizes + 1, "{bars} bars for {sizes} sizes");
     // One record is drawn as before.
     made(path, &spectrum(&NAMES[..1], &["--csv", "one.csv", "--plot", "one.svg"]));
     assert!(!std::fs::read_to_string(path.join("one.svg")).unwrap().contains("geometric mean"));
