@@ -152,7 +152,8 @@ impl ManyAccelerograms {
 
 fn read(files: &[Files], of_both: &OfBoth, of_vertical: &OfVertical, gravity: f64) -> anyhow::Result<Vec<Ground>> {
     let said = Said { of_both: of_both.options(gravity)?, of_vertical: of_vertical.options()? };
-    input::check_one_standard(files.iter().flat_map(|files| [files.along, files.up]).flatten())?;
+    let named = files.iter().flat_map(|files| [("--record", files.along), ("--vertical", files.up)]);
+    input::check_one_standard(named.filter_map(|(option, path)| Some((option, path?))))?;
     let read = |path: Option<&Path>, is_vertical| {
         let read = |path| said.read(is_vertical, Name::option, |options| input::record(path, options));
         path.map(read).transpose().map_err(anyhow::Error::msg)

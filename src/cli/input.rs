@@ -33,12 +33,14 @@ pub fn text(path: &Path) -> anyhow::Result<(String, String)> {
     Ok((name, text))
 }
 
-/// Refuses records of which more than one is read from standard input.
-pub fn check_one_standard<'a>(paths: impl Iterator<Item = &'a Path>) -> anyhow::Result<()> {
-    let count = paths.filter(|path| *path == Path::new(STANDARD)).count();
+/// Refuses records, with the options that name them, of which more than one is read from standard input.
+pub fn check_one_standard<'a>(records: impl Iterator<Item = (&'static str, &'a Path)>) -> anyhow::Result<()> {
+    let standard = records.filter(|(_, path)| *path == Path::new(STANDARD));
+    let options: Vec<String> = standard.map(|(option, _)| format!("{option} -")).collect();
     anyhow::ensure!(
-        count < 2,
-        "{count} records are read from {STANDARD_INPUT}; expected files for all but one of them"
+        options.len() < 2,
+        "{}: {STANDARD_INPUT} holds one record; expected files for the others",
+        options.join(" and ")
     );
     Ok(())
 }
