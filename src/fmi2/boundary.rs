@@ -11,7 +11,7 @@
 //!
 //! - **Calls within a call.** The logger, the one callback that is ever called, may call functions of its own instance,
 //!   and so may another thread. While a call is under way, any other on the same instance gets `fmi2Error`, without a
-//!   message, and changes nothing; `fmi2FreeInstance` does nothing. See [`Turn`].
+//!   message, and changes nothing; `fmi2FreeInstance` does nothing. See `Turn`.
 //! - **Memory that was never written.** Results go into [`Room`]s, of which nothing is read.
 //! - **Arrays that overlap,** such as a direction and its sensitivities in one array: all is read before anything is
 //!   written.

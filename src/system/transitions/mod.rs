@@ -1,6 +1,6 @@
 //! A pose and an event → the pose right after, and what happened.
 //!
-//! Everything here is a function of its arguments. A [`Change`] is where the new pose is put together: it begins as the pose
+//! Everything here is a function of its arguments. A `Change` is where the new pose is put together: it begins as the pose
 //! before and is taken apart into a [`Transition`] at the end.
 
 mod beginning;
