@@ -1,7 +1,9 @@
 //! Runs of a block and what is made of them: histories, spectra, sweeps, searches, the paper's figures, tables, pictures.
 
+mod chart;
 pub mod coming_down;
 pub mod figures;
+mod formula;
 pub mod ground;
 pub mod ground_files;
 pub mod history;

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
+use crate::study::formula::{formula, typeset};
 use crate::study::picture::{FONT_FAMILY, PictureError};
 use crate::study::plot::{GRID, INK, LEFT, short};
 use crate::study::spectrum::Spectrum;
@@ -57,7 +58,7 @@ pub fn spectrum(
         Ok(())
     })();
     drawn.map_err(|error| PictureError::Drawing(error.to_string()))?;
-    Ok(svg)
+    Ok(typeset(&svg))
 }
 
 fn text(size: u32) -> TextStyle<'static> {
@@ -107,7 +108,7 @@ fn panel(spectrum: &Spectrum, group: &Group, curves: &Curves, over: Abscissa, ar
     let direction = if both { format!("; {}", group.direction()) } else { String::new() };
     let base = spectrum_plot::base_name(spectrum.bases[group.base]);
     let records = group.motions.len();
-    name.draw_text(&format!("{base}{direction}; {records} records"), &text(28), (LEFT as i32 + 16, 20))?;
+    name.draw_text(&formula(&format!("{base}{direction}; {records} records")), &text(28), (LEFT as i32 + 16, 20))?;
     let (chart, strip) = rest.split_vertically(CHART);
     let places = places(spectrum, group, over);
     let range = match (places.first(), places.last()) {
@@ -238,7 +239,7 @@ fn mesh<'a>(
         .y_labels(labels)
         .y_label_formatter(&|y| short(*y));
     match abscissa {
-        Some(name) => mesh.x_desc(name).x_label_formatter(&|x| short(*x)).draw()?,
+        Some(name) => mesh.x_desc(formula(name)).x_label_formatter(&|x| short(*x)).draw()?,
         None => mesh.x_label_formatter(&|_| String::new()).draw()?,
     }
     Ok(())

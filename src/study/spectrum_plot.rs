@@ -1,23 +1,19 @@
-//! The table of a spectrum → a drawing: peak rotations over size, and where blocks separated or fell over.
+//! The table of a spectrum → a drawing: peak rotations over size, and where blocks separated or overturned.
 
 use std::f64::consts::TAU;
 use std::io::Read;
-
-use plotters::prelude::*;
+use std::ops::Range;
 
 use crate::excitation::Pulse;
+use crate::study::chart::{Chart, Curve, Fill, Lane, Sample, TEXT, drawing, keys, keys_height, lanes_height, text};
+use crate::study::formula::formula;
 use crate::study::look::Look;
 use crate::study::outcome::End;
-use crate::study::picture::{FONT_FAMILY, PictureError};
-use crate::study::plot::{GRID, INK, LEFT, short};
+use crate::study::picture::PictureError;
+use crate::study::plot::short;
 use crate::study::runner::Study;
 use crate::study::spectrum::{Base, Spectrum};
 
-const WIDTH: u32 = 1920;
-const HEAD: u32 = 116;
-const CHART: u32 = 900;
-/// Height of the lane of a curve: its name and a bar under it.
-const LANE: u32 = 72;
 /// Stretches of the abscissa in which a curve is drawn by its first, least, greatest and last value.
 const STRETCHES: u64 = 1500;
 
@@ -49,8 +45,8 @@ impl Abscissa {
     /// Its name and unit.
     pub(super) fn name(self) -> &'static str {
         match self {
-            Abscissa::TwoPiOverP => "2π / p (s)",
-            Abscissa::PulseRatio => "ω_p / p",
+            Abscissa::TwoPiOverP => "2π/p (s)",
+            Abscissa::PulseRatio => "ω_p/p",
         }
     }
 
@@ -127,9 +123,23 @@ impl Stretch {
 pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &str) -> Result<String, PictureError> {
     let failed = |error: Box<dyn std::error::Error>| PictureError::Drawing(error.to_string());
     let curves = read(spectrum, table, over).map_err(failed)?;
-    let mut svg = String::new();
-    draw(spectrum, &curves, over, title, &mut svg).map_err(failed)?;
-    Ok(svg)
+    let count = curves.0.len();
+    let mut samples: Vec<_> = (0..count).map(|i| (Sample::Curve(Look::of(i)), name(spectrum, i))).collect();
+    samples.extend(curves.fills());
+    let head = 150 + keys_height(&samples);
+    let chart = curves.chart(over, String::new(), (0..count).map(|i| (i, Look::of(i))));
+    drawing(head + 1200 + lanes_height(count), |root| {
+        let (top, rest) = root.split_vertically(140);
+        // The name of a file is not a formula.
+        let is_pulse = spectrum.motions.iter().all(|(_, ground)| ground.end().is_none());
+        let title = if is_pulse { formula(title) } else { title.into() };
+        top.draw_text(&title, &text(1.2 * TEXT), (48, 32))?;
+        let line = format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma));
+        top.draw_text(&formula(&line), &text(TEXT), (48, 90))?;
+        let (samples_area, rest) = rest.split_vertically(keys_height(&samples));
+        keys(&samples_area, &samples)?;
+        chart.draw(root, &rest)
+    })
 }
 
 pub(super) fn read(
@@ -171,7 +181,8 @@ impl Curves {
         Ok(Curves(curves))
     }
 
-    /// The pieces of a curve between blocks that have no peak rotation.
+    /// The pieces of a curve between blocks that have no peak rotation. A block between two of those makes a single point,
+    /// which is no line; its lane shows it.
     pub(super) fn pieces(&self, curve: usize) -> Vec<Vec<(f64, f64)>> {
         let mut pieces = vec![Vec::new()];
         for stretch in &self.0[curve] {
@@ -186,134 +197,68 @@ impl Curves {
         pieces
     }
 
-    /// Height of the lanes under a chart (pixels).
-    pub(super) fn lanes(&self) -> u32 {
-        LANE * self.0.len() as u32 + 72
+    /// Greatest peak |θ|/α of the lines.
+    pub(super) fn highest(&self) -> f64 {
+        let pieces = (0..self.0.len()).flat_map(|curve| self.pieces(curve));
+        pieces.filter(|piece| piece.len() > 1).flatten().fold(0.0_f64, |high, point| high.max(point.1))
+    }
+
+    /// Keys to what is in the lanes.
+    pub(super) fn fills(&self) -> Vec<(Sample, String)> {
+        let all = || self.0.iter().flatten();
+        let there = [
+            (Fill::Separated, all().any(|s| s.separated)),
+            (Fill::Overturned, all().any(|s| s.overturned)),
+            (Fill::Failed, all().any(|s| s.failed)),
+        ];
+        there.into_iter().filter(|(_, is)| *is).map(|(fill, _)| (Sample::Fill(fill), fill.name().into())).collect()
+    }
+
+    /// The least abscissa of a curve from which on no block separates; nothing if none does, or the last one.
+    pub(super) fn limit(&self, curve: usize) -> Option<f64> {
+        let curve = &self.0[curve];
+        let last = curve.iter().rposition(|stretch| stretch.separated)?;
+        curve.get(last + 1).map(|stretch| stretch.from)
+    }
+
+    /// A chart of some of the curves, each with a lane.
+    pub(super) fn chart(
+        &self,
+        over: Abscissa,
+        title: String,
+        which: impl Iterator<Item = (usize, Look)>,
+    ) -> Chart<'static> {
+        let all = || self.0.iter().flatten();
+        let (from, to) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.from), b.max(s.to)));
+        let margin = 0.02 * (to - from);
+        let (curves, lanes) = which
+            .map(|(i, look)| (Curve { look, pieces: self.pieces(i), ends: false }, lane(&self.0[i], look, from..to)))
+            .unzip();
+        Chart {
+            title,
+            x: (over.name(), from - margin..to + margin),
+            y: ("peak |θ|/α", 0.0..1.06 * self.highest().max(1e-9)),
+            curves,
+            lanes,
+            ..Chart::default()
+        }
     }
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-
-fn draw(
-    spectrum: &Spectrum,
-    curves: &Curves,
-    over: Abscissa,
-    title: &str,
-    svg: &mut String,
-) -> Result<(), Box<dyn std::error::Error>> {
-    let root = SVGBackend::with_string(svg, (WIDTH, HEAD + CHART + curves.lanes())).into_drawing_area();
-    root.fill(&WHITE)?;
-    let (head, body) = root.split_vertically(HEAD);
-    let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
-    head.draw_text(title, &text(34), (LEFT as i32 + 16, 24))?;
-    let line = format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma));
-    head.draw_text(&line, &text(26), (LEFT as i32 + 16, 72))?;
-    panel(spectrum, curves, over, &root, &body, false)?;
-    root.present()?;
-    Ok(())
-}
-
-/// Draws a chart with its lanes into an area of `root`. With `limits`, a vertical line stands where the blocks of a curve
-/// cease to separate: at the greatest abscissa at which one does.
-pub(super) fn panel(
-    spectrum: &Spectrum,
-    curves: &Curves,
-    over: Abscissa,
-    root: &Area,
-    area: &Area,
-    limits: bool,
-) -> Result<(), Box<dyn std::error::Error>> {
-    let (chart, lanes) = area.split_vertically(area.dim_in_pixel().1 - curves.lanes());
-    let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
-    let (all, curves) = (curves, &curves.0);
-    let stretches = || curves.iter().flatten();
-    let (from, to) =
-        stretches().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.from), high.max(s.to)));
-    let highest = stretches().flat_map(|s| &s.points).fold(0.0_f64, |high, point| high.max(point.1));
-    let margin = 0.02 * (to - from);
-    let range = from - margin..to + margin;
-    let mut context = ChartBuilder::on(&chart)
-        .margin_right(48)
-        .margin_left(16)
-        .margin_top(16)
-        .set_label_area_size(LabelAreaPosition::Left, LEFT)
-        .set_label_area_size(LabelAreaPosition::Bottom, 88)
-        .build_cartesian_2d(range.clone(), 0.0..1.06 * highest.max(1e-9))?;
-    context
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(ShapeStyle::from(GRID).stroke_width(2))
-        .axis_style(ShapeStyle::from(INK).stroke_width(2))
-        .label_style(text(26))
-        .axis_desc_style(text(28))
-        .y_desc("peak |θ| / α")
-        .x_desc(over.name())
-        .x_labels(12)
-        .y_labels(8)
-        .x_label_formatter(&|x| short(*x))
-        .y_label_formatter(&|y| short(*y))
-        .draw()?;
-    for (i, curve) in curves.iter().enumerate() {
-        let look = Look::of(i);
-        for path in all.pieces(i) {
-            let at: Vec<(i32, i32)> = path.iter().map(|point| context.backend_coord(point)).collect();
-            look.draw(root, &at)?;
-        }
-        let separated = curve.iter().filter(|stretch| stretch.separated).map(|stretch| stretch.from.max(stretch.to));
-        if let Some(limit) = separated.reduce(f64::max).filter(|_| limits) {
-            let ends = [highest * 1.06, 0.0].map(|y| context.backend_coord(&(limit, y)));
-            look.draw(root, &ends)?;
-        }
+fn lane(stretches: &[Stretch], look: Look, range: Range<f64>) -> Lane {
+    let mut parts = Vec::new();
+    for (i, stretch) in stretches.iter().enumerate() {
+        // A block stands for its surroundings, half way to the next one.
+        let from = if i == 0 { stretch.from } else { 0.5 * (stretches[i - 1].to + stretch.from) };
+        let to = stretches.get(i + 1).map_or(stretch.to, |next| 0.5 * (stretch.to + next.from));
+        let fills = [
+            (stretch.separated, Fill::Separated),
+            (stretch.overturned, Fill::Overturned),
+            (stretch.failed, Fill::Failed),
+        ];
+        parts.extend(fills.into_iter().filter(|(is, _)| *is).map(|(_, fill)| (from..to, fill)));
     }
-    outcomes(spectrum, curves, root, &lanes, |x| context.backend_coord(&(x, 0.0)).0)
-}
-
-/// A lane for each curve with its key and its name, and where along the abscissa its blocks have no peak rotation.
-fn outcomes(
-    spectrum: &Spectrum,
-    curves: &[Vec<Stretch>],
-    root: &Area,
-    area: &Area,
-    pixel: impl Fn(f64) -> i32,
-) -> Result<(), Box<dyn std::error::Error>> {
-    let (base, top) = area.get_base_pixel();
-    let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
-    let left = base + LEFT as i32 + 16;
-    let mut x = left;
-    for (fill, name) in [(Fill::Grey, "complete separation"), (Fill::Black, "overturning"), (Fill::Cross, "run failed")]
-    {
-        if matches!(fill, Fill::Cross) && !curves.iter().flatten().any(|s| s.failed) {
-            continue;
-        }
-        fill.draw(root, (x, top + 14), (x + 64, top + 36))?;
-        root.draw_text(name, &text(24), (x + 76, top + 10))?;
-        x += 320;
-    }
-    for (i, curve) in curves.iter().enumerate() {
-        let y = top + 72 + LANE as i32 * i as i32;
-        Look::of(i).draw(root, &[(base + 16, y), (base + LEFT as i32 / 2 + 8, y), (base + LEFT as i32, y)])?;
-        root.draw_text(&name(spectrum, i), &text(24), (left, y - 14))?;
-        let ends = [curve.first(), curve.last()].map(|end| end.map_or(left, |end| pixel(end.to)));
-        root.draw(&Rectangle::new([(ends[0], y + 20), (ends[1], y + 38)], INK.mix(0.5).stroke_width(1)))?;
-        let half = |a: usize, b: usize| match (curve.get(a), curve.get(b)) {
-            (Some(a), Some(b)) => 0.5 * (a.to + b.from),
-            (Some(end), None) => end.to,
-            (None, Some(end)) => end.from,
-            (None, None) => 0.0,
-        };
-        for (j, stretch) in curve.iter().enumerate() {
-            let from = pixel(half(j.wrapping_sub(1), j));
-            let to = pixel(half(j, j + 1)).max(from + 2);
-            for (is, fill) in
-                [(stretch.separated, Fill::Grey), (stretch.overturned, Fill::Black), (stretch.failed, Fill::Cross)]
-            {
-                if is {
-                    fill.draw(root, (from, y + 20), (to, y + 38))?;
-                }
-            }
-        }
-    }
-    Ok(())
+    Lane { look, range, parts }
 }
 
 /// What a curve is, in words.
@@ -334,28 +279,5 @@ pub(super) fn base_name(base: Base) -> String {
         Base::Viscoelastic { eta, xi_v, epsilon } => {
             format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
         }
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Fill {
-    Grey,
-    Black,
-    Cross,
-}
-
-impl Fill {
-    fn draw(self, area: &Area, from: (i32, i32), to: (i32, i32)) -> Result<(), Box<dyn std::error::Error>> {
-        let style = match self {
-            Fill::Grey => INK.mix(0.35).filled(),
-            Fill::Black => INK.filled(),
-            Fill::Cross => INK.stroke_width(2),
-        };
-        area.draw(&Rectangle::new([from, to], style))?;
-        if matches!(self, Fill::Cross) {
-            area.draw(&PathElement::new(vec![from, to], INK.stroke_width(2)))?;
-            area.draw(&PathElement::new(vec![(from.0, to.1), (to.0, from.1)], INK.stroke_width(2)))?;
-        }
-        Ok(())
     }
 }

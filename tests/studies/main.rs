@@ -4,6 +4,7 @@
 
 mod coming_down;
 mod figures;
+mod findings;
 mod search;
 mod spectrum;
 mod sweep;
@@ -97,4 +98,16 @@ pub fn resumes_to_the_same_bytes(folder: &Path, arguments: &[&str], whole: &str)
         let there = line_ends.iter().filter(|end| **end <= length && **end > first_row).count();
         assert!(told.contains(&format!("of which {there} were there")), "cut at byte {length}: {told}");
     }
+}
+
+/// The labels of a drawing, subscripts in line with the rest.
+pub fn labels(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts
+        .map(|node| {
+            let parts = node.descendants().filter(|part| part.is_text()).filter_map(|part| part.text());
+            parts.collect::<String>().trim().to_string()
+        })
+        .collect()
 }

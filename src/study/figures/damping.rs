@@ -3,12 +3,14 @@
 use crate::block::BlockError;
 use crate::excitation::Pulse;
 use crate::simulation::{Initial, Settings};
-use crate::study::figures::page::{Chart, Curve, keys, page};
-use crate::study::figures::parameters::{DAMPING_ALPHA, DAMPING_EPSILON, Detail, ETA, GREATEST_XI_V, P, RATE, block};
+use crate::study::chart::{Chart, Curve};
+use crate::study::figures::page::page;
+use crate::study::figures::parameters::{DAMPING_ALPHA, Detail, EPSILON, ETA, GREATEST_XI_V, P, RATE, block};
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::ground::Ground;
 use crate::study::history::Run;
+use crate::study::look::Look;
 use crate::study::outcome::End;
 use crate::study::plot::short;
 use crate::study::search::{self, Scan};
@@ -17,15 +19,14 @@ use crate::study::spectrum::Base;
 /// Width to which ξ_v is closed in (1).
 const RESOLUTION: f64 = 1e-4;
 
-const CURVES: usize = DAMPING_EPSILON.len() * ETA.len();
+const CURVES: usize = EPSILON.len() * ETA.len();
 
 /// Damping that a block needs in free vibration (1); nothing where the greatest that is looked at does not do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Least {
-    /// The least ξ_v from which on it does not separate while |θ| < α.
+    /// The least ξ_v from which on it does not separate, other than on its way over.
     pub against_separation: Option<f64>,
-    /// The least ξ_v from which on it does not overturn. A block that separates beyond |θ| = α is on its way down, and
-    /// counts as overturned.
+    /// The least ξ_v from which on it does not overturn.
     pub against_overturning: Option<f64>,
 }
 
@@ -65,7 +66,7 @@ fn place(task: u64, detail: &Detail) -> (f64, f64, f64) {
     let (curve, i) = ((task / detail.slendernesses) as usize, task % detail.slendernesses);
     let part = i as f64 / (detail.slendernesses - 1) as f64;
     let alpha = DAMPING_ALPHA[0] + part * (DAMPING_ALPHA[1] - DAMPING_ALPHA[0]);
-    (DAMPING_EPSILON[curve / ETA.len()], ETA[curve % ETA.len()], alpha)
+    (EPSILON[curve / ETA.len()], ETA[curve % ETA.len()], alpha)
 }
 
 /// Makes the figure.
@@ -78,8 +79,12 @@ pub fn figure(caption: &str, detail: &Detail, work: &mut Work) -> Result<Figure,
         "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}, until the block has come down; a word: at {GREATEST_XI_V} still",
         detail.dampings
     )];
-    let mut table =
-        Table::new(9, caption, &lines, &["epsilon", "eta", "alpha", "least.xi_v", "least.xi_v.overturning"])?;
+    let mut table = Table::new(
+        9,
+        caption,
+        &lines,
+        &["epsilon [1]", "eta [1]", "alpha [rad]", "least.xi_v [1]", "least.xi_v.overturning [1]"],
+    )?;
     let mut curves: Vec<Vec<Vec<(f64, f64)>>> = vec![vec![Vec::new()]; CURVES];
     for (task, least) in found.into_iter().enumerate() {
         let (epsilon, eta, alpha) = place(task as u64, detail);
@@ -94,22 +99,25 @@ pub fn figure(caption: &str, detail: &Detail, work: &mut Work) -> Result<Figure,
                 .map(|(least, word)| least.map_or(word.to_string(), |xi_v| xi_v.to_string()));
         table.push([epsilon.to_string(), eta.to_string(), alpha.to_string(), separation, overturning])?;
     }
-    let names: Vec<_> = ETA.iter().enumerate().map(|(look, eta)| (look, format!("η = {}", short(*eta)))).collect();
     let highest = curves.iter().flatten().flatten().fold(0.0_f64, |high, point| high.max(point.1));
-    let svg = page(9, caption, [1800, 56 + 700 * DAMPING_EPSILON.len() as u32], |root, body| {
-        let (key, body) = body.split_vertically(56);
-        keys(&key, &names)?;
-        let areas = body.split_evenly((DAMPING_EPSILON.len(), 1));
-        for ((area, epsilon), curves) in areas.iter().zip(DAMPING_EPSILON).zip(curves.chunks(ETA.len())) {
-            let curves = curves.iter().enumerate().map(|(look, pieces)| {
-                let pieces = pieces.iter().filter(|piece| !piece.is_empty()).cloned().collect();
-                Curve { look, pieces, ends: false }
+    let svg = page(9, caption, &[], 1000, |root, body| {
+        let areas = body.split_evenly((1, EPSILON.len()));
+        for ((area, epsilon), curves) in areas.iter().zip(EPSILON).zip(curves.chunks(ETA.len())) {
+            let looks = [Look::DOTTED, Look::DASH_DOTTED, Look::DASHED, Look::BLACK];
+            let ends = curves.iter().zip(ETA).filter_map(|(pieces, eta)| {
+                let &(alpha, xi_v) = pieces.last()?.last()?;
+                Some(((alpha + 0.003, xi_v), format!("η = {}", short(eta))))
             });
+            let notes = ends.collect();
+            let curves = curves.iter().zip(looks);
             let chart = Chart {
                 title: format!("ε = {}", short(epsilon)),
-                x: ("α (rad)", DAMPING_ALPHA[0]..DAMPING_ALPHA[1]),
+                // Room for the names of the curves at their ends.
+                x: ("α (rad)", DAMPING_ALPHA[0]..DAMPING_ALPHA[1] + 0.05),
                 y: ("least ξ_v", 0.0..1.06 * highest.max(1e-9)),
-                curves: curves.collect(),
+                curves: curves.map(|(pieces, look)| Curve { look, pieces: pieces.clone(), ends: false }).collect(),
+                notes,
+                ..Chart::default()
             };
             chart.draw(root, area)?;
         }

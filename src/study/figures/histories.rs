@@ -1,33 +1,35 @@
-//! Figures 6 to 8: histories of rotation, vertical motion and energy under a one-sine pulse.
+//! Figures 6 to 8: histories of rotation, its rate and energy under a one-sine pulse.
 
 use crate::block::BlockError;
 use crate::simulation::{Ending, Initial, Settings};
-use crate::study::figures::page::{Chart, Curve, keys, page, range};
+use crate::study::chart::{Chart, Curve, Sample, range};
+use crate::study::figures::page::page;
 use crate::study::figures::parameters::{
-    ALPHA, Detail, EPSILON, ETA, ETA_OF_RESTITUTIONS, HISTORY_DURATION, P, PULSE_AMPLITUDE, XI_V, block, pulse,
+    ALPHA, Detail, ENERGY_ETA, ENERGY_XI_V, EPSILON, ETA, HISTORY_DURATION, P, XI_V, block, history_pulse,
 };
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::ground::Ground;
 use crate::study::history::{History, Row, Run};
+use crate::study::look::Look;
 use crate::study::plot::short;
 use crate::study::spectrum::Base;
 
 const COLUMNS: [&str; 15] = [
     "foundation",
-    "t",
-    "theta/alpha",
-    "theta_dot/(alpha p)",
-    "v/R0",
-    "N_L/(M g)",
-    "N_R/(M g)",
+    "t [s]",
+    "theta/alpha [1]",
+    "theta_dot/(alpha p) [1]",
+    "v/R0 [1]",
+    "N_L/(M g) [1]",
+    "N_R/(M g) [1]",
     "regime",
-    "energy.total",
-    "energy.input",
-    "energy.dashpots",
-    "energy.impacts",
-    "a_gx",
-    "peak.theta/alpha",
+    "energy.total [1]",
+    "energy.input [1]",
+    "energy.dashpots [1]",
+    "energy.impacts [1]",
+    "a_gx [m/s2]",
+    "peak.theta/alpha [1]",
     "end",
 ];
 
@@ -41,14 +43,53 @@ struct Made {
     history: History,
 }
 
-/// What the blocks of a figure stand on, the rigid base first.
-pub fn bases(number: u8) -> Vec<Base> {
-    let support = |eta, epsilon| Base::Viscoelastic { eta, xi_v: XI_V, epsilon };
-    let supports: Vec<Base> = match number {
-        6 => ETA.iter().map(|&eta| support(eta, 0.0)).collect(),
-        _ => EPSILON.iter().map(|&epsilon| support(ETA_OF_RESTITUTIONS, epsilon)).collect(),
+/// The two foundations that a panel of Figures 6 to 8 compares.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// What stands over it.
+    pub title: String,
+    /// The foundation that is drawn solid.
+    pub solid: Base,
+    /// The foundation that is drawn dashed.
+    pub dashed: Base,
+}
+
+/// The panels of Figures 6 to 8 (in 6 and 7 a pair for each of them); of another figure, none.
+pub fn comparisons(number: u8) -> Vec<Comparison> {
+    let rigid = Base::HOUSNER;
+    let support = |eta, xi_v, epsilon| Base::Viscoelastic { eta, xi_v, epsilon };
+    let for_each_eta = |solid: &dyn Fn(f64) -> Base, dashed: &dyn Fn(f64) -> Base| {
+        let comparison =
+            |&eta: &f64| Comparison { title: format!("η = {}", short(eta)), solid: solid(eta), dashed: dashed(eta) };
+        ETA.iter().map(comparison).collect()
     };
-    std::iter::once(Base::HOUSNER).chain(supports).collect()
+    match number {
+        6 => for_each_eta(&|_| rigid, &|eta| support(eta, XI_V, EPSILON[0])),
+        7 => for_each_eta(&|eta| support(eta, XI_V, EPSILON[0]), &|eta| support(eta, XI_V, EPSILON[1])),
+        8 => {
+            let pairs = EPSILON.into_iter().flat_map(|epsilon| ENERGY_XI_V.map(|xi_v| (epsilon, xi_v)));
+            let comparison = |(epsilon, xi_v)| Comparison {
+                title: format!("ε = {}, ξ_v = {}", short(epsilon), short(xi_v)),
+                solid: rigid,
+                dashed: support(ENERGY_ETA, xi_v, epsilon),
+            };
+            pairs.map(comparison).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The foundations of a figure, each once.
+pub fn bases(number: u8) -> Vec<Base> {
+    let mut bases = Vec::new();
+    for comparison in comparisons(number) {
+        for base in [comparison.solid, comparison.dashed] {
+            if !bases.contains(&base) {
+                bases.push(base);
+            }
+        }
+    }
+    bases
 }
 
 /// The run of a block of Figures 6 to 8.
@@ -57,7 +98,7 @@ pub fn history_run(base: Base, detail: &Detail) -> Result<Run, BlockError> {
         block: block(ALPHA, P, base)?,
         settings: Settings::default(),
         initial: Initial::default(),
-        pulse: pulse(PULSE_AMPLITUDE, ALPHA),
+        pulse: history_pulse(),
         ground: Ground::default(),
         duration: Some(HISTORY_DURATION),
         output_step: detail.step,
@@ -76,13 +117,20 @@ pub fn figure(number: u8, caption: &str, detail: &Detail, work: &mut Work) -> Re
         })
         .into_iter()
         .collect::<Result<_, _>>()?;
-    let svg = if number == 8 { energies(caption, &made)? } else { motions(number, caption, &made)? };
+    let pairs: Vec<Pair> = comparisons(number)
+        .into_iter()
+        .filter_map(|Comparison { title, solid, dashed }| {
+            let of = |base| made.iter().find(|made| made.base == base);
+            Some(Pair { title, solid: of(solid)?, dashed: of(dashed)? })
+        })
+        .collect();
+    let svg = if number == 8 { energies(caption, &pairs)? } else { motions(number, caption, &pairs)? };
     Ok(Figure { number, svg, table: table(number, caption, &made)?, failed: 0 })
 }
 
 fn table(number: u8, caption: &str, made: &[Made]) -> csv::Result<String> {
     let mut lines: Vec<String> = made.iter().map(|made| format!("foundation {}: {}", made.base, made.end())).collect();
-    lines.push("t in s, a_gx in m/s2, energies over M g R0 (1 - cos alpha); a foundation is eta,xi_v,epsilon".into());
+    lines.push("energies over M g R0 (1 - cos alpha); a foundation is eta,xi_v,epsilon".into());
     let mut table = Table::new(number, caption, &lines, &COLUMNS)?;
     for made in made {
         let block = &made.run.block;
@@ -130,65 +178,95 @@ impl Made {
         }
     }
 
-    fn curve(&self, look: usize, value: impl Fn(&Row) -> f64) -> Curve {
+    fn curve(&self, look: Look, value: impl Fn(&Row) -> f64) -> Curve {
         let points = self.history.rows.iter().map(|row| (row.time, value(row))).collect();
         Curve { look, pieces: vec![points], ends: self.history.ending.is_some() }
     }
+}
 
-    /// What the supports are, in a few words.
-    fn name(&self) -> String {
-        match self.base {
-            Base::Rigid { .. } => "rigid base".into(),
-            Base::Viscoelastic { eta, epsilon, .. } => format!("η = {}, ε = {}", short(eta), short(epsilon)),
-        }
+/// A comparison with its runs.
+struct Pair<'a> {
+    title: String,
+    solid: &'a Made,
+    dashed: &'a Made,
+}
+
+impl Pair<'_> {
+    fn curves(&self, value: Value) -> Vec<Curve> {
+        let Pair { solid, dashed, .. } = self;
+        vec![solid.curve(Look::SOLID, |row| value(solid, row)), dashed.curve(Look::DASHED, |row| value(dashed, row))]
     }
 }
 
-/// A row of two charts for each viscoelastic foundation, with the rigid base beside it.
-fn motions(number: u8, caption: &str, made: &[Made]) -> Result<String, FigureError> {
-    let Some((rigid, supports)) = made.split_first() else { return Err(FigureError::Number(number)) };
-    let theta = |made: &Made, row: &Row| row.seen.theta / made.run.block.alpha;
-    let height = |made: &Made, row: &Row| 1000.0 * row.seen.v / made.run.block.r0;
-    let spans = [theta, height].map(|value: Value| {
-        range(made.iter().flat_map(|made| made.history.rows.iter().map(move |row| value(made, row))))
-    });
-    let svg = page(number, caption, [2000, 56 + 380 * supports.len() as u32], |root, body| {
-        let (key, body) = body.split_vertically(56);
-        keys(&key, &[(0, "on supports".into()), (2, "rigid base".into())])?;
-        for (area, made) in body.split_evenly((supports.len(), 1)).iter().zip(supports) {
-            let (left, right) = area.split_horizontally(1000);
-            let title = format!("{}: peak |θ|/α = {:.4}, rigid base {:.4}", made.name(), made.peak(), rigid.peak());
-            let ended = if made.history.ending.is_some() { made.end() } else { String::new() };
-            let pairs = [
-                (left, title, "θ / α", theta as Value, spans[0].clone()),
-                (right, ended, "1000 v / R0", height, spans[1].clone()),
-            ];
-            for (area, title, name, value, span) in pairs {
-                let title = if title.is_empty() { " ".into() } else { title };
-                let curves = vec![rigid.curve(2, |row| value(rigid, row)), made.curve(0, |row| value(made, row))];
-                let chart = Chart { title, x: ("t (s)", 0.0..HISTORY_DURATION), y: (name, span), curves };
-                chart.draw(root, &area)?;
-            }
+/// A range in which all curves fit.
+fn common_range(pairs: &[Pair], value: Value) -> std::ops::Range<f64> {
+    let all = pairs.iter().flat_map(|pair| [pair.solid, pair.dashed]);
+    range(all.flat_map(|made| made.history.rows.iter().map(move |row| value(made, row))))
+}
+
+/// Rotation and its rate, a row for each pair.
+fn motions(number: u8, caption: &str, pairs: &[Pair]) -> Result<String, FigureError> {
+    const HEIGHT: u32 = 560;
+    let theta: Value = |made, row| row.seen.theta / made.run.block.alpha;
+    let rate: Value = |made, row| row.seen.theta_dot / (made.run.block.alpha * made.run.block.p);
+    let spans = [theta, rate].map(|value| common_range(pairs, value));
+    let [solid, dashed] = match number {
+        6 => ["rigid base".into(), "viscoelastic supports".into()],
+        _ => EPSILON.map(|epsilon| format!("ε = {}", short(epsilon))),
+    };
+    let mut samples = vec![
+        (Sample::Curve(Look::SOLID), solid),
+        (Sample::Curve(Look::DASHED), dashed),
+        (Sample::Band, "|θ| ≤ β".into()),
+    ];
+    if pairs.iter().any(|pair| [pair.solid, pair.dashed].iter().any(|made| made.history.ending.is_some())) {
+        samples.push((Sample::Cross, "complete separation".into()));
+    }
+    let svg = page(number, caption, &samples, HEIGHT * pairs.len() as u32, |root, body| {
+        for (area, pair) in body.split_evenly((pairs.len(), 1)).iter().zip(pairs) {
+            let (left, right) = area.split_horizontally(area.dim_in_pixel().0 / 2);
+            let block = &pair.dashed.run.block;
+            let beta = block.separation_angle() / block.alpha;
+            let peaks = [pair.solid, pair.dashed].map(|made| match made.history.ending {
+                None => format!("{:.3}", made.peak()),
+                Some(_) => made.end(),
+            });
+            let title = format!("{}: peak |θ|/α = {} (solid), {} (dashed)", pair.title, peaks[0], peaks[1]);
+            let chart = |title, name, value, span: &std::ops::Range<f64>, band| Chart {
+                title,
+                x: ("t (s)", 0.0..HISTORY_DURATION),
+                y: (name, span.clone()),
+                band,
+                curves: pair.curves(value),
+                ..Chart::default()
+            };
+            chart(title, "θ/α", theta, &spans[0], Some(-beta..beta)).draw(root, &left)?;
+            chart(pair.title.clone(), "θ̇/(α p)", rate, &spans[1], None).draw(root, &right)?;
         }
         Ok(())
     })?;
     Ok(svg)
 }
 
-/// Energy, and under it what dashpots and impacts took.
-fn energies(caption: &str, made: &[Made]) -> Result<String, FigureError> {
-    let total = |made: &Made, row: &Row| row.energies.total / made.energy_scale();
-    let lost = |made: &Made, row: &Row| (row.energies.dashpots + row.energies.impacts) / made.energy_scale();
-    let names: Vec<_> = made.iter().enumerate().map(|(look, made)| (look, made.name())).collect();
-    let svg = page(8, caption, [1800, 56 + 1300], |root, body| {
-        let (key, body) = body.split_vertically(56);
-        keys(&key, &names)?;
-        let areas = body.split_evenly((2, 1));
-        let values: [(&str, Value); 2] = [("energy", total), ("taken by dashpots and impacts", lost)];
-        for (area, (name, value)) in areas.iter().zip(values) {
-            let span = range(made.iter().flat_map(|made| made.history.rows.iter().map(move |row| value(made, row))));
-            let curves = made.iter().enumerate().map(|(look, made)| made.curve(look, |row| value(made, row))).collect();
-            let chart = Chart { title: String::new(), x: ("t (s)", 0.0..HISTORY_DURATION), y: (name, span), curves };
+/// Total energy, a panel for each pair.
+fn energies(caption: &str, pairs: &[Pair]) -> Result<String, FigureError> {
+    const HEIGHT: u32 = 700;
+    let total: Value = |made, row| row.energies.total / made.energy_scale();
+    let span = common_range(pairs, total);
+    let samples = [
+        (Sample::Curve(Look::SOLID), "rigid base".into()),
+        (Sample::Curve(Look::DASHED), "viscoelastic supports".into()),
+    ];
+    let rows = pairs.len().div_ceil(2);
+    let svg = page(8, caption, &samples, HEIGHT * rows as u32, |root, body| {
+        for (area, pair) in body.split_evenly((rows, 2)).iter().zip(pairs) {
+            let chart = Chart {
+                title: pair.title.clone(),
+                x: ("t (s)", 0.0..HISTORY_DURATION),
+                y: ("E/[M g R0 (1 − cos α)]", span.clone()),
+                curves: pair.curves(total),
+                ..Chart::default()
+            };
             chart.draw(root, area)?;
         }
         Ok(())

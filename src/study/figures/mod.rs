@@ -4,6 +4,7 @@ mod damping;
 mod histories;
 mod page;
 pub mod parameters;
+pub mod plane;
 mod restitution;
 pub mod sources;
 mod spectra;
@@ -11,9 +12,9 @@ mod table;
 mod tower;
 
 pub use damping::{Least, least_damping};
-pub use histories::history_run;
-pub use spectra::{Panel, panels};
-pub use tower::tower_run;
+pub use histories::{Comparison, comparisons, history_run};
+pub use spectra::{Panel, abscissa, panels};
+pub use tower::{tower_bases, tower_run, tower_sources};
 
 use crate::block::BlockError;
 use crate::simulation::SimulationError;

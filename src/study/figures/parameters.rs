@@ -15,24 +15,25 @@ pub const NUMBERS: [u8; 10] = [3, 6, 7, 8, 9, 10, 11, 12, 13, 14];
 /// Slenderness angles of Figure 3 (rad). Chosen.
 pub const RESTITUTION_ALPHA: [f64; 5] = [0.05, 0.10, 0.15, 0.20, 0.25];
 
-/// Slenderness angle of Figures 6 to 8, 12 and 13 (rad). The paper's for the histories, chosen for the spectra.
+/// Slenderness angle of Figures 6 to 8, 12 and 13 (rad). The paper's.
 pub const ALPHA: f64 = 0.25;
 /// Frequency parameter of Figures 6 to 9 (rad/s). The paper's.
 pub const P: f64 = 1.0;
-/// Damping ratio of Figures 6 to 8 (1). The paper's.
+/// Damping ratio of Figures 6 and 7 (1). The paper's.
 pub const XI_V: f64 = 0.1;
-/// Stiffness ratios of Figures 6 and 9 (1). The paper's range.
+/// Stiffness ratios of Figures 6, 7 and 9 (1). The paper's.
 pub const ETA: [f64; 4] = [20.0, 40.0, 60.0, 80.0];
-/// Stiffness ratio of Figures 7 and 8 (1). Chosen.
-pub const ETA_OF_RESTITUTIONS: f64 = 40.0;
-/// Restitutions ε of Figures 7 and 8 (1). The last is the paper's, the others are chosen.
-pub const EPSILON: [f64; 3] = [0.0, 0.2, 0.4];
-/// Amplitude of the pulse of Figures 6 to 8 over g tan α (1). Chosen.
-pub const PULSE_AMPLITUDE: f64 = 2.5;
-/// Frequency ω_p of the pulses of Figures 6 to 8, 10 and 11 (rad/s). Chosen.
-pub const PULSE_FREQUENCY: f64 = 5.0;
+/// Restitutions ε of Figures 7 to 9 (1). The paper's.
+pub const EPSILON: [f64; 2] = [0.0, 0.4];
+/// Damping ratios of Figure 8 (1). The paper's.
+pub const ENERGY_XI_V: [f64; 2] = [0.1, 0.4];
+/// Stiffness ratio of Figure 8 (1). Chosen.
+pub const ENERGY_ETA: f64 = 40.0;
+/// Amplitude (m/s²) and period (s) of the pulse of Figures 6 to 8, which the paper's text does not give: those of Rinaldi
+/// in Table I, the only one-sine pulse there, which lies where the paper's findings hold (`plane`). Chosen.
+pub const PULSE: [f64; 2] = [6.87, 0.80];
 /// Duration of the histories (s). Chosen.
-pub const HISTORY_DURATION: f64 = 8.0;
+pub const HISTORY_DURATION: f64 = 10.0;
 
 /// θ̇(0) over α p of Figure 9 (1). The paper's.
 pub const RATE: f64 = 0.95;
@@ -40,11 +41,11 @@ pub const RATE: f64 = 0.95;
 pub const DAMPING_ALPHA: [f64; 2] = [0.05, 0.35];
 /// Greatest damping ratio that Figure 9 looks at (1). Chosen.
 pub const GREATEST_XI_V: f64 = 1.0;
-/// Restitutions of Figure 9 (1). Chosen.
-pub const DAMPING_EPSILON: [f64; 2] = [0.0, 0.4];
 
 /// Amplitudes of the pulses of Figures 10 and 11 over g tan α (1). Chosen.
 pub const SPECTRUM_AMPLITUDE: [f64; 2] = [1.5, 2.5];
+/// Frequency ω_p of the pulses of Figures 10 and 11 (rad/s). By similarity it does not matter: ω_p/p alone does.
+pub const SPECTRUM_FREQUENCY: f64 = 5.0;
 /// Slenderness angles of Figures 10 and 11 (rad). Chosen.
 pub const SPECTRUM_ALPHA: [f64; 4] = [0.10, 0.15, 0.20, 0.25];
 /// Foundations of Figures 10 and 11. Chosen.
@@ -56,17 +57,12 @@ pub const PULSE_BASES: [Base; 5] = [
     Base::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.4 },
 ];
 /// Least and greatest ω_p/p of Figures 10 and 11 (1). Chosen.
-pub const PULSE_RATIO: [f64; 2] = [0.5, 10.0];
+pub const PULSE_RATIO: [f64; 2] = [1.0, 10.0];
 
-/// Foundations of Figures 12 and 13: damping and restitution are the paper's where its text names them (ξ_v = 0.4, ε = 0),
-/// the rest is chosen.
-pub const RECORD_BASES: [Base; 5] = [
-    Base::HOUSNER,
-    Base::Viscoelastic { eta: 60.0, xi_v: 0.1, epsilon: 0.0 },
-    Base::Viscoelastic { eta: 60.0, xi_v: 0.1, epsilon: 0.4 },
-    Base::Viscoelastic { eta: 60.0, xi_v: 0.4, epsilon: 0.0 },
-    Base::Viscoelastic { eta: 60.0, xi_v: 0.4, epsilon: 0.4 },
-];
+/// Damping ratios and restitutions of the panels of Figures 12 and 13 (1). The paper's.
+pub const RECORD_SUPPORTS: [[f64; 2]; 4] = [[0.1, 0.0], [0.1, 0.4], [0.4, 0.0], [0.4, 0.4]];
+/// Stiffness ratios of Figures 12 and 13 (1): the ends of the range of Figure 6. Chosen.
+pub const RECORD_ETA: [f64; 2] = [20.0, 80.0];
 /// Least and greatest p of Figures 12 and 13 (rad/s). Chosen.
 pub const RECORD_P: [f64; 2] = [0.5, 4.0];
 
@@ -74,13 +70,12 @@ pub const RECORD_P: [f64; 2] = [0.5, 4.0];
 pub const TOWER_P: f64 = 0.38;
 /// Slenderness angle of the bridge tower (rad). The paper's.
 pub const TOWER_ALPHA: f64 = 0.15;
-/// Stiffness ratios of the bridge tower (1): soils, and pads with S = 5 and 10. The paper's.
-pub const TOWER_ETA: [f64; 5] = [40.0, 60.0, 100.0, 305.0, 863.0];
+/// Stiffness ratios of the bridge tower (1). The paper's.
+pub const TOWER_ETA: [f64; 3] = [40.0, 60.0, 100.0];
+/// Stiffness ratios of the bridge tower on pads with S = 5 and 10 (1), in the table alone. The paper's.
+pub const PAD_ETA: [f64; 2] = [305.0, 863.0];
 /// Damping ratio and restitution of the bridge tower (1). Chosen.
 pub const TOWER_SUPPORT: [f64; 2] = [0.1, 0.0];
-
-/// What counts as what.
-const FALLING: &str = "What separates beyond |θ| = α, on its way down, counts as overturned";
 
 /// How finely the figures are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,63 +108,101 @@ pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
     )
 }
 
-/// A one-sine pulse of this amplitude over g tan α.
-pub fn pulse(amplitude: f64, alpha: f64) -> Pulse {
-    let amplitude = amplitude * Common::default().gravity * libm::tan(alpha);
-    Pulse { shape: PulseShape::OneSine, amplitude, period: TAU / PULSE_FREQUENCY, start: 0.0 }
+/// The pulse of Figures 6 to 8.
+pub fn history_pulse() -> Pulse {
+    let [amplitude, period] = PULSE;
+    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 }
 }
 
-/// What a figure shows and with what it was made; nothing for a number that is none of [`NUMBERS`].
+/// The pulse of Figure 10 (one sine) or 11 (one cosine) with this amplitude over g tan α.
+pub fn spectrum_pulse(number: u8, amplitude: f64, alpha: f64) -> Pulse {
+    let shape = if number == 10 { PulseShape::OneSine } else { PulseShape::OneCosine };
+    let amplitude = amplitude * Common::default().gravity * libm::tan(alpha);
+    Pulse { shape, amplitude, period: TAU / SPECTRUM_FREQUENCY, start: 0.0 }
+}
+
+/// What a figure shows and with what it was made; nothing for a number that is none of [`NUMBERS`]. Words of a formula are
+/// held together by no-break spaces.
 pub fn caption(number: u8) -> Option<String> {
+    Some(text(number)?.replace('~', "\u{A0}"))
+}
+
+/// The caption with `~` for each no-break space.
+fn text(number: u8) -> Option<String> {
     let etas = list(&ETA);
+    let [amplitude, period] = PULSE;
+    let g_tan = Common::default().gravity * libm::tan(ALPHA);
     let one_sine = format!(
-        "α = {ALPHA}, p = {P} rad/s, ξ_v = {XI_V}; one-sine pulse with a_p = {PULSE_AMPLITUDE} g tan α = {:.3} m/s² and \
-         ω_p = {PULSE_FREQUENCY} rad/s (both chosen here)",
-        pulse(PULSE_AMPLITUDE, ALPHA).amplitude
+        "α~=~{ALPHA}, p~=~{P}~rad/s. One-sine pulse with a_p~=~{amplitude}~m/s²~=~{:.2}~g~tan~α and T_p~=~{period}~s, \
+         ω_p/p~=~{:.2}: Rinaldi's of Table~I, since the pulse of the paper's figure is not in its text",
+        amplitude / g_tan,
+        TAU / period / P,
     );
-    let pulses = |amplitude: f64| {
+    let ends = "The analysis ends at complete separation~(×)";
+    let band = "Shaded: both corners touch, |θ|~≤~β of eq.~(29)";
+    let pulses = |shape: &str| {
         format!(
-            "Peak rotation under a one-sine pulse of amplitude a_p = {amplitude} g tan α (chosen here) over ω_p/p, ω_p = \
-             {PULSE_FREQUENCY} rad/s. A vertical line in the style of a curve stands at the greatest ω_p/p at which its \
-             block separates: the separation limit. {FALLING}"
+            "Peak rotation under a {shape} pulse with a_p~=~{}~g~tan~α (left) and {}~g~tan~α (right), for α~=~{}~rad \
+             from top to bottom; T_p~=~2π/ω_p. A vertical line in the style of a curve stands at the least ω_p/p from \
+             which on its block does not separate. As in the paper, the analysis ends at complete separation, and where \
+             a block separates there is no peak. Amplitudes, α and foundations are chosen here",
+            SPECTRUM_AMPLITUDE[0],
+            SPECTRUM_AMPLITUDE[1],
+            list(&SPECTRUM_ALPHA)
         )
     };
-    let records = "Peak rotation under the records of Table I, or the pulse of Table I where the record is not at hand";
-    let record_blocks = format!("α = {ALPHA}, η = 60 (chosen here). {FALLING}");
+    let records = |stations: &str| {
+        format!(
+            "Peak rotation under {stations}, with the horizontal motion a_gx alone (left) and with the vertical motion \
+             a_gz as well (right). α~=~{ALPHA}; η~=~{} and p~=~{} to {}~rad/s are chosen here. As in the paper, the \
+             analysis ends at complete separation, and where a block separates there is no peak",
+            list(&RECORD_ETA),
+            RECORD_P[0],
+            RECORD_P[1]
+        )
+    };
     Some(match number {
         3 => format!(
-            "Housner's restitution e that a restitution ε of the landing corner amounts to, eq. (6), γ = 3, for α = {} rad",
+            "Housner's restitution e that a restitution ε of the landing corner amounts to, eq.~(6), for γ~=~3 and \
+             α~=~{}~rad",
             list(&RESTITUTION_ALPHA)
         ),
         6 => format!(
-            "Rotation and vertical motion on supports of η = {etas} with ε = 0, and on the rigid base. {one_sine}"
+            "Rotation θ and its rate θ̇ on the rigid base and on viscoelastic supports with η~=~{etas}. ξ_v~=~{XI_V}, \
+             ε~=~0, {one_sine}. {band}"
         ),
         7 => format!(
-            "Rotation and vertical motion with ε = {}, η = {ETA_OF_RESTITUTIONS}, and on the rigid base. {one_sine}",
-            list(&EPSILON)
+            "Rotation θ and its rate θ̇ on viscoelastic supports with ε~=~{} and ε~=~{}, for η~=~{etas}. ξ_v~=~{XI_V}, \
+             {one_sine}. {band}. {ends}",
+            EPSILON[0], EPSILON[1]
         ),
         8 => format!(
-            "Energy with ε = {}, η = {ETA_OF_RESTITUTIONS}, and on the rigid base, over the energy M g R0 (1 − cos α) that overturns the block. {one_sine}",
-            list(&EPSILON)
+            "Total energy E on the rigid base and on viscoelastic supports with ε~=~{} and ξ_v~=~{}, over the energy \
+             M~g~R0~(1~−~cos~α) that overturns the block on the rigid base, where ε~=~0. η~=~{ENERGY_ETA} (chosen here), \
+             {one_sine}",
+            list(&EPSILON),
+            list(&ENERGY_XI_V)
         ),
         9 => format!(
-            "Least damping ratio ξ_v against complete separation in free vibration from θ̇(0) = {RATE} α p, for η = {etas}. No separation from this ξ_v to {GREATEST_XI_V}. {FALLING}. ε = {} is chosen here",
-            list(&DAMPING_EPSILON)
+            "Least damping ratio ξ_v against complete separation in free vibration from θ(0)~=~0, θ̇(0)~=~{RATE}~α~p, for \
+             η~=~{etas}: from this ξ_v to {GREATEST_XI_V} no block separates. A block that leaves its supports with \
+             |θ|~≥~α on the way over counts as overturned, not as separated"
         ),
-        10 => pulses(SPECTRUM_AMPLITUDE[0]),
-        11 => pulses(SPECTRUM_AMPLITUDE[1]),
-        12 => format!("{records}, without vertical motion. {record_blocks}"),
-        13 => format!("{records}, with vertical motion where its record is at hand. {record_blocks}"),
+        10 => pulses("one-sine"),
+        11 => pulses("one-cosine"),
+        12 => records("Pacoima Dam and Erzincan"),
+        13 => records("Sylmar and Rinaldi"),
         14 => format!(
-            "Peak rotation of the bridge tower, p = {TOWER_P} rad/s, α = {TOWER_ALPHA}, on supports of η = {} and on the rigid base, under the records of Table I, or the pulse of Table I where the record is not at hand. ξ_v = {}, ε = {} (chosen here)",
-            list(&TOWER_ETA),
-            TOWER_SUPPORT[0],
-            TOWER_SUPPORT[1]
+            "Peak rotation of the bridge tower, p~=~{TOWER_P}~rad/s, α~=~{TOWER_ALPHA}, on viscoelastic supports (bars) and \
+             on the rigid base (dash-dotted lines), under the records of Table~I in order of growing PGA (the paper's \
+             values). Of the supports ξ_v~=~{} and ε~=~{} are chosen here",
+            TOWER_SUPPORT[0], TOWER_SUPPORT[1]
         ),
         _ => return None,
     })
 }
 
+/// Values, none of which begins a line.
 fn list(values: &[f64]) -> String {
-    values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+    values.iter().map(f64::to_string).collect::<Vec<_>>().join(",~")
 }

@@ -1,9 +1,11 @@
 //! Figure 3: Housner's restitution e over the restitution ε of the landing corner.
 
-use crate::study::figures::page::{Chart, Curve, keys, page};
+use crate::study::chart::{Chart, Curve};
+use crate::study::figures::page::page;
 use crate::study::figures::parameters::{P, RESTITUTION_ALPHA, block};
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError};
+use crate::study::look::Look;
 use crate::study::plot::short;
 use crate::study::spectrum::Base;
 
@@ -12,9 +14,9 @@ const STRETCHES: u32 = 20;
 
 /// Makes the figure.
 pub fn figure(caption: &str) -> Result<Figure, FigureError> {
-    let mut table = Table::new(3, caption, &[], &["alpha", "epsilon", "e"])?;
-    let (mut curves, mut names) = (Vec::new(), Vec::new());
-    for (look, &alpha) in RESTITUTION_ALPHA.iter().enumerate() {
+    let mut table = Table::new(3, caption, &[], &["alpha [rad]", "epsilon [1]", "e [1]"])?;
+    let (mut curves, mut notes) = (Vec::new(), Vec::new());
+    for &alpha in &RESTITUTION_ALPHA {
         let mut points = Vec::new();
         for i in 0..=STRETCHES {
             let epsilon = f64::from(i) / f64::from(STRETCHES);
@@ -22,14 +24,11 @@ pub fn figure(caption: &str) -> Result<Figure, FigureError> {
             table.push([alpha, epsilon, e].map(|value| value.to_string()))?;
             points.push((epsilon, e));
         }
-        curves.push(Curve { look, pieces: vec![points], ends: false });
-        names.push((look, format!("α = {}", short(alpha))));
+        // The name stands at the end of its line.
+        notes.push(((-0.105, points[0].1), format!("α = {}", short(alpha))));
+        curves.push(Curve { look: Look::BLACK, pieces: vec![points], ends: false });
     }
-    let chart = Chart { title: String::new(), x: ("ε", 0.0..1.0), y: ("e", 0.9..1.002), curves };
-    let svg = page(3, caption, [1600, 1000], |root, body| {
-        let (key, area) = body.split_vertically(56);
-        keys(&key, &names)?;
-        chart.draw(root, &area)
-    })?;
+    let chart = Chart { x: ("ε", -0.11..1.0), y: ("e", 0.9..1.002), curves, notes, ..Chart::default() };
+    let svg = page(3, caption, &[], 1300, |root, body| chart.draw(root, body))?;
     Ok(Figure { number: 3, svg, table: table.finish()?, failed: 0 })
 }

@@ -13,6 +13,8 @@ pub struct Row {
     pub name: &'static str,
     /// Station and component.
     pub station: &'static str,
+    /// Peak ground acceleration of the paper's record (g).
+    pub pga: f64,
     /// Shape of the pulse.
     pub shape: PulseShape,
     /// Amplitude a_p of the pulse (m/s²).
@@ -32,6 +34,7 @@ pub const TABLE: [Row; 4] = [
     Row {
         name: "pacoima",
         station: "Pacoima Dam 164",
+        pga: 1.23,
         shape: PulseShape::C1,
         amplitude: 4.11,
         period: 1.30,
@@ -42,6 +45,7 @@ pub const TABLE: [Row; 4] = [
     Row {
         name: "erzincan",
         station: "Erzincan NS",
+        pga: 0.52,
         shape: PulseShape::C1,
         amplitude: 2.44,
         period: 1.80,
@@ -52,6 +56,7 @@ pub const TABLE: [Row; 4] = [
     Row {
         name: "sylmar",
         station: "Sylmar Converter 052",
+        pga: 0.73,
         shape: PulseShape::C2,
         amplitude: 1.64,
         period: 2.30,
@@ -62,6 +67,7 @@ pub const TABLE: [Row; 4] = [
     Row {
         name: "rinaldi",
         station: "Rinaldi 228",
+        pga: 0.84,
         shape: PulseShape::OneSine,
         amplitude: 6.87,
         period: 0.80,
@@ -81,6 +87,8 @@ pub struct Source {
     pub name: &'static str,
     /// What it is: a record with its peak, or the pulse that stands for it.
     pub label: String,
+    /// Peak ground acceleration of the paper's record (g).
+    pub pga: f64,
     /// The record, with its vertical part if that is at hand.
     pub ground: Ground,
     /// The pulse, where there is no record.
@@ -100,11 +108,15 @@ impl Source {
 
     /// The label with what is to be said of the vertical motion.
     pub fn with_vertical(&self) -> String {
-        let vertical = match &self.ground.vertical {
-            Some(record) => format!(" + vertical, {}", peak(record)),
-            None => "; no vertical record: horizontal alone".into(),
-        };
-        format!("{}{vertical}", self.label)
+        format!("{}; {}", self.label, self.vertical_label())
+    }
+
+    /// What is to be said of the vertical motion: its record with its peak, or that there is none.
+    pub fn vertical_label(&self) -> String {
+        match &self.ground.vertical {
+            Some(record) => format!("vertical record, {}", peak(record)),
+            None => "no vertical record at hand".into(),
+        }
     }
 }
 
@@ -144,18 +156,19 @@ fn source(row: &Row, folder: Option<&Path>) -> Result<Source, SourceError> {
         };
         records::read(&path, &options).map(Some)
     };
-    let &Row { name, station, shape, amplitude, period, .. } = row;
+    let &Row { name, station, pga, shape, amplitude, period, .. } = row;
     Ok(match load(row.horizontal)? {
         Some(record) => Source {
             name,
             label: format!("{station}, {}", peak(&record)),
+            pga,
             ground: Ground { horizontal: Some(record), vertical: load(row.vertical)? },
             pulse: Pulse::NONE,
         },
         None => Source {
             name,
             label: format!(
-                "{station}: no record, its {} pulse, a_p = {amplitude} m/s², T_p = {period} s",
+                "{station}: no record at hand, its {} pulse instead, a_p = {amplitude} m/s², T_p = {period} s",
                 match shape {
                     PulseShape::OneSine => "type A",
                     PulseShape::OneCosine => "type B",
@@ -164,6 +177,7 @@ fn source(row: &Row, folder: Option<&Path>) -> Result<Source, SourceError> {
                     PulseShape::None => "missing",
                 }
             ),
+            pga,
             ground: Ground::default(),
             pulse: Pulse { shape, amplitude, period, start: 0.0 },
         },

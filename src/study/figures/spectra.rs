@@ -3,63 +3,86 @@
 use crate::block::Common;
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
-use crate::study::figures::page::{page, text};
+use crate::study::chart::{Sample, TEXT, lanes_height, text};
+use crate::study::figures::page::page;
 use crate::study::figures::parameters::{
-    ALPHA, Detail, PULSE_BASES, PULSE_FREQUENCY, PULSE_RATIO, RECORD_BASES, RECORD_P, SPECTRUM_ALPHA,
-    SPECTRUM_AMPLITUDE, pulse,
+    ALPHA, Detail, PULSE_BASES, PULSE_RATIO, RECORD_ETA, RECORD_P, RECORD_SUPPORTS, SPECTRUM_ALPHA, SPECTRUM_AMPLITUDE,
+    SPECTRUM_FREQUENCY, spectrum_pulse,
 };
 use crate::study::figures::sources::Source;
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
+use crate::study::formula::formula;
 use crate::study::ground::Ground;
+use crate::study::look::Look;
 use crate::study::outcome::End;
 use crate::study::picture::PictureError;
-use crate::study::plot::LEFT;
+use crate::study::plot::short;
 use crate::study::runner::Study;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
-use crate::study::spectrum_plot::{self, Abscissa, Curves};
+use crate::study::spectrum_plot::{self, Abscissa, Curves, base_name};
 
-/// Width and height of a panel without the lanes of its curves (pixels).
-const PANEL: [u32; 2] = [1200, 700];
+/// Height of a panel without the lanes of its curves (pixels): under pulses and under records.
+const HEIGHT: [u32; 2] = [660, 560];
 
-/// A panel of a figure.
+/// A panel of a figure; two of them make a row, left and right.
 pub struct Panel {
     /// Its name in the table.
     pub name: String,
     /// What stands over it.
     pub title: String,
-    /// What it shows.
-    pub spectrum: Spectrum,
+    /// What it shows; nothing where the vertical motion of the right column is not at hand.
+    pub spectrum: Option<Spectrum>,
 }
 
-/// The panels of Figure 10, 11, 12 or 13; of another one, none.
+/// What the panels of a figure are drawn over.
+pub fn abscissa(number: u8) -> Abscissa {
+    if number < 12 { Abscissa::PulseRatio } else { Abscissa::TwoPiOverP }
+}
+
+/// The ground motions of Figure 12 (the first two of Table I) or 13 (the others).
+pub fn record_sources(number: u8, sources: &[Source]) -> &[Source] {
+    let (first, others) = sources.split_at(2.min(sources.len()));
+    if number == 12 { first } else { others }
+}
+
+/// The panels of Figure 10, 11, 12 or 13, row by row; of another one, none.
 pub fn panels(number: u8, detail: &Detail, sources: &[Source]) -> Vec<Panel> {
     match number {
-        10 | 11 => {
-            let amplitude = SPECTRUM_AMPLITUDE[usize::from(number - 10)];
-            let [least, greatest] = PULSE_RATIO;
-            let p = [PULSE_FREQUENCY / greatest, PULSE_FREQUENCY / least];
-            let panel = |&alpha: &f64| Panel {
-                name: format!("alpha = {alpha}"),
-                title: format!("α = {alpha} rad"),
-                spectrum: spectrum(alpha, &PULSE_BASES, p, detail, Ground::default(), pulse(amplitude, alpha)),
-            };
-            SPECTRUM_ALPHA.iter().map(panel).collect()
-        }
-        12 | 13 => {
-            let panel = |source: &Source| {
-                let source = if number == 12 { source.horizontal_only() } else { source.clone() };
-                let title = match (number, source.is_record()) {
-                    (13, true) => source.with_vertical(),
-                    _ => source.label,
-                };
-                let spectrum = spectrum(ALPHA, &RECORD_BASES, RECORD_P, detail, source.ground, source.pulse);
-                Panel { name: source.name.into(), title, spectrum }
-            };
-            sources.iter().map(panel).collect()
-        }
+        10 | 11 => SPECTRUM_ALPHA
+            .iter()
+            .flat_map(|&alpha| SPECTRUM_AMPLITUDE.map(|amplitude| pulse_panel(number, alpha, amplitude, detail)))
+            .collect(),
+        12 | 13 => record_sources(number, sources)
+            .iter()
+            .flat_map(|source| RECORD_SUPPORTS.map(|support| record_panels(source, support, detail)))
+            .flatten()
+            .collect(),
         _ => Vec::new(),
     }
+}
+
+fn pulse_panel(number: u8, alpha: f64, amplitude: f64, detail: &Detail) -> Panel {
+    let p = PULSE_RATIO.map(|ratio| SPECTRUM_FREQUENCY / ratio);
+    let pulse = spectrum_pulse(number, amplitude, alpha);
+    Panel {
+        name: format!("alpha = {alpha}, a_p = {amplitude} g tan alpha"),
+        title: format!("α = {} rad, a_p = {} g tan α", short(alpha), short(amplitude)),
+        spectrum: Some(spectrum(alpha, &PULSE_BASES, [p[1], p[0]], detail, Ground::default(), pulse)),
+    }
+}
+
+/// The horizontal motion alone, and with the vertical one.
+fn record_panels(source: &Source, [xi_v, epsilon]: [f64; 2], detail: &Detail) -> [Panel; 2] {
+    let supports = RECORD_ETA.map(|eta| Base::Viscoelastic { eta, xi_v, epsilon });
+    let bases: Vec<Base> = std::iter::once(Base::HOUSNER).chain(supports).collect();
+    let panel = |motion: &str, ground: Option<Ground>| Panel {
+        name: format!("{}, {motion}, xi_v = {xi_v}, epsilon = {epsilon}", source.name),
+        title: format!("ξ_v = {}, ε = {}, {motion}", short(xi_v), short(epsilon)),
+        spectrum: ground.map(|ground| spectrum(ALPHA, &bases, RECORD_P, detail, ground, source.pulse)),
+    };
+    let with_vertical = source.ground.vertical.is_some().then(|| source.ground.clone());
+    [panel("a_gx alone", Some(source.horizontal_only().ground)), panel("a_gx and a_gz", with_vertical)]
 }
 
 fn spectrum(
@@ -77,6 +100,7 @@ fn spectrum(
         sizes: Sizes { least, greatest, count: detail.sizes },
         motions: vec![("".into(), ground)],
         pulse,
+        // The analysis ends at complete separation.
         settings: Settings::default(),
         duration: None,
         step: None,
@@ -85,7 +109,7 @@ fn spectrum(
 
 /// How many runs the figure has.
 pub fn tasks(number: u8, detail: &Detail, sources: &[Source]) -> u64 {
-    panels(number, detail, sources).iter().map(|panel| panel.spectrum.rows()).sum()
+    panels(number, detail, sources).iter().filter_map(|panel| panel.spectrum.as_ref()).map(Spectrum::rows).sum()
 }
 
 /// Makes Figure 10, 11, 12 or 13.
@@ -97,20 +121,30 @@ pub fn figure(
     work: &mut Work,
 ) -> Result<Figure, FigureError> {
     let panels = panels(number, detail, sources);
-    let over = if number < 12 { Abscissa::PulseRatio } else { Abscissa::TwoPiOverP };
-    let lines: Vec<String> = panels
-        .iter()
-        .flat_map(|panel| {
-            let title = std::iter::once(format!("panel {}: {}", panel.name, panel.title));
-            title.chain(panel.spectrum.head().study.into_iter().skip(1).map(|line| format!("  {line}")))
-        })
-        .collect();
+    let over = abscissa(number);
+    let mut lines: Vec<String> = match number {
+        12 | 13 => record_sources(number, sources)
+            .iter()
+            .map(|source| format!("motion {}: {}", source.name, source.with_vertical()))
+            .collect(),
+        _ => Vec::new(),
+    };
+    for panel in &panels {
+        lines.push(format!("panel {}", panel.name));
+        match &panel.spectrum {
+            Some(spectrum) => lines.extend(spectrum.head().study.into_iter().skip(1).map(|line| format!("  {line}"))),
+            None => lines.push("  no vertical record at hand".into()),
+        }
+    }
     // The ground motion of a panel has no other name than the panel's.
     let columns: Vec<&str> = std::iter::once("panel").chain(Spectrum::columns().skip(1)).collect();
     let mut table = Table::new(number, caption, &lines, &columns)?;
     let (mut drawn, mut failed) = (Vec::new(), 0);
     for panel in &panels {
-        let spectrum = &panel.spectrum;
+        let Some(spectrum) = &panel.spectrum else {
+            drawn.push(None);
+            continue;
+        };
         spectrum.check()?;
         let mut rows = Vec::new();
         for (mut row, outcome) in work.make(spectrum.rows(), |number| spectrum.made(number)) {
@@ -119,28 +153,91 @@ pub fn figure(
             rows.push(row.fields);
         }
         let points = rows.iter().map(|row| spectrum_plot::point(over, row));
-        drawn.push(Curves::gather(spectrum, points).map_err(PictureError::Drawing)?);
+        drawn.push(Some(Curves::gather(spectrum, points).map_err(PictureError::Drawing)?));
         rows.into_iter().try_for_each(|row| table.push(row))?;
     }
-    let lanes = drawn.iter().map(Curves::lanes).max().unwrap_or(0);
-    let rows = panels.len().div_ceil(2);
-    let [width, height] = PANEL;
-    let svg = page(number, caption, [2 * width, rows as u32 * (height + lanes)], |root, body| {
-        for ((area, panel), curves) in body.split_evenly((rows, 2)).iter().zip(&panels).zip(&drawn) {
-            let (head, area) = area.split_vertically(64);
-            head.draw_text(&panel.title, &text(26), (LEFT as i32 + 16, 24))?;
-            let (area, _) = area.split_vertically(area.dim_in_pixel().1 - 16);
-            spectrum_plot::panel(&panel.spectrum, curves, over, root, &area, number < 12)?;
+    let svg = draw(number, caption, sources, &panels, &drawn)?;
+    Ok(Figure { number, svg, table: table.finish()?, failed })
+}
+
+/// Draws the panels in two columns, those of a record with a line over them.
+fn draw(
+    number: u8,
+    caption: &str,
+    sources: &[Source],
+    panels: &[Panel],
+    drawn: &[Option<Curves>],
+) -> Result<String, PictureError> {
+    const HEAD: u32 = 80;
+    let bases = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.bases.as_slice());
+    let bases = bases.unwrap_or_default();
+    let names = bases.iter().map(|&base| match (number, base) {
+        (12 | 13, Base::Viscoelastic { eta, .. }) => format!("η = {}", short(eta)),
+        _ => base_name(base),
+    });
+    let mut samples: Vec<_> = names.enumerate().map(|(i, name)| (Sample::Curve(look(number, i)), name)).collect();
+    for fill in drawn.iter().flatten().flat_map(Curves::fills) {
+        if samples.iter().all(|sample| sample.1 != fill.1) {
+            samples.push(fill);
+        }
+    }
+    let (records, rows_each) = match number {
+        12 | 13 => (record_sources(number, sources), RECORD_SUPPORTS.len()),
+        _ => (&sources[..0], SPECTRUM_ALPHA.len()),
+    };
+    let rows = panels.len() / 2;
+    let row_height = HEIGHT[usize::from(number >= 12)] + lanes_height(bases.len());
+    let page_height = rows as u32 * row_height + records.len() as u32 * HEAD;
+    page(number, caption, &samples, page_height, |root, body| {
+        let mut rest = body.clone();
+        for (row, (panels, drawn)) in panels.chunks(2).zip(drawn.chunks(2)).enumerate() {
+            if let Some(source) = records.get(row / rows_each).filter(|_| row % rows_each == 0) {
+                let (head, under) = rest.split_vertically(HEAD);
+                rest = under;
+                let letter = (b'a' + (row / rows_each) as u8) as char;
+                let line = format!("({letter}) {}", source.with_vertical());
+                head.draw_text(&formula(&line), &text(1.1 * TEXT), (48, 28))?;
+            }
+            let (line, under) = rest.split_vertically(row_height);
+            rest = under;
+            let (left, right) = line.split_horizontally(line.dim_in_pixel().0 / 2);
+            let highest = drawn.iter().flatten().map(Curves::highest).fold(1e-9, f64::max);
+            for ((panel, curves), area) in panels.iter().zip(drawn).zip([left, right]) {
+                let Some(shown) = curves.as_ref().or(drawn[0].as_ref()) else { continue };
+                let which = || (0..bases.len()).map(|i| (i, look(number, i)));
+                let mut chart = shown.chart(abscissa(number), panel.title.clone(), which());
+                chart.y.1.end = 1.06 * highest;
+                if curves.is_none() {
+                    // Axes as at the left, and no curves.
+                    chart.message = "no vertical record at hand".into();
+                    (chart.curves, chart.lanes) = (Vec::new(), Vec::new());
+                    let height = area.dim_in_pixel().1 - lanes_height(bases.len());
+                    chart.draw(root, &area.split_vertically(height).0)?;
+                    continue;
+                }
+                if number < 12 {
+                    let limits = which().filter_map(|(i, look)| Some((look, shown.limit(i)?)));
+                    chart.verticals = limits.collect();
+                }
+                chart.draw(root, &area)?;
+            }
         }
         Ok(())
-    })?;
-    Ok(Figure { number, svg, table: table.finish()?, failed })
+    })
+}
+
+/// The look of a curve by its number; the rigid base is the first.
+fn look(number: u8, curve: usize) -> Look {
+    match (number, curve) {
+        (12 | 13, 1) => Look::DASHED,
+        (12 | 13, 2) => Look::THIN,
+        _ => Look::of(curve),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::block::BlockError;
 
     /// What the panels show are blocks.
     #[test]
@@ -148,11 +245,8 @@ mod tests {
         let sources = crate::study::figures::sources::read(None).unwrap();
         for number in 10..=13 {
             let panels = panels(number, &Detail::FULL, &sources);
-            assert_eq!(panels.len(), 4);
-            assert!(panels.iter().all(|panel| panel.spectrum.check().is_ok()));
+            assert_eq!(panels.len(), if number < 12 { 8 } else { 16 });
+            assert!(panels.iter().flat_map(|panel| &panel.spectrum).all(|spectrum| spectrum.check().is_ok()));
         }
-        let blocks: Result<Vec<_>, BlockError> =
-            PULSE_BASES.iter().map(|&base| crate::study::figures::parameters::block(ALPHA, 1.0, base)).collect();
-        assert_eq!(blocks.unwrap().len(), PULSE_BASES.len());
     }
 }

@@ -11,7 +11,7 @@ impl Table {
     pub fn new(number: u8, caption: &str, lines: &[String], columns: &[&str]) -> csv::Result<Table> {
         let mut head = format!(concat!("# rocking-block ", env!("CARGO_PKG_VERSION"), " figure {}\n"), number);
         for line in std::iter::once(caption).chain(lines.iter().map(String::as_str)) {
-            head.push_str(&format!("# {}\n", line.replace(['\n', '\r'], " ")));
+            head.push_str(&format!("# {}\n", line.replace(['\n', '\r', '\u{A0}'], " ")));
         }
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(columns)?;

@@ -1,28 +1,36 @@
 //! Figure 14: peak rotations of the bridge tower on supports of all stiffnesses.
 
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::block::BlockError;
 use crate::simulation::{Initial, Settings};
-use crate::study::figures::page::{Area, Drawn, page, text};
-use crate::study::figures::parameters::{TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_SUPPORT, block};
+use crate::study::chart::{Area, Drawn, Sample, TEXT, text};
+use crate::study::figures::page::page;
+use crate::study::figures::parameters::{PAD_ETA, TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_SUPPORT, block};
 use crate::study::figures::sources::Source;
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
+use crate::study::formula::formula;
 use crate::study::history::Run;
+use crate::study::look::Look;
 use crate::study::outcome::{End, Outcome};
-use crate::study::plot::{GRID, INK, LEFT, short};
+use crate::study::plot::{GRID, INK, short};
 use crate::study::spectrum::Base;
 
-const BARS: usize = 1 + TOWER_ETA.len();
-/// Width of a bar (pixels).
-const BAR: i32 = 64;
-
-/// What a bar stands on, the rigid base last.
-fn base(bar: usize) -> Base {
+/// What the tower stands on: the supports that are drawn as bars, the rigid base, and the pads, which are in the table alone.
+pub fn tower_bases() -> Vec<Base> {
     let [xi_v, epsilon] = TOWER_SUPPORT;
+    let support = |eta: f64| Base::Viscoelastic { eta, xi_v, epsilon };
     let rigid = Base::Rigid { epsilon, restitution_factor: 1.0 };
-    TOWER_ETA.get(bar).map_or(rigid, |&eta| Base::Viscoelastic { eta, xi_v, epsilon })
+    TOWER_ETA.map(support).into_iter().chain([rigid]).chain(PAD_ETA.map(support)).collect()
+}
+
+/// The ground motions in the order of the figure: that of the paper's peak ground accelerations, without vertical motion.
+pub fn tower_sources(sources: &[Source]) -> Vec<Source> {
+    let mut sources: Vec<Source> = sources.iter().map(Source::horizontal_only).collect();
+    sources.sort_by(|a, b| a.pga.total_cmp(&b.pga));
+    sources
 }
 
 /// The run of the tower on a foundation under a ground motion.
@@ -36,103 +44,107 @@ pub fn tower_run(base: Base, source: &Source) -> Result<Run, BlockError> {
         pulse: *pulse,
         ground: ground.clone(),
         duration: None,
-        output_step: ground.time_step().unwrap_or(0.01),
+        output_step: f64::INFINITY,
     })
-}
-
-/// Peak |θ|/α of a block that stands, or what became of it.
-fn drawn(outcome: &Outcome, alpha: f64) -> String {
-    match outcome.end {
-        End::Completed => (outcome.peaks.theta / alpha).to_string(),
-        End::Overturned | End::Separated | End::Failed => outcome.end.to_string(),
-    }
 }
 
 /// How many runs the figure has.
 pub fn tasks(sources: &[Source]) -> u64 {
-    (sources.len() * BARS) as u64
+    (sources.len() * tower_bases().len()) as u64
 }
 
 /// Makes the figure.
 pub fn figure(caption: &str, sources: &[Source], work: &mut Work) -> Result<Figure, FigureError> {
-    let sources: Vec<Source> = sources.iter().map(Source::horizontal_only).collect();
-    let outcomes = work.make(tasks(&sources), |task| -> Result<_, BlockError> {
-        let run = tower_run(base(task as usize % BARS), &sources[task as usize / BARS])?;
-        let outcome = run.outcome();
-        Ok((drawn(&outcome, run.block.alpha), outcome.end_time.to_string(), outcome.end == End::Failed))
+    let (sources, bases) = (tower_sources(sources), tower_bases());
+    let outcomes = work.make(tasks(&sources), |task| -> Result<Outcome, BlockError> {
+        let run = tower_run(bases[task as usize % bases.len()], &sources[task as usize / bases.len()])?;
+        Ok(run.outcome())
     });
+    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     let lines: Vec<String> = sources.iter().map(|source| format!("motion {}: {}", source.name, source.label)).collect();
-    let columns = ["motion", "foundation", "peak.theta/alpha", "end_time"];
+    let columns: Vec<&str> = ["motion", "foundation"].into_iter().chain(Outcome::COLUMNS).collect();
     let mut table = Table::new(14, caption, &lines, &columns)?;
-    let (mut bars, mut failed) = (Vec::new(), 0);
-    for (task, made) in outcomes.into_iter().enumerate() {
-        let (rotation, end_time, has_failed) = made?;
-        failed += u64::from(has_failed);
-        let motion = sources[task / BARS].name.to_string();
-        table.push([motion, base(task % BARS).to_string(), rotation.clone(), end_time])?;
-        bars.push(rotation);
+    for (task, outcome) in outcomes.iter().enumerate() {
+        let place = [sources[task / bases.len()].name.to_string(), bases[task % bases.len()].to_string()];
+        table.push(place.into_iter().chain(outcome.fields(TOWER_ALPHA)))?;
     }
-    let svg = page(14, caption, [2000, 1200], |_, body| draw(body, &sources, &bars))?;
+    let mut samples: Vec<_> =
+        (0..TOWER_ETA.len()).map(|bar| (Sample::Bar(GREYS[bar]), format!("η = {}", short(TOWER_ETA[bar])))).collect();
+    samples.push((Sample::Curve(Look::DASH_DOTTED), "rigid base".into()));
+    let groups: Vec<&[Outcome]> = outcomes.chunks(bases.len()).collect();
+    let svg = page(14, caption, &samples, 1220, |root, body| draw(root, body, &sources, &groups))?;
+    let failed = outcomes.iter().filter(|outcome| outcome.end == End::Failed).count() as u64;
     Ok(Figure { number: 14, svg, table: table.finish()?, failed })
 }
 
-fn draw(area: &Area, sources: &[Source], bars: &[String]) -> Drawn {
-    let (width, height) = area.dim_in_pixel();
-    let (left, bottom, top) = (LEFT as i32 + 16, height as i32 - 40 * sources.len() as i32 - 80, 110);
-    let mut x = left;
-    for bar in 0..BARS {
-        fill(area, bar, (x, 20), (x + 60, 56))?;
-        let name = TOWER_ETA.get(bar).map_or("rigid base".into(), |eta| format!("η = {}", short(*eta)));
-        area.draw_text(&name, &text(26), (x + 74, 24))?;
-        x += 250;
-    }
-    let values = bars.iter().filter_map(|bar| bar.parse::<f64>().ok());
-    let highest = 1.1 * values.fold(0.0_f64, f64::max).max(1e-9);
-    let y = |value: f64| bottom - (value / highest * f64::from(bottom - top)) as i32;
-    let step = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5].into_iter().find(|step| highest / step < 10.0).unwrap_or(1.0);
-    for i in 0..=(highest / step) as u32 {
-        let value = f64::from(i) * step;
-        area.draw(&PathElement::new(vec![(left, y(value)), (width as i32 - 40, y(value))], GRID.stroke_width(2)))?;
-        area.draw_text(&short(value), &text(24), (left - 76, y(value) - 14))?;
-    }
-    area.draw_text("peak |θ| / α", &text(26).transform(FontTransform::Rotate270), (28, (top + bottom) / 2 + 80))?;
-    let room = (width as i32 - 40 - left) / sources.len().max(1) as i32;
-    for (group, (source, bars)) in sources.iter().zip(bars.chunks(BARS)).enumerate() {
-        let from = left + room * group as i32 + (room - BAR * BARS as i32) / 2;
-        for (bar, rotation) in bars.iter().enumerate() {
-            let x = from + BAR * bar as i32;
-            match rotation.parse::<f64>() {
-                Ok(value) => {
-                    fill(area, bar, (x + 3, y(value)), (x + BAR - 3, bottom))?;
-                    area.draw_text(&format!("{value:.3}"), &text(20), (x + 4, y(value) - 26))?;
+/// Fillings of the bars.
+const GREYS: [u8; TOWER_ETA.len()] = [255, 190, 90];
+
+/// Draws a group of bars for each ground motion; its outcomes are in the order of [`tower_bases`].
+fn draw(root: &Area, area: &Area, sources: &[Source], groups: &[&[Outcome]]) -> Drawn {
+    const LINE: i32 = 50;
+    let (body, under) = area.split_vertically(area.dim_in_pixel().1 - (LINE as u32) * (sources.len() as u32 + 2));
+    let peaks = groups.iter().flat_map(|group| group.iter()).map(|outcome| outcome.peaks.theta / TOWER_ALPHA);
+    let highest = 1.12 * peaks.fold(1e-9, f64::max);
+    let mut chart = ChartBuilder::on(&body)
+        .margin_right(80)
+        .margin_left(24)
+        .margin_top(10)
+        .set_label_area_size(LabelAreaPosition::Left, 156)
+        .build_cartesian_2d(0.0..sources.len() as f64, 0.0..highest)?;
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .disable_x_axis()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(ShapeStyle::from(GRID).stroke_width(3))
+        .axis_style(ShapeStyle::from(INK).stroke_width(3))
+        .label_style(text(0.9 * TEXT))
+        .axis_desc_style(text(TEXT))
+        .y_desc("peak |θ|/α")
+        .y_labels(8)
+        .y_label_formatter(&|y| short(*y))
+        .draw()?;
+    let centred = |size: f64, vertical| text(size).pos(Pos::new(HPos::Center, vertical));
+    let (left, top) = under.get_base_pixel();
+    for (i, (source, group)) in sources.iter().zip(groups).enumerate() {
+        let (bars, others) = group.split_at(TOWER_ETA.len());
+        for (bar, outcome) in bars.iter().enumerate() {
+            let from = i as f64 + 0.17 + 0.22 * bar as f64;
+            let (middle, value) = (from + 0.11, outcome.peaks.theta / TOWER_ALPHA);
+            match outcome.end {
+                End::Completed => {
+                    let corners = [(from, 0.0), (from + 0.22, value)].map(|corner| chart.backend_coord(&corner));
+                    let grey = RGBColor(GREYS[bar], GREYS[bar], GREYS[bar]);
+                    root.draw(&Rectangle::new(corners, grey.filled()))?;
+                    root.draw(&Rectangle::new(corners, INK.stroke_width(4)))?;
+                    // At the foot of the bar, where no line is in the way; white on a dark one.
+                    let (x, y) = chart.backend_coord(&(middle, 0.0));
+                    let ink = if GREYS[bar] < 128 { WHITE } else { INK };
+                    let style = centred(0.8 * TEXT, VPos::Bottom).color(&ink);
+                    root.draw_text(&format!("{value:.3}"), &style, (x, y - 16))?;
                 }
                 // No peak rotation: the word stands where the bar would.
-                Err(_) => {
-                    let upright = text(24).transform(FontTransform::Rotate270);
-                    area.draw_text(rotation, &upright, (x + BAR / 2 - 12, bottom - 12))?;
+                End::Overturned | End::Separated | End::Failed => {
+                    let (x, y) = chart.backend_coord(&(middle, 0.0));
+                    let upright = text(TEXT).transform(FontTransform::Rotate270);
+                    root.draw_text(outcome.end.word(), &upright, (x - 20, y - 20))?;
                 }
             }
         }
-        let number = (b'a' + group as u8) as char;
-        area.draw_text(&format!("({number})"), &text(26), (from + BAR * BARS as i32 / 2 - 16, bottom + 12))?;
-        let line = bottom + 60 + 40 * group as i32;
-        area.draw_text(&format!("({number}) {}", source.label), &text(26), (left, line))?;
+        if let Some(rigid) = others.first().filter(|outcome| outcome.end == End::Completed) {
+            let value = rigid.peaks.theta / TOWER_ALPHA;
+            let ends = [i as f64 + 0.1, i as f64 + 0.9].map(|x| chart.backend_coord(&(x, value)));
+            Look::DASH_DOTTED.draw(root, &ends)?;
+            let beside = text(0.8 * TEXT).pos(Pos::new(HPos::Left, VPos::Center));
+            root.draw_text(&format!("{value:.3}"), &beside, (ends[1].0 + 6, ends[1].1))?;
+        }
+        let letter = (b'a' + i as u8) as char;
+        let (x, _) = chart.backend_coord(&(i as f64 + 0.5, 0.0));
+        let station = format!("({letter}) PGA {:.2} g", source.pga);
+        root.draw_text(&station, &centred(TEXT, VPos::Top), (x, top + 14))?;
+        let line = format!("({letter}) {}", source.label);
+        root.draw_text(&formula(&line), &text(TEXT), (left + 180, top + LINE * (i as i32 + 2) - 20))?;
     }
-    area.draw(&PathElement::new(vec![(left, top), (left, bottom), (width as i32 - 40, bottom)], INK.stroke_width(2)))?;
-    Ok(())
-}
-
-/// A bar, told from the others by its filling: white, stripes, greys, black.
-fn fill(area: &Area, bar: usize, from: (i32, i32), to: (i32, i32)) -> Drawn {
-    let grey = |level: u8| RGBColor(level, level, level).filled();
-    let filling = [grey(255), grey(255), grey(215), grey(255), grey(150), INK.filled()][bar % 6];
-    area.draw(&Rectangle::new([from, to], filling))?;
-    let line = |a: (i32, i32), b: (i32, i32)| PathElement::new(vec![a, b], INK.stroke_width(2));
-    match bar % 6 {
-        1 => (from.1..to.1).rev().step_by(9).try_for_each(|y| area.draw(&line((from.0, y), (to.0, y))))?,
-        3 => (from.0..to.0).step_by(9).try_for_each(|x| area.draw(&line((x, from.1), (x, to.1))))?,
-        _ => {}
-    }
-    area.draw(&Rectangle::new([from, to], INK.stroke_width(2)))?;
     Ok(())
 }

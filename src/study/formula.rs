@@ -1,0 +1,137 @@
+//! Formulas in labels, as `ξ_v` → smaller, lowered text in the drawing.
+
+/// Begin and end of a subscript in a label that is drawn; characters that Unicode leaves to its users.
+const SUBSCRIPT: [char; 2] = ['\u{E000}', '\u{E001}'];
+
+/// Size of a subscript, and how far it stands below the line, in the size of its formula.
+const SIZE: f64 = 0.72;
+const DEPTH: f64 = 0.22;
+
+/// A label in which letters and digits after `_` are subscripts, up to the next other character; `R0` is R with the
+/// subscript 0. [`typeset`] gives them their place once they are drawn.
+pub fn formula(label: &str) -> String {
+    let [begin, end] = SUBSCRIPT;
+    let mut marked = String::new();
+    let label = label.replace("R0", "R_0");
+    let mut parts = label.split('_');
+    marked.extend(parts.next());
+    for part in parts {
+        let length = part.find(|c: char| !c.is_alphanumeric()).unwrap_or(part.len());
+        let (subscript, rest) = part.split_at(length);
+        marked.push(begin);
+        marked.push_str(subscript);
+        marked.push(end);
+        marked.push_str(rest);
+    }
+    marked
+}
+
+/// A drawing (SVG) with the subscripts of its labels made smaller and lowered.
+pub fn typeset(svg: &str) -> String {
+    let [begin, end] = SUBSCRIPT;
+    let lower = format!("<tspan dy=\"{:.4}em\" font-size=\"{SIZE}em\">", DEPTH / SIZE);
+    let mut set = String::with_capacity(svg.len());
+    // What follows a subscript goes back up to the line, to the end of its text element.
+    for (i, part) in svg.split(begin).enumerate() {
+        match part.split_once(end) {
+            Some((subscript, rest)) if i > 0 => {
+                let (rest, further) = rest.split_at(rest.find(['<', '\n']).unwrap_or(rest.len()));
+                set.push_str(&format!("{lower}{subscript}</tspan>"));
+                if !rest.is_empty() {
+                    set.push_str(&format!("<tspan dy=\"-{DEPTH}em\">{rest}</tspan>"));
+                }
+                set.push_str(further);
+            }
+            _ => set.push_str(part),
+        }
+    }
+    set
+}
+
+/// Width of a label in DejaVu Sans of this size, roughly (pixels).
+pub fn width(label: &str, size: f64) -> f64 {
+    let mut in_subscript = false;
+    let mut width = 0.0;
+    for c in formula(label).chars() {
+        match c {
+            c if c == SUBSCRIPT[0] => in_subscript = true,
+            c if c == SUBSCRIPT[1] => in_subscript = false,
+            _ => width += size * advance(c) * if in_subscript { SIZE } else { 1.0 },
+        }
+    }
+    width
+}
+
+/// What a character moves on by, in the size of the text; the means of classes, on the large side.
+fn advance(c: char) -> f64 {
+    match c {
+        // A dot over the letter before.
+        '\u{307}' => 0.0,
+        ' ' | '\u{A0}' | ',' | '.' | ':' | ';' | 'i' | 'j' | 'l' | '|' | '/' | '(' | ')' => 0.35,
+        'f' | 'r' | 't' => 0.4,
+        'm' | 'w' | 'M' | 'W' | 'ω' | '=' | '−' | '×' | '<' | '≤' | '≥' => 0.87,
+        c if c.is_uppercase() => 0.72,
+        _ => 0.62,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use resvg::usvg::{Node, Options, Tree};
+
+    /// A label in a text element as plotters writes it.
+    fn drawn(label: &str) -> String {
+        let text = formula(label);
+        typeset(&format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"2000\" height=\"200\">\n<text x=\"20\" y=\"100\" \
+             font-family=\"DejaVu Sans\" font-size=\"40\">\n{text}\n</text>\n</svg>"
+        ))
+    }
+
+    /// Left, top, right and bottom of the outlines of a drawing's one text.
+    fn bounds(svg: &str) -> [f32; 4] {
+        let mut options = Options::default();
+        options.fontdb_mut().load_font_data(include_bytes!("../../assets/DejaVuSans.ttf").to_vec());
+        let tree = Tree::from_str(svg, &options).unwrap();
+        let [Node::Text(text)] = tree.root().children() else { panic!("{svg}") };
+        let bounds = text.flattened().abs_bounding_box();
+        [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
+    }
+
+    /// Subscripts are lowered and small; what follows them stands on the line again.
+    #[test]
+    fn subscripts_stand_below_the_line() {
+        let svg = drawn("ξ_v = 0.1, ω_p/p, R0");
+        assert!(!svg.contains('_') && !svg.contains(SUBSCRIPT[0]) && !svg.contains(SUBSCRIPT[1]), "{svg}");
+        assert_eq!(svg.matches("</tspan>").count(), 5, "{svg}");
+        let [plain, lowered, back, flat] = ["a0", "a_0", "a_00 0", "a 0"].map(|label| bounds(&drawn(label)));
+        assert!(lowered[3] > plain[3] + 5.0 && lowered[2] < plain[2], "{plain:?} {lowered:?}");
+        assert!((back[1] - flat[1]).abs() < 0.1, "{back:?} {flat:?}");
+    }
+
+    /// A file may be called as it likes: only labels that are formulas have subscripts.
+    #[test]
+    fn what_is_no_formula_stays() {
+        let svg = "<text>np01002p_4225a_a.smc</text>";
+        assert_eq!(typeset(svg), svg);
+    }
+
+    #[test]
+    fn the_dot_stands_over_its_letter() {
+        let [with, without] = ["θ̇/(α p)", "θ/(α p)"].map(|label| bounds(&drawn(label)));
+        assert!((with[2] - without[2]).abs() < 0.1 && with[1] < without[1] - 1.0, "{with:?} {without:?}");
+    }
+
+    /// The rough width is no less than the true one, and not much more.
+    #[test]
+    fn widths_have_room() {
+        for label in
+            ["η = 20", "ξ_v = 0.1, ε = 0.4", "complete separation, where the analysis ends", "M g R0 (1 − cos α)"]
+        {
+            let [left, _, right, _] = bounds(&drawn(label));
+            let (exact, rough) = (f64::from(right - left), width(label, 40.0));
+            assert!(rough > exact && rough < 1.25 * exact, "{label}: {rough}, in truth {exact}");
+        }
+    }
+}
