@@ -4,6 +4,7 @@ use plotters::prelude::*;
 
 use crate::block::{Block, Foundation};
 use crate::contact::Regime;
+use crate::study::formula::{formula, typeset};
 use crate::study::history::{History, Row};
 use crate::study::picture::{FONT_FAMILY, PictureError};
 
@@ -24,7 +25,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 pub fn history(block: &Block, history: &History, title: &str) -> Result<String, PictureError> {
     let mut svg = String::new();
     draw(block, history, title, &mut svg).map_err(|error| PictureError::Drawing(error.to_string()))?;
-    Ok(svg)
+    Ok(typeset(&svg))
 }
 
 fn draw(block: &Block, history: &History, title: &str, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
@@ -34,7 +35,7 @@ fn draw(block: &Block, history: &History, title: &str, svg: &mut String) -> Resu
     let text = |size: u32| (FONT_FAMILY, size).into_font().color(&INK);
     head.draw_text(title, &text(34), (LEFT_I, 24))?;
     let ended = history.ending.map(|(ending, time)| format!("; {ending} at t = {time:.3} s"));
-    head.draw_text(&format!("{}{}", block_line(block), ended.unwrap_or_default()), &text(26), (LEFT_I, 72))?;
+    head.draw_text(&formula(&format!("{}{}", block_line(block), ended.unwrap_or_default())), &text(26), (LEFT_I, 72))?;
     let panels = body.split_by_breakpoints([0; 0], [460, 840, 1060]);
     let [rotation, reactions, regimes, ground] = panels.as_slice() else {
         return Err("the drawing has four panels".into());
@@ -134,7 +135,7 @@ fn lines(
         let series = chart.draw_series(LineSeries::new(thinned(&history.rows, *value), style))?;
         if !label.is_empty() {
             let key = style.stroke_width(6);
-            series.label(*label).legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 36, y)], key));
+            series.label(formula(label)).legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 36, y)], key));
         }
     }
     if lines.len() > 1 {
