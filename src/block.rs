@@ -68,11 +68,11 @@ impl Default for Common {
     }
 }
 
-/// Parameters that make no block.
+/// Parameters of which no valid block can be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BlockError {
     /// One that is out of range.
-    #[error("{name} = {value} makes no block; expected {expected}")]
+    #[error("{name} = {value} is not valid; expected {expected}")]
     OutOfRange {
         /// The parameter's name.
         name: &'static str,
@@ -142,7 +142,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// The block with the paper's parameters. Errors name the first parameter that makes no block.
+    /// The block with the paper's parameters. Errors name the first parameter that is not valid.
     pub fn from_dimensionless(d: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
         check_common(common)?;
         open_range("alpha", d.alpha, 0.0, std::f64::consts::FRAC_PI_2, "0 < alpha < pi/2 rad")?;
@@ -167,7 +167,7 @@ impl Block {
         .checked()
     }
 
-    /// The block with these sizes. Errors name the first parameter that makes no block.
+    /// The block with these sizes. Errors name the first parameter that is not valid.
     pub fn from_physical(physical: &Physical, common: &Common) -> Result<Block, BlockError> {
         check_common(common)?;
         positive("width", physical.width)?;

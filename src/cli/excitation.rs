@@ -176,7 +176,7 @@ impl PulseOptions {
         finite("start", start, |_| true, "a finite time")?;
         anyhow::ensure!(
             shape == Shape::None || amplitude != 0.0,
-            "--amplitude = 0 m/s2 makes no pulse; expected the amplitude a_p"
+            "--amplitude = 0 m/s2 is not a pulse; expected the amplitude a_p"
         );
         Ok(Pulse { shape: shape.into(), amplitude, period, start })
     }

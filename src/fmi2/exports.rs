@@ -52,7 +52,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
     unsafe { boundary::free_instance(component) }
 }
 
-/// Which messages are told.
+/// Which messages are logged.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     component: fmi2Component,

@@ -166,7 +166,7 @@ impl Instance {
         Ok(Status::Ok)
     }
 
-    /// `fmi2ExitInitializationMode`: the values become a block, or the call is refused and they can be mended.
+    /// `fmi2ExitInitializationMode`: the values become a block, or the call is refused and they can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Answer {
         self.preview()?;
         let unread: Vec<String> =

@@ -55,14 +55,14 @@ pub struct Log {
 }
 
 impl Log {
-    /// A log through the importer's logger. Warnings and errors are told in any case, events and steps if `logging`.
+    /// A log through the importer's logger. Warnings and errors are logged in any case, events and steps if `logging`.
     pub fn new(messenger: Messenger, instance: CString, logging: bool) -> Log {
         let mut log = Log { messenger, instance, wanted: [true; Category::ALL.len()] };
         log.choose(logging, None);
         log
     }
 
-    /// Which categories are told from now on: with `logging` those listed, or all if none is; without it only warnings
+    /// Which categories are logged from now on: with `logging` those listed, or all if none is; without it only warnings
     /// and errors.
     pub fn choose(&mut self, logging: bool, listed: Option<&[Category]>) {
         self.wanted = Category::ALL.map(|category| match (logging, listed) {
@@ -72,7 +72,7 @@ impl Log {
         });
     }
 
-    /// Whether this category is told.
+    /// Whether this category is logged.
     pub fn wants(&self, category: Category) -> bool {
         self.wanted[category as usize]
     }
@@ -88,7 +88,7 @@ impl Log {
             return;
         }
         let mut line = Line::new();
-        // A line that is full is told as far as it goes.
+        // A line that is too long is cut.
         let _ = line.write_fmt(message);
         self.messenger.send(&self.instance, status, category.name(), line.as_c_str());
     }

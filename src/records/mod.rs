@@ -200,7 +200,7 @@ pub struct ReadOptions {
 }
 
 impl Default for ReadOptions {
-    /// All is told from the file, and g = 9.81 m/s².
+    /// Everything is taken from the file, and g = 9.81 m/s².
     fn default() -> ReadOptions {
         ReadOptions {
             format: None,

@@ -240,8 +240,8 @@ impl Simulation {
         simulation
     }
 
-    /// Goes on to `until` (s), which is not before the present time, under inputs that are linear in time, and tells
-    /// `observer` each event as it happens.
+    /// Goes on to `until` (s), which is not before the present time, under inputs that are linear in time, and reports
+    /// each event to `observer` as it happens.
     ///
     /// Stops at the end of the run if that comes first; from then on it goes no further, or, where the end is held,
     /// only time does. No memory is allocated. On an error the state is that of the last good step.
@@ -267,7 +267,7 @@ impl Simulation {
         }
     }
 
-    /// Whether the numbers of a state that came from outside can be gone on from: all finite, and the tolerance one that
+    /// Whether a state that came from outside can be resumed: all numbers finite, and the tolerance one that
     /// is followed. The block is checked by whoever knows what it was made from.
     pub fn is_valid(&self) -> bool {
         let Simulation { settings, pulse, pose, control, short_size, sums, last_event, .. } = self;

@@ -11,7 +11,7 @@ use crate::system::dynamics::{Instant, instant};
 use crate::system::now::{Motion, Now};
 use crate::system::scalar::Scalar;
 
-/// Greatest friction demand that is told: where the supports bear almost nothing the ratio has no bound.
+/// Greatest friction demand that is reported: where the supports bear almost nothing the ratio has no bound.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
 
 /// Motion, reactions and corners at one instant.

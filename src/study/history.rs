@@ -71,7 +71,7 @@ pub const LONGEST: f64 = 1e6;
 pub const SHORTEST: f64 = 1e-6;
 
 impl Run {
-    /// Makes the run; `progress` is told the part that is done, 0 to 1.
+    /// Makes the run; `progress` gets the part that is done, 0 to 1.
     pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<History, SimulationError> {
         let (mut rows, mut events) = (Vec::new(), Vec::new());
         let mut simulation = self.begin();

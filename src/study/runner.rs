@@ -51,7 +51,7 @@ pub struct Made {
     pub reason: Option<SimulationError>,
 }
 
-/// Makes the rows of a study that are not in its table yet; `progress` is told how many rows were there before and how
+/// Makes the rows of a study that are not in its table yet; `progress` gets how many rows were there before and how
 /// many there are. The table is the same bytes whatever the number of threads and however often it was interrupted.
 pub fn run(
     study: &impl Study,

@@ -84,7 +84,7 @@ impl<K: PartialEq + Copy> Found<K> {
 }
 
 /// Looks for all changes of outcome in a range: scans it, and bisects every stretch whose ends differ. All is done on the
-/// threads of the rayon pool in which it is called, and does not depend on their number. `progress` is told after each
+/// threads of the rayon pool in which it is called, and does not depend on their number. `progress` is called after each
 /// run how many are done, and how many there are as far as is known: those of the scan, then those of the bisections too.
 pub fn changes<K: PartialEq + Copy + Send + Sync>(
     scan: &Scan,

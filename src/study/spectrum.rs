@@ -132,7 +132,7 @@ impl Spectrum {
         Spectrum::columns().position(|column| column == name)
     }
 
-    /// Refuses what makes no block, before anything runs.
+    /// Refuses what is not a valid block, before anything runs.
     pub fn check(&self) -> Result<(), BlockError> {
         for &base in &self.bases {
             for p in [self.sizes.greatest, self.sizes.least] {

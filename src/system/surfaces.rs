@@ -26,7 +26,7 @@ pub enum EventKind {
     Overturning,
 }
 
-/// An event, as it is told while the simulation runs.
+/// An event, as it is reported while the simulation runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Time (s).

@@ -47,7 +47,7 @@ fn a_negative_number_gets_the_programs_own_words() {
         (&["simulate"], &["--duration", "-1"], "--duration = -1; expected a time > 0 s"),
         (&["simulate"], &["--step", "-1"], "--step = -1; expected a time > 0 s"),
         (&["simulate"], &["--tolerance", "-1"], "--tolerance = -1; expected a number > 0"),
-        (&["simulate"], &["--alpha", "-0.2"], "alpha = -0.2 makes no block; expected 0 < alpha < pi/2 rad"),
+        (&["simulate"], &["--alpha", "-0.2"], "alpha = -0.2 is not valid; expected 0 < alpha < pi/2 rad"),
         (&["simulate", "--record", "none"], &["--dt", "-1"], "--dt = -1; expected a time > 0 s"),
         (&["simulate", "--vertical", "none"], &["--vertical-dt", "-1"], "--vertical-dt = -1; expected a time > 0 s"),
         (
@@ -59,7 +59,7 @@ fn a_negative_number_gets_the_programs_own_words() {
         (&spectrum, &["--p-min", "-1"], "--p-min = -1; expected a frequency of at least 0.001 rad/s"),
         (&["search", "overturning"], &["--period", "-1"], "--period = -1; expected a time > 0 s"),
         (&["search", "damping"], &["--resolution", "-1"], "--resolution = -1; expected a number > 0"),
-        (&["search", "damping"], &["--from", "-0.5"], "xi_v = -0.5 makes no block; expected a finite number >= 0"),
+        (&["search", "damping"], &["--from", "-0.5"], "xi_v = -0.5 is not valid; expected a finite number >= 0"),
     ];
     for (command, options, told) in cases {
         assert_eq!(refusal(folder.path(), &[command, options].concat()), told);

@@ -29,7 +29,7 @@ pub enum FigureError {
     /// No such figure.
     #[error("found figure {0}; expected 3, 6, 7, 8, 9, 10, 11, 12, 13 or 14")]
     Number(u8),
-    /// A parameter makes no block.
+    /// A parameter is not valid.
     #[error(transparent)]
     Block(#[from] BlockError),
     /// A run cannot go on.
@@ -56,7 +56,7 @@ pub struct Figure {
     pub failed: u64,
 }
 
-/// Threads on which the runs of figures are made, and who is told after each of them.
+/// Threads on which the runs of figures are made, and what is called after each of them.
 pub struct Work<'a> {
     /// Threads.
     pub pool: &'a rayon::ThreadPool,
