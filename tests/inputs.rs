@@ -14,6 +14,8 @@ mod record;
 mod settings;
 #[path = "inputs/several.rs"]
 mod several;
+#[path = "common/skipped.rs"]
+mod skipped;
 #[path = "inputs/without_effect.rs"]
 mod without_effect;
 

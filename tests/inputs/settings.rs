@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::skipped::skip;
 use crate::{made, refusal};
 
 /// Three accelerations, of which the second is the greatest.
@@ -225,7 +226,7 @@ fn a_study_file_settles_the_same() {
 fn real_files_are_read_once_they_are_settled() {
     let formats = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/records/formats");
     if !formats.exists() {
-        eprintln!("skipped: {} is missing", formats.display());
+        skip("real files of every format: the records of ../shared/records are not at hand");
         return;
     }
     let settled: [(&str, &[&str]); 5] = [

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
+use crate::skipped::skip;
 use crate::{SEARCH, SIMULATE, SPECTRUM, folder, is_root, made, names, refused, rocking, text, tool};
 
 /// By the same name, through a symbolic link, a hard link or a chain of them.
@@ -135,7 +136,7 @@ fn a_full_disk_loses_nothing() {
     fs::create_dir(&disk).unwrap();
     let mount = |options| Command::new("mount").args(["-t", "tmpfs", "-o", options, "none"]).arg(&disk).status();
     if !mount("size=64k").is_ok_and(|status| status.success()) {
-        eprintln!("SKIPPED: nothing can be mounted here");
+        skip("a full disk: nothing can be mounted here");
         return;
     }
     let _mounted = Mounted(&disk);
@@ -219,7 +220,7 @@ fn a_file_that_must_not_be_written_is_left_alone() {
     let mut command = Command::new("setpriv");
     command.args(user).args(SIMULATE).args(["--csv", "run.csv"]).current_dir(path);
     if !Command::new("setpriv").args(user).arg("--version").output().is_ok_and(|output| output.status.success()) {
-        eprintln!("SKIPPED: another user cannot run the program");
+        skip("files of another user: another user cannot run the program here");
         return;
     }
     refused(&mut command, &["run.csv: cannot be written: Permission denied"]);

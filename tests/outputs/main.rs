@@ -6,6 +6,8 @@ mod files;
 mod formats;
 mod json;
 mod shell;
+#[path = "../common/skipped.rs"]
+mod skipped;
 mod streams;
 
 use std::path::Path;
@@ -93,7 +95,7 @@ pub fn is_root() -> bool {
     let id = Command::new("id").arg("-u").output().unwrap();
     let root = text(&id.stdout).trim() == "0";
     if !root {
-        eprintln!("SKIPPED: only root can make devices and mount file systems");
+        skipped::skip("a test of devices or disks: only root can make devices and mount file systems");
     }
     root
 }

@@ -3,6 +3,7 @@
 use std::fs;
 use std::process::Command;
 
+use crate::skipped::skip;
 use crate::{folder, made, names, refused, rocking, text};
 
 const COMMANDS: [&str; 8] = ["simulate", "spectrum", "sweep", "record", "search", "figures", "completions", "man"];
@@ -11,7 +12,7 @@ const COMMANDS: [&str; 8] = ["simulate", "spectrum", "sweep", "record", "search"
 fn have(program: &str) -> bool {
     let there = Command::new(program).arg("--version").output().is_ok();
     if !there {
-        eprintln!("SKIPPED in part: there is no {program} here");
+        skip(&format!("completions and manual pages in part: there is no {program} here"));
     }
     there
 }

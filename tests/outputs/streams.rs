@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use crate::skipped::skip;
 use crate::{RECORD, SEARCH, SIMULATE, SPECTRUM, folder, is_root, made, refused, rocking, same, text, tool};
 
 const SVG: [&str; 2] = ["--plot-format", "svg"];
@@ -79,7 +80,7 @@ fn devices_are_written_into() {
     tool(path, "mknod", &["disk", "b", "1", "0"]);
     let mut devices = vec!["full", "null", "disk"];
     if File::options().append(true).open(path.join("null")).is_err() {
-        eprintln!("SKIPPED in part: devices do not work in {}", path.display());
+        skip(&format!("devices as outputs: they do not work in {}", path.display()));
         devices = vec!["disk"];
     }
     for (_, command) in tables() {

@@ -43,7 +43,7 @@ fn under_pulse(figure: u8, alpha: f64, base: Base, amplitude: f64, ratio: f64) -
 fn records() -> Option<Vec<Source>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/records");
     if !folder.is_dir() {
-        eprintln!("SKIPPED: the records of ../shared/records are not here");
+        crate::skipped::skip("figures under records: ../shared/records is not here");
         return None;
     }
     let sources = sources::read(Some(&folder)).unwrap();

@@ -6,6 +6,8 @@ mod coming_down;
 mod figures;
 mod findings;
 mod search;
+#[path = "../common/skipped.rs"]
+mod skipped;
 mod spectrum;
 mod sweep;
 
