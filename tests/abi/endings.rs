@@ -207,3 +207,22 @@ fn a_discarded_step_can_be_taken_back() {
     assert_eq!(instance.try_step(time + short, 0.01), DISCARD);
     assert!((instance.real_status(LAST_SUCCESSFUL_TIME).unwrap() - ended).abs() < 1e-9);
 }
+
+/// A block on supports that topples leaves them before it lies on its side: it is separated and overturned.
+#[test]
+fn a_block_that_separates_on_its_way_over_has_overturned() {
+    for (choice, ended) in [(1.0, DISCARD), (2.0, OK)] {
+        let instance = Instance::new("block");
+        let block = [("dimensionless.alpha", 0.2), ("dimensionless.p", 1.3), ("dimensionless.eta", 60.0)];
+        let pulse = [("pulse.shape", 2.0), ("pulse.amplitude", 5.0), ("pulse.period", 1.2)];
+        for (name, value) in block.into_iter().chain(pulse).chain([("on_separation", choice)]) {
+            instance.set(name, value);
+        }
+        instance.initialize(None);
+        assert_eq!([instance.get("separated"), instance.get("overturned")], [0.0; 2]);
+        assert_eq!(instance.try_step(0.0, 10.0), ended);
+        assert_eq!([instance.get("separated"), instance.get("overturned"), instance.get("regime")], [1.0, 1.0, 2.0]);
+        let theta = instance.get("theta").abs();
+        assert!((0.2..1.5).contains(&theta), "{theta}");
+    }
+}
