@@ -26,7 +26,7 @@ pub enum RecordError {
         /// Largest size that is read (MiB).
         limit: u64,
     },
-    /// An option of the caller makes no sense, whatever the file.
+    /// An option of the caller is not valid for any file.
     #[error("{file}: {option} = {value} was asked for, expected {expected}")]
     Option {
         /// Name of the file.
