@@ -359,3 +359,12 @@ fn gaps_open_as_fast_as_is_said() {
         assert_eq!(Surface::Held(leaving).sample(&now).value, -said);
     }
 }
+
+/// A footing of a forged state is refused by either of its numbers.
+#[test]
+fn a_footing_is_finite_if_all_its_numbers_are() {
+    let free = |u, u_dot| Footing::Free { u, u_dot }.is_finite();
+    assert!(free(1.0, -2.0) && Footing::AT_START.is_finite());
+    assert!(!free(f64::NAN, 0.0) && !free(0.0, f64::INFINITY));
+    assert!(!Footing::Grips { offset: f64::NAN }.is_finite());
+}
