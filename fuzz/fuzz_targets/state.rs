@@ -12,7 +12,7 @@ mod seeds;
 
 use fmu::{Fmu, OK, reference};
 use libfuzzer_sys::fuzz_target;
-use rocking_block::fmi2::snapshot;
+use rocking_block::model::snapshot;
 
 /// Contents of real states: before, during and after initialization, and under way in every regime and ending.
 fn plant_seeds() {

@@ -32,12 +32,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use libc::size_t;
 
 use crate::fmi2::calls::Call;
-use crate::fmi2::instance::{Answer, Core, Fault, Instance};
+use crate::fmi2::instance::{Answer, Instance};
 use crate::fmi2::log::Log;
 use crate::fmi2::types::{
     FMI2_CO_SIMULATION, FMI2_FALSE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate,
     fmi2Status, fmi2String, fmi2Type,
 };
+use crate::model::fault::Fault;
+use crate::model::unit::Unit;
 use crate::model::variables::GUID;
 
 /// What the importer's `fmi2Component` points to.
@@ -93,9 +95,9 @@ fn guarded(instance: &mut Instance, call: Call, act: impl FnOnce(&mut Instance) 
     }));
     let (status, message) = match outcome {
         Ok(Ok(status)) => return status,
-        Ok(Err(Fault { status, message })) => (status, message),
+        Ok(Err(Fault(message))) => (Status::Error, message),
         Err(panic) => {
-            instance.fail_fatally();
+            instance.unit.fail_fatally();
             (Status::Fatal, format!("internal error: {}", panic_reason(panic.as_ref())))
         }
     };
@@ -106,7 +108,7 @@ fn guarded(instance: &mut Instance, call: Call, act: impl FnOnce(&mut Instance) 
         Ok(()) => status,
         // The logger panicked.
         Err(_) => {
-            instance.fail_fatally();
+            instance.unit.fail_fatally();
             Status::Fatal
         }
     }
@@ -219,14 +221,14 @@ pub fn is_true(value: fmi2Boolean) -> bool {
 /// Refuses what cannot be an array of `count` elements.
 fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {
     if pointer.is_null() {
-        return Err(Fault::error(format!("{name} is NULL; expected {count} elements")));
+        return Err(Fault::new(format!("{name} is NULL; expected {count} elements")));
     }
     if !pointer.is_aligned() {
         let multiple = align_of::<T>();
-        return Err(Fault::error(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
+        return Err(Fault::new(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
     }
     if count > isize::MAX as usize / size_of::<T>() {
-        return Err(Fault::error(format!("{name} has {count} elements; expected what fits into memory")));
+        return Err(Fault::new(format!("{name} has {count} elements; expected what fits into memory")));
     }
     Ok(())
 }
@@ -299,13 +301,24 @@ impl<'a, T> Room<'a, T> {
     }
 }
 
+impl Room<'_, u8> {
+    /// Copies bytes to the beginning of the room.
+    pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let (found, needed) = (self.count, bytes.len());
+        let places = self.places().get_mut(..needed);
+        let places = places.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state takes {needed}")))?;
+        places.write_copy_of_slice(bytes);
+        Ok(())
+    }
+}
+
 /// A single place for a result.
 ///
 /// # Safety
 /// As for [`room()`], with one element.
 pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<Room<'a, T>, Fault> {
     if pointer.is_null() {
-        return Err(Fault::error(format!("{name} is NULL; expected a place for the result")));
+        return Err(Fault::new(format!("{name} is NULL; expected a place for the result")));
     }
     // SAFETY: by contract.
     unsafe { room(name, pointer, 1) }
@@ -333,7 +346,7 @@ pub unsafe fn texts(name: &str, pointer: *const fmi2String, count: size_t) -> Re
             // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2).
             unsafe { text(pointer) }
                 .map(|text| text.to_string_lossy().into_owned())
-                .ok_or_else(|| Fault::error(format!("{name} holds NULL; expected texts")))
+                .ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))
         })
         .collect()
 }
@@ -346,12 +359,12 @@ pub unsafe fn get_state(instance: &mut Instance, state: *mut fmi2FMUstate) -> An
     // SAFETY: by contract a place that nothing else touches meanwhile (standard, 2.1.8).
     let place = unsafe { place("FMUstate", state) }?;
     // SAFETY: not null (see `place`), and by contract set to null or a state (standard, 2.1.8).
-    let saved = unsafe { state.read() }.cast::<Core>();
+    let saved = unsafe { state.read() }.cast::<Unit>();
     // SAFETY: by contract null or a state that was not freed (standard, 2.1.8); no other call holds a reference to it, since
     // none lasts longer than its call.
     match unsafe { saved.as_mut() } {
-        Some(saved) => *saved = instance.save(),
-        None => place.put(Box::into_raw(Box::new(instance.save())).cast()),
+        Some(saved) => *saved = instance.unit.clone(),
+        None => place.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
     }
     Ok(Status::Ok)
 }
@@ -360,9 +373,9 @@ pub unsafe fn get_state(instance: &mut Instance, state: *mut fmi2FMUstate) -> An
 ///
 /// # Safety
 /// `state` is null or a state of this FMU that is not freed or written meanwhile (standard, 2.1.8).
-pub unsafe fn state<'a>(state: fmi2FMUstate) -> Result<&'a Core, Fault> {
+pub unsafe fn state<'a>(state: fmi2FMUstate) -> Result<&'a Unit, Fault> {
     // SAFETY: by contract null or a state that lives (standard, 2.1.8).
-    unsafe { state.cast::<Core>().as_ref() }.ok_or_else(|| Fault::error("FMUstate is NULL; expected a saved state"))
+    unsafe { state.cast::<Unit>().as_ref() }.ok_or_else(|| Fault::new("FMUstate is NULL; expected a saved state"))
 }
 
 /// `fmi2FreeFMUstate`: frees the state and forgets the pointer; nothing for null.
@@ -374,7 +387,7 @@ pub unsafe fn free_state(state: *mut fmi2FMUstate) -> Answer {
         return Ok(Status::Ok);
     }
     // SAFETY: by contract a pointer that is set and that nothing else touches meanwhile (standard, 2.1.8).
-    let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<Core>();
+    let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<Unit>();
     if !saved.is_null() {
         // SAFETY: made from a box by `get_state` or `give_state`, and by contract not freed before (standard, 2.1.8).
         drop(unsafe { Box::from_raw(saved) });
@@ -383,8 +396,8 @@ pub unsafe fn free_state(state: *mut fmi2FMUstate) -> Answer {
 }
 
 /// Puts a state that was read from bytes where the importer wants it.
-pub fn give_state(place: Room<fmi2FMUstate>, core: Core) -> Answer {
-    place.put(Box::into_raw(Box::new(core)).cast());
+pub fn give_state(place: Room<fmi2FMUstate>, unit: Unit) -> Answer {
+    place.put(Box::into_raw(Box::new(unit)).cast());
     Ok(Status::Ok)
 }
 
@@ -422,7 +435,7 @@ mod tests {
         // SAFETY: a function that looks at no argument can be called with any.
         let logger: fmi2CallbackLogger = unsafe { std::mem::transmute(panicking as *const ()) };
         let mut instance = instance(fmi2CallbackFunctions { logger: Some(logger), ..SILENT });
-        assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::error("refused"))), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::new("refused"))), Status::Fatal);
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Ok(Status::Ok)), Status::Fatal);
     }
 
@@ -486,7 +499,7 @@ mod tests {
         let pointer = &raw const number;
         let refuse = |pointer: *const f64, count, words: &str| {
             let fault = usable("value", pointer, count).unwrap_err();
-            assert!(fault.message.contains(words), "{}", fault.message);
+            assert!(fault.0.contains(words), "{fault}");
         };
         refuse(std::ptr::null(), 1, "value is NULL; expected 1 elements");
         refuse(pointer.wrapping_byte_add(4), 1, "expected a multiple of 8");

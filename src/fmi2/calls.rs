@@ -1,69 +1,20 @@
 //! Which call is legal in which state: the table of 4.2.4 of the standard (2.0.4), in one place.
 
-use serde::{Deserialize, Serialize};
+use crate::model::life_cycle::Phase;
 
-/// State of an instance. Steps are synchronous: `stepInProgress` and `stepCanceled` of the standard do not occur.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Phase {
-    /// After instantiation or reset.
-    Instantiated,
-    /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
-    InitializationMode,
-    /// Ready for a step.
-    StepComplete,
-    /// The last step was discarded: the run came to its end within it.
-    StepFailed,
-    /// After `fmi2Terminate`.
-    Terminated,
-    /// The integration failed.
-    Error,
-    /// A panic was caught.
-    Fatal,
-}
+const INSTANTIATED: u16 = Phase::Instantiated.bit();
+const INITIALIZATION: u16 = Phase::InitializationMode.bit();
+const COMPLETE: u16 = Phase::StepComplete.bit();
+const FAILED: u16 = Phase::StepFailed.bit();
+const TERMINATED: u16 = Phase::Terminated.bit();
+const ERROR: u16 = Phase::Error.bit();
+const NEVER: u16 = 0;
 
-impl Phase {
-    const fn bit(self) -> u8 {
-        1 << self as u8
-    }
-
-    const ALL: [Phase; 7] = [
-        Phase::Instantiated,
-        Phase::InitializationMode,
-        Phase::StepComplete,
-        Phase::StepFailed,
-        Phase::Terminated,
-        Phase::Error,
-        Phase::Fatal,
-    ];
-}
-
-impl std::fmt::Display for Phase {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Phase::Instantiated => "instantiated",
-            Phase::InitializationMode => "initializationMode",
-            Phase::StepComplete => "stepComplete",
-            Phase::StepFailed => "stepFailed",
-            Phase::Terminated => "terminated",
-            Phase::Error => "error",
-            Phase::Fatal => "fatal",
-        })
-    }
-}
-
-const INSTANTIATED: u8 = Phase::Instantiated.bit();
-const INITIALIZATION: u8 = Phase::InitializationMode.bit();
-const COMPLETE: u8 = Phase::StepComplete.bit();
-const FAILED: u8 = Phase::StepFailed.bit();
-const TERMINATED: u8 = Phase::Terminated.bit();
-const ERROR: u8 = Phase::Error.bit();
-const NEVER: u8 = 0;
-
-const AFTER_INSTANTIATION: u8 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
-const READABLE: u8 = INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
-const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | COMPLETE;
-const STEPPED: u8 = COMPLETE | FAILED | TERMINATED | ERROR;
-const STATUS: u8 = COMPLETE | FAILED | TERMINATED;
+const AFTER_INSTANTIATION: u16 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
+const READABLE: u16 = INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
+const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | COMPLETE;
+const STEPPED: u16 = COMPLETE | FAILED | TERMINATED | ERROR;
+const STATUS: u16 = COMPLETE | FAILED | TERMINATED;
 
 macro_rules! calls {
     ($($call:ident $name:literal $phases:expr;)*) => {
@@ -82,7 +33,7 @@ macro_rules! calls {
                 }
             }
 
-            fn phases(self) -> u8 {
+            fn phases(self) -> u16 {
                 match self {
                     $(Call::$call => $phases,)*
                 }
@@ -145,10 +96,22 @@ impl Call {
             (NEVER, Call::CancelStep) => "no step is ever in progress, steps are synchronous".into(),
             (NEVER, _) => "this belongs to Model Exchange; this FMU offers Co-Simulation only".into(),
             _ => {
-                let allowed: Vec<String> =
-                    Phase::ALL.into_iter().filter(|p| phases & p.bit() != 0).map(|p| p.to_string()).collect();
-                format!("not allowed in state {phase}; it is in {}", allowed.join(", "))
+                let allowed: Vec<&str> = Phase::ALL.into_iter().filter(|p| phases & p.bit() != 0).map(name).collect();
+                format!("not allowed in state {}; it is in {}", name(phase), allowed.join(", "))
             }
         })
+    }
+}
+
+/// What the standard calls a state.
+fn name(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Instantiated => "instantiated",
+        Phase::InitializationMode => "initializationMode",
+        Phase::StepComplete => "stepComplete",
+        Phase::StepFailed => "stepFailed",
+        Phase::Terminated => "terminated",
+        Phase::Error => "error",
+        Phase::Fatal => "fatal",
     }
 }

@@ -12,9 +12,10 @@ use libc::size_t;
 
 use crate::fmi2::boundary::{self, call, is_true, place, read, room, texts};
 use crate::fmi2::calls::Call;
-use crate::fmi2::instance::{Fault, Instance};
-use crate::fmi2::snapshot;
+use crate::fmi2::instance::Instance;
 use crate::fmi2::types::*;
+use crate::model::fault::Fault;
+use crate::model::snapshot;
 use crate::model::variables::Kind;
 
 /// The platform of the types: "default".
@@ -320,7 +321,8 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     unsafe {
         call(component, Call::SerializeFmuState, |_| {
             let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
-            snapshot::copy(&snapshot::serialize(boundary::state(state)?)?, room.places())
+            room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+            Ok(Status::Ok)
         })
     }
 }
@@ -337,8 +339,8 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     // `state` is a place for the new state, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::DeSerializeFmuState, |_| {
-            let core = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
-            boundary::give_state(place("FMUstate", state)?, core)
+            let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
+            boundary::give_state(place("FMUstate", state)?, unit)
         })
     }
 }
@@ -471,7 +473,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
     unsafe {
         call(component, Call::GetIntegerStatus, |_| {
-            Err(Fault::error(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
+            Err(Fault::new(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
         })
     }
 }
@@ -502,24 +504,24 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
 ) -> fmi2Status {
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
     unsafe {
-        call(component, Call::GetStringStatus, |_| {
+        call(component, Call::GetStringStatus, |instance| {
             let kind = status_kind(kind)?;
-            Err(Fault {
-                status: Status::Discard,
-                message: format!("{kind:?}: no step is pending, steps are synchronous"),
-            })
+            instance.log.status(
+                Status::Discard,
+                &format!("fmi2GetStringStatus: {kind:?}: no step is pending, steps are synchronous"),
+            );
+            Ok(Status::Discard)
         })
     }
 }
 
 fn status_kind(kind: fmi2StatusKind) -> Result<StatusKind, Fault> {
-    StatusKind::from_code(kind)
-        .ok_or_else(|| Fault::error(format!("status kind {kind} does not exist; expected 0 to 3")))
+    StatusKind::from_code(kind).ok_or_else(|| Fault::new(format!("status kind {kind} does not exist; expected 0 to 3")))
 }
 
 /// Never reached: the table of calls refuses before.
 fn refused(_: &mut Instance) -> Result<Status, Fault> {
-    Err(Fault::error("not offered"))
+    Err(Fault::new("not offered"))
 }
 
 macro_rules! model_exchange {

@@ -1,5 +1,12 @@
 //! The model's interface, as modelDescription.xml has it ↔ block, pulse, settings and outputs: no C, and nothing of any
 //! version of FMI.
+//!
+//! [`variables`] is the description, [`values`] what its variables mean; [`unit`] is an instance with its
+//! [`life_cycle`], and [`snapshot`] its saved states.
 
+pub mod fault;
+pub mod life_cycle;
+pub mod snapshot;
+pub mod unit;
 pub mod values;
 pub mod variables;

@@ -1,16 +1,14 @@
 //! A saved state ↔ bytes that can be told from any others: magic, version, GUID, length, content, checksum.
 
-use std::mem::MaybeUninit;
-
 use serde::{Deserialize, Serialize};
 
-use crate::fmi2::instance::{Answer, Core, Fault};
-use crate::fmi2::types::Status;
+use crate::model::fault::Fault;
+use crate::model::unit::Unit;
 use crate::model::variables::GUID;
 
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 
-/// Version of the content; to be raised with every change of what [`Core`] holds.
+/// Version of the content; to be raised with every change of what [`Unit`] holds.
 const VERSION: u32 = 3;
 
 #[derive(Serialize, Deserialize)]
@@ -23,9 +21,9 @@ struct Header {
 }
 
 /// The bytes of a state.
-pub fn serialize(core: &Core) -> Result<Vec<u8>, Fault> {
-    let internal = |error: postcard::Error| Fault::error(format!("the state cannot be written: {error}"));
-    let content = postcard::to_allocvec(core).map_err(internal)?;
+pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
+    let internal = |error: postcard::Error| Fault::new(format!("the state cannot be written: {error}"));
+    let content = postcard::to_allocvec(unit).map_err(internal)?;
     let header = Header {
         magic: MAGIC,
         version: VERSION,
@@ -41,18 +39,9 @@ pub fn serialize(core: &Core) -> Result<Vec<u8>, Fault> {
         .map_err(internal)
 }
 
-/// Copies the bytes of a state to the importer's room for them.
-pub fn copy(bytes: &[u8], room: &mut [MaybeUninit<u8>]) -> Answer {
-    if room.len() < bytes.len() {
-        return Err(Fault::error(format!("room for {} bytes; the state takes {}", room.len(), bytes.len())));
-    }
-    room[..bytes.len()].write_copy_of_slice(bytes);
-    Ok(Status::Ok)
-}
-
 /// The state that these bytes hold; refuses what is no state of this FMU, is cut, or was altered.
-pub fn deserialize(bytes: &[u8]) -> Result<Core, Fault> {
-    let refuse = |message: String| Fault::error(format!("serialized state refused: {message}"));
+pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
+    let refuse = |message: String| Fault::new(format!("serialized state refused: {message}"));
     let (header, content): (Header, &[u8]) = postcard::take_from_bytes(bytes)
         .map_err(|_| refuse(format!("{} bytes without a complete header", bytes.len())))?;
     if header.magic != MAGIC {
@@ -72,7 +61,7 @@ pub fn deserialize(bytes: &[u8]) -> Result<Core, Fault> {
     if crc32fast::hash(content) != header.checksum {
         return Err(refuse("its checksum does not fit, it was altered".into()));
     }
-    let core: Core =
+    let unit: Unit =
         postcard::from_bytes(content).map_err(|error| refuse(format!("its content is broken: {error}")))?;
-    if core.is_valid() { Ok(core) } else { Err(refuse("its content is no state of a block".into())) }
+    if unit.is_valid() { Ok(unit) } else { Err(refuse("its content is no state of a block".into())) }
 }

@@ -1,0 +1,397 @@
+//! Calls of an importer, whatever the version of FMI → a block in motion: all of an instance but its messages.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::Block;
+use crate::excitation::Inputs;
+use crate::model::fault::Fault;
+use crate::model::life_cycle::Phase;
+use crate::model::values::{PerInput, Values, derived, inputs, source};
+use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
+use crate::simulation::outputs::Observation;
+use crate::simulation::peaks;
+use crate::simulation::{Energies, Progress, Settings, Simulation};
+use crate::system::surfaces::Event;
+
+/// What is known of the run before it begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Experiment {
+    tolerance: Option<f64>,
+    start: f64,
+    stop: Option<f64>,
+}
+
+/// An instance as a safe state machine: no pointer, no C, and no messages. A copy of it is a saved state.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Unit {
+    phase: Phase,
+    experiment: Experiment,
+    values: Values,
+    /// Rates of the inputs, and whether they were set since the last step: otherwise the next step holds the inputs.
+    rates: PerInput,
+    rates_are_new: bool,
+    /// The block in motion; before initialization ends, what it would start as, if that is known.
+    simulation: Option<Simulation>,
+    /// The inputs that act at the present time.
+    inputs: Inputs,
+    /// What is seen at the present time, until something changes it.
+    #[serde(skip)]
+    seen: Option<(Observation<f64>, Energies)>,
+}
+
+/// By how much a master's clock may be off, relative to the greater of step and time.
+const CLOCK_ROUNDING: f64 = 1e-9;
+
+impl Default for Unit {
+    /// A new instance, all values at their starts.
+    fn default() -> Unit {
+        Unit {
+            phase: Phase::Instantiated,
+            experiment: Experiment::default(),
+            values: Values::default(),
+            rates: PerInput::default(),
+            rates_are_new: false,
+            simulation: None,
+            inputs: Inputs::default(),
+            seen: None,
+        }
+    }
+}
+
+impl Unit {
+    /// Where the instance is in its life.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// A panic was caught: nothing can be trusted any more.
+    pub fn fail_fatally(&mut self) {
+        self.phase = Phase::Fatal;
+    }
+
+    /// Whether this can be the state of an instance of this FMU: what a file says of itself is not enough.
+    pub fn is_valid(&self) -> bool {
+        let times = [self.experiment.start, self.inputs.time];
+        self.values.are_valid()
+            && self.phase != Phase::Fatal
+            && times.iter().chain(&self.rates).all(|x| x.is_finite())
+            && match &self.simulation {
+                Some(simulation) => simulation.is_valid() && self.values.block().as_ref() == Ok(simulation.block()),
+                None => !self.phase.is_initialized(),
+            }
+    }
+
+    /// The run as it is planned. Gives the tolerance that is followed where it is not the one that was asked for.
+    pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
+        if !start.is_finite() {
+            return Err(Fault::new(format!("startTime = {start}; expected a finite time")));
+        }
+        if let Some(stop) = stop
+            && !(stop.is_finite() && stop > start)
+        {
+            return Err(Fault::new(format!("stopTime = {stop}; expected a finite time after startTime = {start}")));
+        }
+        if let Some(tolerance) = tolerance
+            && !(tolerance.is_finite() && tolerance > 0.0)
+        {
+            return Err(Fault::new(format!("tolerance = {tolerance}; expected a finite number > 0")));
+        }
+        self.experiment = Experiment { tolerance, start, stop };
+        self.forget();
+        let [least, most] = Settings::TOLERANCES;
+        let followed = |tolerance: f64| tolerance.clamp(least, most);
+        Ok(tolerance.filter(|&tolerance| followed(tolerance) != tolerance).map(followed))
+    }
+
+    /// The initialization begins.
+    pub fn enter_initialization_mode(&mut self) {
+        self.phase = Phase::InitializationMode;
+        self.forget();
+    }
+
+    /// The values become a block, or the call is refused and they can be corrected. Gives the parameters that were set and
+    /// that nothing reads, each with what it needs.
+    pub fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
+        self.preview()?;
+        self.phase = Phase::StepComplete;
+        Ok(self.values.unread().collect())
+    }
+
+    /// The run ends.
+    pub fn terminate(&mut self) {
+        self.phase = Phase::Terminated;
+    }
+
+    /// Goes on from `time` (s), which is the present one but for a master's rounding, by `step` (s), and reports each event
+    /// as it happens. Allocates no memory unless it fails.
+    pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
+        let Unit { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting, seen } = self;
+        let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
+        let present = simulation.time();
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Fault::new(format!("communicationStepSize = {step} at t = {present} s; expected > 0 s")));
+        }
+        let slack = CLOCK_ROUNDING * step.max(present.abs());
+        // A time that is no number is off by no number.
+        if !time.is_finite() || (time - present).abs() > slack {
+            return Err(Fault::new(format!(
+                "currentCommunicationPoint = {time:?} s; the FMU is at t = {present:?} s and takes at most {slack:e} s off"
+            )));
+        }
+        let until = time + step;
+        if let Some(stop) = experiment.stop
+            && until > stop + CLOCK_ROUNDING * step.max(stop.abs())
+        {
+            return Err(Fault::new(format!("a step to t = {until:?} s passes stopTime = {stop:?} s")));
+        }
+        if until == time {
+            return Err(Fault::new(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
+        }
+        if !*rates_are_new {
+            *rates = PerInput::default();
+        }
+        let inputs = values.inputs(time, rates);
+        simulation.set_time(time);
+        let progress = simulation.advance(until, &inputs, observer);
+        *seen = None;
+        *acting = inputs;
+        let progress = progress.map_err(|error| {
+            *phase = Phase::Error;
+            Fault::new(error.to_string())
+        })?;
+        *rates_are_new = false;
+        for (input, rate) in Input::ALL.into_iter().zip(rates) {
+            values[input.variable()] += *rate * (simulation.time() - time);
+        }
+        match progress {
+            Progress::Reached => {}
+            Progress::Ended(..) => *phase = Phase::StepFailed,
+        }
+        Ok(progress)
+    }
+
+    /// The present time (s); before there is a block, that of the planned start.
+    pub fn time(&self) -> f64 {
+        self.simulation.as_ref().map_or(self.experiment.start, Simulation::time)
+    }
+
+    /// Refuses variables that do not exist or are of another type.
+    pub fn check(&self, references: &[u32], kind: Kind) -> Result<(), Fault> {
+        references.iter().try_for_each(|&reference| known(reference, kind).map(|_| ()))
+    }
+
+    /// Sets values of one type, all or none. Values that repeat the present one of a fixed parameter are refused, too.
+    pub fn set<V: Copy>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &[V],
+        real: impl Fn(V) -> f64,
+    ) -> Result<(), Fault> {
+        for (&reference, &value) in references.iter().zip(values) {
+            let metadata = known(reference, kind)?;
+            self.settable(metadata)?;
+            metadata.admits(real(value)).map_err(Fault::new)?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.values[VARIABLES[reference as usize].variable] = real(value);
+        }
+        self.take_up_values();
+        Ok(())
+    }
+
+    fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
+        let Metadata { name, causality, variability, .. } = metadata;
+        if !metadata.is_settable() {
+            return Err(Fault::new(format!("{name} is a {causality}, which cannot be set")));
+        }
+        if self.phase.is_initialized() && *variability == Variability::Fixed {
+            return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));
+        }
+        Ok(())
+    }
+
+    /// Values that were set act from here on: until initialization ends on the whole block, between steps on what is seen. Even
+    /// if only rates of inputs were set, these are rounded in another way then, so that nothing is seen again as it was.
+    fn take_up_values(&mut self) {
+        if self.phase.is_initialized() {
+            self.inputs = self.values.inputs(self.time(), &self.rates);
+            self.seen = None;
+        } else {
+            self.forget();
+        }
+    }
+
+    /// The value of a variable of this type; Integers and Booleans (0 or 1) as the real numbers that they are.
+    pub fn get(&mut self, kind: Kind, reference: u32) -> Result<f64, Fault> {
+        let metadata = known(reference, kind)?;
+        match metadata.role {
+            Role::Parameter(_) | Role::Input(_) => Ok(self.values[metadata.variable]),
+            Role::Derived(parameter) => {
+                let block = match &self.simulation {
+                    Some(simulation) => *simulation.block(),
+                    None => self.block()?,
+                };
+                Ok(derived(parameter, &block))
+            }
+            Role::Output(output) => {
+                let (seen, energies) = match self.seen {
+                    Some(seen) => seen,
+                    None => {
+                        let (simulation, inputs) = self.preview()?;
+                        let seen = (simulation.observe(&inputs), simulation.energies());
+                        *self.seen.insert(seen)
+                    }
+                };
+                let (simulation, _) = self.preview()?;
+                Ok(source(output).value(&seen, &energies, simulation))
+            }
+        }
+    }
+
+    fn block(&self) -> Result<Block, Fault> {
+        self.values.block().map_err(|error| Fault::new(error.to_string()))
+    }
+
+    /// Forgets what followed from values that have changed.
+    fn forget(&mut self) {
+        self.simulation = None;
+        self.seen = None;
+    }
+
+    /// The block in motion and the inputs that act on it; until initialization ends, as the present values would start it.
+    fn preview(&mut self) -> Result<(&Simulation, Inputs), Fault> {
+        if self.simulation.is_none() {
+            let block = self.block()?;
+            let Unit { values, experiment, rates, .. } = self;
+            let inputs = values.inputs(experiment.start, rates);
+            let simulation = Simulation::new(
+                block,
+                values.settings(experiment.tolerance),
+                values.pulse(),
+                &values.initial(),
+                experiment.start,
+                &inputs,
+            );
+            self.inputs = inputs;
+            self.simulation = Some(simulation);
+        }
+        let Unit { simulation, inputs, .. } = self;
+        let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
+        Ok((simulation, *inputs))
+    }
+
+    /// How inputs change in the next step, by derivatives of order 1.
+    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Fault> {
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let (_, metadata) = input(reference, "has set derivatives")?;
+            first_order(metadata, order)?;
+            if !value.is_finite() {
+                return Err(Fault::new(format!("derivative of {} = {value}; expected a finite number", metadata.name)));
+            }
+        }
+        if !self.rates_are_new {
+            self.rates = PerInput::default();
+            self.rates_are_new = true;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            let (input, _) = input(reference, "has set derivatives")?;
+            self.rates[input as usize] = value;
+        }
+        self.take_up_values();
+        Ok(())
+    }
+
+    /// How outputs change now, by derivatives of order 1: exact, from the equations of motion.
+    pub fn output_derivatives<'a>(
+        &mut self,
+        references: &'a [u32],
+        orders: &[i32],
+    ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
+        let output = |reference| output(reference, "has derivatives in time");
+        for (&reference, &order) in references.iter().zip(orders) {
+            output(reference)?;
+            first_order(known(reference, Kind::Real)?, order)?;
+        }
+        let (simulation, inputs) = self.preview()?;
+        let seen = simulation.observe_rates(&inputs);
+        let (rates, channels) = (seen.map(|x| x.eps), peaks::channels(&seen));
+        let (energy_rates, peaks) = (simulation.energy_rates(&inputs), simulation.peaks());
+        let rate = move |output| source(output).rate(&rates, &energy_rates, &channels, &peaks);
+        Ok(references.iter().map(move |&reference| output(reference).map(&rate)))
+    }
+
+    /// Exact derivatives of Real outputs with respect to inputs, in a direction, at the present time.
+    pub fn directional_derivative<'a>(
+        &mut self,
+        unknowns: &'a [u32],
+        knowns: &[u32],
+        direction: &[f64],
+    ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
+        let output = |reference| output(reference, "can be differentiated");
+        unknowns.iter().try_for_each(|&reference| output(reference).map(|_| ()))?;
+        let mut components = PerInput::default();
+        for (&reference, &component) in knowns.iter().zip(direction) {
+            let (input, metadata) = input(reference, "is a direction")?;
+            if !component.is_finite() {
+                return Err(Fault::new(format!(
+                    "direction {component} of {}; expected a finite number",
+                    metadata.name
+                )));
+            }
+            components[input as usize] += component;
+        }
+        let along = inputs(0.0, components, &PerInput::default());
+        let (simulation, at) = self.preview()?;
+        let derivative = simulation.observe_direction(&at, &along).map(|x| x.eps);
+        let sensitivity = move |output| source(output).sensitivity(&derivative);
+        Ok(unknowns.iter().map(move |&reference| output(reference).map(&sensitivity)))
+    }
+}
+
+/// The variable of this number, if it has this type.
+fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
+    let Some(metadata) = VARIABLES.get(reference as usize) else {
+        let last = VARIABLES.len() - 1;
+        return Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")));
+    };
+    if metadata.kind.base() != kind {
+        let found = metadata.kind;
+        return Err(Fault::new(format!(
+            "{} (value reference {reference}) is of type {found}, not {kind}",
+            metadata.name
+        )));
+    }
+    Ok(metadata)
+}
+
+fn first_order(metadata: &Metadata, order: i32) -> Result<(), Fault> {
+    if order == 1 {
+        return Ok(());
+    }
+    Err(Fault::new(format!("derivative of {} of order {order}; expected 1", metadata.name)))
+}
+
+/// The Real output of this number.
+fn output(reference: u32, what: &str) -> Result<Output, Fault> {
+    let metadata = known(reference, Kind::Real)?;
+    match metadata.role {
+        Role::Output(output) => Ok(output),
+        Role::Input(_) | Role::Parameter(_) | Role::Derived(_) => {
+            let Metadata { name, causality, .. } = metadata;
+            Err(Fault::new(format!("{name} is a {causality}; only an output {what}")))
+        }
+    }
+}
+
+/// The input of this number.
+fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault> {
+    let metadata = known(reference, Kind::Real)?;
+    match metadata.role {
+        Role::Input(input) => Ok((input, metadata)),
+        Role::Output(_) | Role::Parameter(_) | Role::Derived(_) => {
+            let Metadata { name, causality, .. } = metadata;
+            Err(Fault::new(format!("{name} is a {causality}; only an input {what}")))
+        }
+    }
+}
