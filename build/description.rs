@@ -9,7 +9,7 @@ use roxmltree::{Document, Node};
 pub struct Description {
     pub guid: String,
     pub variables: Vec<Variable>,
-    /// The file with the GUID in it.
+    /// modelDescription.xml of FMI 2.0: the file with the GUID in it, and with Integers in the place of enumerations.
     pub packed: String,
 }
 
@@ -29,12 +29,13 @@ pub struct Variable {
     pub items: Vec<Item>,
 }
 
-/// The parts into which the code's variables fall: in the file, and what each variable of them is called in the code.
-const ROLES: [(&str, &str, &str); 4] = [
-    ("Input", "Input", "An input"),
-    ("Parameter", "Parameter", "A parameter"),
-    ("CalculatedParameter", "Derived", "A calculated parameter"),
-    ("Output", "Output", "An output"),
+/// The parts into which the code's variables fall, and what each variable of them is called.
+const ROLES: [(&str, &str); 5] = [
+    ("Input", "An input"),
+    ("Parameter", "A parameter with a number"),
+    ("Text", "A parameter with a text"),
+    ("Derived", "A calculated parameter"),
+    ("Output", "An output"),
 ];
 
 pub struct Item {
@@ -63,9 +64,9 @@ pub fn read(text: &str) -> Result<Description, String> {
         }
     }
     check_structure(root, &variables)?;
+    let text = without_enumerations(text, root, &variables)?;
     let guid = format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()));
-    let place = root.attribute_node("guid").ok_or("fmiModelDescription has no guid")?.range_value();
-    let packed = format!("{}{guid}{}", &text[..place.start], &text[place.end..]);
+    let packed = text.replacen(attribute(root, "guid")?, &guid, 1);
     if attribute(child(root, "CoSimulation")?, "modelIdentifier")? != "rocking_block" {
         return Err("the modelIdentifier is the library's name, rocking_block".into());
     }
@@ -96,6 +97,7 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
         "Real" => "Real",
         "Integer" => "Integer",
         "Boolean" => "Boolean",
+        "String" => "String",
         "Enumeration" => "Enumeration",
         other => return Err(wrong(&format!("type {other} is not used here"))),
     };
@@ -109,6 +111,7 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     let number = |attribute: &str| -> Result<Option<f64>, String> {
         match of_type.attribute(attribute) {
             None => Ok(None),
+            Some("") if kind == "String" => Ok(None),
             Some("true") if kind == "Boolean" => Ok(Some(1.0)),
             Some("false") if kind == "Boolean" => Ok(Some(0.0)),
             Some(text) => text.parse().map(Some).map_err(|_| wrong(&format!("{attribute} = {text} is no number"))),
@@ -121,7 +124,7 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
         max = items.iter().map(|item| f64::from(item.value)).reduce(f64::max);
     }
     let settable = matches!(causality, "Input" | "Parameter");
-    if settable != start.is_some() {
+    if settable != of_type.has_attribute("start") {
         return Err(wrong("has a start value if, and only if, it is an input or a parameter"));
     }
     if start.is_some_and(|start| min.is_some_and(|min| start < min) || max.is_some_and(|max| start > max)) {
@@ -145,6 +148,38 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     let description = attribute(node, "description")?.to_string();
     let declared_type = declared_type.map(str::to_string);
     Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, declared_type, items })
+}
+
+/// The file with an Integer, its limits and its choices in the place of each enumeration, which some importers leave out.
+fn without_enumerations(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
+    let mut edits = Vec::new();
+    let types = child(root, "TypeDefinitions")?.children();
+    for declaration in types.filter(|n| n.descendants().any(|n| n.has_tag_name("Item"))) {
+        edits.push((declaration.range(), String::new()));
+    }
+    let nodes = child(root, "ModelVariables")?.children().filter(Node::is_element);
+    for (node, variable) in nodes.zip(variables).filter(|(_, variable)| !variable.items.is_empty()) {
+        let Variable { name, items, start, .. } = variable;
+        let values: Vec<i32> = items.iter().map(|item| item.value).collect();
+        let (Some(min), Some(max)) = (values.first(), values.last()) else { continue };
+        if !values.iter().copied().eq(*min..=*max) {
+            return Err(format!("variable {name}: its items are no Integers in a row"));
+        }
+        let choices: Vec<String> = items.iter().map(|item| format!("{} {}", item.value, item.name)).collect();
+        let description =
+            node.attribute_node("description").ok_or_else(|| format!("variable {name}: no description"))?;
+        let place = description.range_value();
+        edits.push((place.end..place.end, format!(": {}", choices.join(", "))));
+        let of_type = node.children().find(Node::is_element).ok_or_else(|| format!("variable {name}: no type"))?;
+        let start = start.map_or(String::new(), |start| format!(" start=\"{start}\""));
+        edits.push((of_type.range(), format!("<Integer min=\"{min}\" max=\"{max}\"{start}/>")));
+    }
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut text = text.to_string();
+    for (range, replacement) in edits {
+        text.replace_range(range, &replacement);
+    }
+    Ok(text)
 }
 
 fn items(declaration: Node) -> Result<Vec<Item>, String> {
@@ -226,14 +261,14 @@ impl Description {
         writeln!(code, "/// All variables, by value reference.")?;
         writeln!(code, "pub static VARIABLES: [Metadata; {}] = [", self.variables.len())?;
         for v in &self.variables {
-            let items: Vec<i32> = v.items.iter().map(|item| item.value).collect();
+            let items: Vec<(i32, &str)> = v.items.iter().map(|item| (item.value, item.name.as_str())).collect();
             let [variable, role] = [identifier(&v.name), role(v).into()];
             writeln!(
                 code,
                 "    Metadata {{ variable: Variable::{variable}, name: {:?}, kind: Kind::{}, causality: Causality::{}, \
-                 role: Role::{role}({role}::{variable}), variability: Variability::{}, start: {:?}, min: {:?}, \
-                 max: {:?}, items: &{items:?} }},",
-                v.name, v.kind, v.causality, v.variability, v.start, v.min, v.max,
+                 role: Role::{role}({role}::{variable}), variability: Variability::{}, unit: {:?}, start: {:?}, \
+                 min: {:?}, max: {:?}, items: &{items:?} }},",
+                v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.min, v.max,
             )?;
         }
         writeln!(code, "];")
@@ -241,7 +276,7 @@ impl Description {
 
     /// An enumeration a part, so that the code that handles a part does not compile if it leaves out a variable.
     fn write_roles(&self, code: &mut String) -> std::fmt::Result {
-        for (_, role_name, article) in ROLES {
+        for (role_name, article) in ROLES {
             let of_role: Vec<&Variable> = self.variables.iter().filter(|v| role(v) == role_name).collect();
             writeln!(code, "/// {article} of modelDescription.xml.")?;
             writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {role_name} {{")?;
@@ -293,9 +328,15 @@ impl Description {
     }
 }
 
-/// What the code calls the part to which a variable belongs.
+/// The part to which a variable belongs.
 fn role(variable: &Variable) -> &'static str {
-    ROLES.iter().find(|(causality, ..)| *causality == variable.causality).map_or("", |(_, role, _)| role)
+    match (variable.causality, variable.kind) {
+        ("Input", _) => "Input",
+        ("Parameter", "String") => "Text",
+        ("Parameter", _) => "Parameter",
+        ("CalculatedParameter", _) => "Derived",
+        _ => "Output",
+    }
 }
 
 /// `dimensionless.xi_v` → `DimensionlessXiV`.

@@ -2,9 +2,9 @@
 
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::records::ground::Ground;
 use rocking_block::records::{self, ReadOptions};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
-use rocking_block::study::ground::Ground;
 
 const RECORD: &[u8] = include_bytes!("../records/np01002p_4225a_a.smc");
 

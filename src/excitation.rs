@@ -55,6 +55,20 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    /// The sum of both, with the reference of `self`.
+    pub fn plus(&self, others: &Inputs) -> Inputs {
+        let others = others.moved_to(self.time);
+        let sum = |a: Ramp, b: Ramp| Ramp { value: a.value + b.value, rate: a.rate + b.rate };
+        Inputs {
+            time: self.time,
+            a_gx: sum(self.a_gx, others.a_gx),
+            a_gz: sum(self.a_gz, others.a_gz),
+            f_x: sum(self.f_x, others.f_x),
+            f_z: sum(self.f_z, others.f_z),
+            m_y: sum(self.m_y, others.m_y),
+        }
+    }
+
     /// The same inputs with their reference at another time.
     pub fn moved_to(&self, time: f64) -> Inputs {
         let elapsed = time - self.time;

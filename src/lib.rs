@@ -6,6 +6,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`records`] | accelerogram files → ground accelerations, linear between their samples |
 //! | [`block`] | parameters → all that the equations need |
 //! | [`excitation`] | inputs over a step, pulses → what drives the block at any time |
 //! | [`contact`] | what each corner does → the regime |
@@ -14,11 +15,12 @@
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
 //! | [`model`] | the variables of modelDescription.xml ↔ block, pulse, outputs: no C, no version of FMI |
 //! | [`fmi2`] | the model behind the C interface of FMI 2.0 |
-//! | [`records`] | accelerogram files → ground accelerations |
 //! | [`study`] | runs → histories, spectra, sweeps, searches, the paper's figures, tables, pictures |
 //! | [`cli`] | the command line |
 //!
 //! Arrows run one way: what the block is does not know how it is stepped, and neither knows how it is shown.
+
+pub mod records;
 
 pub mod block;
 
@@ -35,9 +37,6 @@ pub mod simulation;
 pub mod model;
 
 pub mod fmi2;
-
-#[cfg(feature = "records")]
-pub mod records;
 
 #[cfg(feature = "program")]
 pub mod study;

@@ -1,7 +1,5 @@
 //! Accelerogram files: real ones of every format, made-up ones that must be refused, and random ones.
 
-#![cfg(feature = "records")]
-
 #[path = "common/cases.rs"]
 mod cases;
 #[path = "records/columns.rs"]

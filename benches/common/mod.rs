@@ -6,9 +6,9 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::contact::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse};
 use rocking_block::numerics::Rate;
+use rocking_block::records::ground::Ground;
 use rocking_block::records::{self, ReadOptions};
 use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_block::study::ground::Ground;
 use rocking_block::study::spectrum::{Base, Sizes, Spectrum};
 use rocking_block::system::dynamics::{Footing, State, instant_of};
 

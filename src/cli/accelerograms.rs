@@ -7,8 +7,8 @@ use clap::Args;
 use crate::cli::excitation::finite;
 use crate::cli::input;
 use crate::cli::output::Named;
+use crate::records::ground::Ground;
 use crate::records::{Column, Format, ReadOptions, Unit};
-use crate::study::ground::Ground;
 use crate::study::ground_files::{Name, Said};
 
 /// Options that name the records of one ground motion.

@@ -8,7 +8,7 @@ use crate::cli::accelerograms::{Accelerograms, Files, ManyAccelerograms};
 use crate::cli::given::Given;
 use crate::excitation::{Pulse, PulseShape};
 use crate::records::Record;
-use crate::study::ground::Ground;
+use crate::records::ground::Ground;
 use crate::study::intensity::pga;
 use crate::study::spectrum_statistics::direction;
 

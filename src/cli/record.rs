@@ -13,7 +13,7 @@ use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::report::{ReportOptions, Written};
 use crate::records::Record;
-use crate::study::ground::Ground;
+use crate::records::ground::Ground;
 use crate::study::ground_files::{Name, Said};
 use crate::study::intensity::{pga, pgv};
 

@@ -13,7 +13,7 @@ use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::report::is_standard_output;
 use crate::cli::run_options::{RunOptions, StudyOptions};
 use crate::excitation::PulseShape;
-use crate::study::ground::Ground;
+use crate::records::ground::Ground;
 use crate::study::records_plot;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
 use crate::study::spectrum_plot::{self, Abscissa};

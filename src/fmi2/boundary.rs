@@ -333,20 +333,20 @@ unsafe fn text<'a>(pointer: fmi2String) -> Option<&'a CStr> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
-/// The texts of an array; those that are no UTF-8 are shown as far as they can be.
+/// The texts of an array.
 ///
 /// # Safety
-/// As for [`read`], and each element is null or points to a text that ends with 0 (standard, 2.1.2).
-pub unsafe fn texts(name: &str, pointer: *const fmi2String, count: size_t) -> Result<Vec<String>, Fault> {
+/// As for [`read`], and each element is null or points to a text that ends with 0 (standard, 2.1.2) and stays meanwhile.
+pub unsafe fn texts<'a>(name: &str, pointer: *const fmi2String, count: size_t) -> Result<Vec<&'a str>, Fault> {
     // SAFETY: by contract an array of as many pointers (standard, 2.1.5).
     let pointers = unsafe { read(name, pointer, count) }?;
     pointers
         .iter()
         .map(|&pointer| {
             // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2).
-            unsafe { text(pointer) }
-                .map(|text| text.to_string_lossy().into_owned())
-                .ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))
+            let text =
+                unsafe { text(pointer) }.ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))?;
+            text.to_str().map_err(|_| Fault::new(format!("{name} holds {text:?}; expected UTF-8")))
         })
         .collect()
 }

@@ -12,7 +12,7 @@ use libc::size_t;
 
 use crate::fmi2::boundary::{self, call, is_true, place, read, room, texts};
 use crate::fmi2::calls::Call;
-use crate::fmi2::instance::Instance;
+use crate::fmi2::instance::{Instance, write};
 use crate::fmi2::types::*;
 use crate::model::fault::Fault;
 use crate::model::snapshot;
@@ -65,9 +65,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     // texts that end with 0 (standard, 2.1.5).
     unsafe {
         call(component, Call::SetDebugLogging, |instance| {
-            let names = texts("categories", categories, count)?;
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            instance.set_debug_logging(is_true(logging_on), &names)
+            instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
         })
     }
 }
@@ -176,7 +174,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     }
 }
 
-/// There are no String variables: refused unless the count is 0.
+/// Reads String variables; what the results point to lasts until the next call.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetString(
     component: fmi2Component,
@@ -190,7 +188,8 @@ pub unsafe extern "C" fn fmi2GetString(
         call(component, Call::GetString, |instance| {
             let mut values = room("value", values, count)?;
             let references = values.read_beside("vr", references, count)?;
-            instance.get(Kind::String, &references, values.places(), |_| std::ptr::null())
+            let texts = instance.get_texts(&references)?;
+            write(texts.iter().map(|text| Ok(text.as_ptr())), values.places())
         })
     }
 }
@@ -249,7 +248,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     }
 }
 
-/// There are no String variables: refused unless the count is 0.
+/// Sets String variables, all or none.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetString(
     component: fmi2Component,
@@ -261,8 +260,8 @@ pub unsafe extern "C" fn fmi2SetString(
     // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetString, |instance| {
-            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-            instance.set(Kind::String, references, values, |_| 0.0)
+            let (references, values) = (read("vr", references, count)?, texts("value", values, count)?);
+            instance.set_texts(references, &values)
         })
     }
 }

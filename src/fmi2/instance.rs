@@ -1,5 +1,6 @@
 //! An instance behind FMI 2.0: a [`Unit`], its answers as statuses, and its messages. No pointer, no C.
 
+use std::ffi::CString;
 use std::mem::MaybeUninit;
 
 use crate::fmi2::calls::Call;
@@ -21,12 +22,14 @@ pub struct Instance {
     pub log: Log,
     /// What a saved state holds.
     pub unit: Unit,
+    /// Texts that the importer was given, until its next call for some.
+    texts: Vec<CString>,
 }
 
 impl Instance {
     /// A new instance, all values at their starts.
     pub fn new(log: Log) -> Instance {
-        Instance { log, unit: Unit::default() }
+        Instance { log, unit: Unit::default(), texts: Vec::new() }
     }
 
     /// Refuses a call that the present state does not allow.
@@ -168,6 +171,22 @@ impl Instance {
         write(references.iter().map(|&reference| unit.get(kind, reference).map(&convert)), values)
     }
 
+    /// Sets texts, all or none.
+    pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Answer {
+        self.unit.set_texts(references, texts)?;
+        Ok(Status::Ok)
+    }
+
+    /// Reads texts.
+    pub fn get_texts(&mut self, references: &[u32]) -> Result<&[CString], Fault> {
+        let text = |&reference| {
+            let text = self.unit.text(reference)?;
+            CString::new(text).map_err(|_| Fault::new(format!("{text:?} holds a 0; expected none")))
+        };
+        self.texts = references.iter().map(text).collect::<Result<_, _>>()?;
+        Ok(&self.texts)
+    }
+
     /// `fmi2SetRealInputDerivatives`, order 1 only.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
         self.unit.set_input_derivatives(references, orders, values)?;
@@ -203,7 +222,7 @@ impl Instance {
 }
 
 /// Writes results to the importer's places for them.
-fn write<V>(results: impl Iterator<Item = Result<V, Fault>>, places: &mut [MaybeUninit<V>]) -> Answer {
+pub fn write<V>(results: impl Iterator<Item = Result<V, Fault>>, places: &mut [MaybeUninit<V>]) -> Answer {
     for (result, place) in results.zip(places) {
         place.write(result?);
     }

@@ -1,13 +1,16 @@
 //! Calls of an importer, whatever the version of FMI → a block in motion: all of an instance but its messages.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
-use crate::model::values::{PerInput, Values, derived, inputs, source};
+use crate::model::values::{DerivedSource, PerInput, Values, derived, inputs, source};
 use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
+use crate::records::ground::Ground;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks;
 use crate::simulation::{Energies, Progress, Settings, Simulation};
@@ -32,8 +35,11 @@ pub struct Unit {
     rates_are_new: bool,
     /// The block in motion; before initialization ends, what it would start as, if that is known.
     simulation: Option<Simulation>,
-    /// The inputs that act at the present time.
+    /// What acts at the present time: the inputs, and the records inside.
     inputs: Inputs,
+    /// The records inside, once they are read. Shared with saved states; serialized states hold them whole, so that no file
+    /// is needed to resume from one.
+    ground: Option<Arc<Ground>>,
     /// What is seen at the present time, until something changes it.
     #[serde(skip)]
     seen: Option<(Observation<f64>, Energies)>,
@@ -53,6 +59,7 @@ impl Default for Unit {
             rates_are_new: false,
             simulation: None,
             inputs: Inputs::default(),
+            ground: None,
             seen: None,
         }
     }
@@ -75,8 +82,13 @@ impl Unit {
         self.values.are_valid()
             && self.phase != Phase::Fatal
             && times.iter().chain(&self.rates).all(|x| x.is_finite())
+            && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
             && match &self.simulation {
-                Some(simulation) => simulation.is_valid() && self.values.block().as_ref() == Ok(simulation.block()),
+                Some(simulation) => {
+                    self.ground.is_some()
+                        && simulation.is_valid()
+                        && self.values.block().as_ref() == Ok(simulation.block())
+                }
                 None => !self.phase.is_initialized(),
             }
     }
@@ -125,8 +137,10 @@ impl Unit {
     /// Goes on from `time` (s), which is the present one but for a master's rounding, by `step` (s), and reports each event
     /// as it happens. Allocates no memory unless it fails.
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
-        let Unit { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting, seen } = self;
-        let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
+        let Unit { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting, ground, seen } = self;
+        let (Some(simulation), Some(ground)) = (simulation, ground) else {
+            return Err(Fault::new("there is no block yet"));
+        };
         let present = simulation.time();
         if !(step.is_finite() && step > 0.0) {
             return Err(Fault::new(format!("communicationStepSize = {step} at t = {present} s; expected > 0 s")));
@@ -152,18 +166,26 @@ impl Unit {
         }
         let inputs = values.inputs(time, rates);
         simulation.set_time(time);
-        let progress = simulation.advance(until, &inputs, observer);
         *seen = None;
-        *acting = inputs;
-        let progress = progress.map_err(|error| {
-            *phase = Phase::Error;
-            Fault::new(error.to_string())
-        })?;
+        let progress = loop {
+            let (sum, stop) = with_ground(&inputs, ground, simulation.time());
+            *acting = sum;
+            match simulation.advance(stop.min(until), acting, observer) {
+                Ok(Progress::Reached) if stop < until => {}
+                Ok(progress) => break progress,
+                Err(error) => {
+                    *phase = Phase::Error;
+                    return Err(Fault::new(error.to_string()));
+                }
+            }
+        };
         *rates_are_new = false;
         for (input, rate) in Input::ALL.into_iter().zip(rates) {
             values[input.variable()] += *rate * (simulation.time() - time);
         }
         match progress {
+            // A record may have a sample here, from which it goes on otherwise.
+            Progress::Reached if !ground.is_empty() => *acting = with_ground(&inputs, ground, simulation.time()).0,
             Progress::Reached => {}
             Progress::Ended(..) => *phase = Phase::StepFailed,
         }
@@ -194,7 +216,11 @@ impl Unit {
             metadata.admits(real(value)).map_err(Fault::new)?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            self.values[VARIABLES[reference as usize].variable] = real(value);
+            let variable = VARIABLES[reference as usize].variable;
+            self.values[variable] = real(value);
+            if Values::is_of_ground(variable) {
+                self.ground = None;
+            }
         }
         self.take_up_values();
         Ok(())
@@ -211,11 +237,36 @@ impl Unit {
         Ok(())
     }
 
+    /// Sets texts, all or none.
+    pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Result<(), Fault> {
+        for &reference in references {
+            self.settable(known(reference, Kind::String)?)?;
+        }
+        for (&reference, &text) in references.iter().zip(texts) {
+            if let Role::Text(place) = known(reference, Kind::String)?.role {
+                self.values[place] = text.into();
+            }
+        }
+        self.ground = None;
+        self.take_up_values();
+        Ok(())
+    }
+
+    /// The text of a variable.
+    pub fn text(&self, reference: u32) -> Result<&str, Fault> {
+        match known(reference, Kind::String)?.role {
+            Role::Text(text) => Ok(&self.values[text]),
+            Role::Input(_) | Role::Parameter(_) | Role::Derived(_) | Role::Output(_) => Ok(""),
+        }
+    }
+
     /// Values that were set act from here on: until initialization ends on the whole block, between steps on what is seen. Even
     /// if only rates of inputs were set, these are rounded in another way then, so that nothing is seen again as it was.
     fn take_up_values(&mut self) {
         if self.phase.is_initialized() {
-            self.inputs = self.values.inputs(self.time(), &self.rates);
+            let time = self.time();
+            let inputs = self.values.inputs(time, &self.rates);
+            self.inputs = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, time).0);
             self.seen = None;
         } else {
             self.forget();
@@ -226,14 +277,12 @@ impl Unit {
     pub fn get(&mut self, kind: Kind, reference: u32) -> Result<f64, Fault> {
         let metadata = known(reference, kind)?;
         match metadata.role {
-            Role::Parameter(_) | Role::Input(_) => Ok(self.values[metadata.variable]),
-            Role::Derived(parameter) => {
-                let block = match &self.simulation {
-                    Some(simulation) => *simulation.block(),
-                    None => self.block()?,
-                };
-                Ok(derived(parameter, &block))
-            }
+            Role::Parameter(_) | Role::Input(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
+            Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
+                (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
+                (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
+                (DerivedSource::Ground(of), _) => Ok(of(&*self.ground()?)),
+            },
             Role::Output(output) => {
                 let (seen, energies) = match self.seen {
                     Some(seen) => seen,
@@ -253,6 +302,15 @@ impl Unit {
         self.values.block().map_err(|error| Fault::new(error.to_string()))
     }
 
+    /// The records, read when they are needed first.
+    fn ground(&mut self) -> Result<Arc<Ground>, Fault> {
+        let ground = match self.ground.take() {
+            Some(ground) => ground,
+            None => Arc::new(self.values.ground().map_err(Fault)?),
+        };
+        Ok(self.ground.insert(ground).clone())
+    }
+
     /// Forgets what followed from values that have changed.
     fn forget(&mut self) {
         self.simulation = None;
@@ -263,8 +321,9 @@ impl Unit {
     fn preview(&mut self) -> Result<(&Simulation, Inputs), Fault> {
         if self.simulation.is_none() {
             let block = self.block()?;
+            let ground = self.ground()?;
             let Unit { values, experiment, rates, .. } = self;
-            let inputs = values.inputs(experiment.start, rates);
+            let (inputs, _) = with_ground(&values.inputs(experiment.start, rates), &ground, experiment.start);
             let simulation = Simulation::new(
                 block,
                 values.settings(experiment.tolerance),
@@ -349,6 +408,15 @@ impl Unit {
     }
 }
 
+/// The inputs and the piece of the records that acts at `time` (s), and the end of that piece (s).
+fn with_ground(inputs: &Inputs, ground: &Ground, time: f64) -> (Inputs, f64) {
+    if ground.is_empty() {
+        return (*inputs, f64::INFINITY);
+    }
+    let (piece, end) = ground.piece_at(time);
+    (piece.plus(inputs), end)
+}
+
 /// The variable of this number, if it has this type.
 fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
     let Some(metadata) = VARIABLES.get(reference as usize) else {
@@ -377,7 +445,7 @@ fn output(reference: u32, what: &str) -> Result<Output, Fault> {
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Output(output) => Ok(output),
-        Role::Input(_) | Role::Parameter(_) | Role::Derived(_) => {
+        Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
             Err(Fault::new(format!("{name} is a {causality}; only an output {what}")))
         }
@@ -389,7 +457,7 @@ fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault
     let metadata = known(reference, Kind::Real)?;
     match metadata.role {
         Role::Input(input) => Ok((input, metadata)),
-        Role::Output(_) | Role::Parameter(_) | Role::Derived(_) => {
+        Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
             Err(Fault::new(format!("{name} is a {causality}; only an input {what}")))
         }

@@ -1,8 +1,14 @@
 //! Variables ↔ block, initial state, pulse and outputs; every variable of modelDescription.xml is named here, once.
 
+use std::path::Path;
+
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use crate::model::variables::{Causality, Choice, Derived, Input, Output, Parameter, VARIABLES, Variable, choices};
+use crate::model::variables::{
+    Causality, Choice, Derived, Input, Output, Parameter, Text, VARIABLES, Variable, choices,
+};
+use crate::records::ground::Ground;
+use crate::records::{self, ReadOptions, Record, Setting};
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
@@ -10,15 +16,34 @@ use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSep
 /// Values of all inputs, in the order of [`Input::ALL`], or what else there is one of for each.
 pub type PerInput = [f64; Input::ALL.len()];
 
-/// Values of all variables that are set from outside, by value reference; those of the others stay at 0.
-///
-/// Integers, enumerations and Booleans (0 or 1) are held as the real numbers that they are.
+/// Values of all variables that are set from outside.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Values(Vec<f64>);
+pub struct Values {
+    /// Numbers by value reference; those of other variables stay at 0. Integers, enumerations and Booleans (0 or 1) are held
+    /// as the real numbers that they are.
+    numbers: Vec<f64>,
+    /// Texts, in the order of [`Text::ALL`].
+    texts: [String; Text::ALL.len()],
+}
 
 impl Default for Values {
     fn default() -> Values {
-        Values(VARIABLES.iter().map(|metadata| metadata.start.unwrap_or(0.0)).collect())
+        let numbers = VARIABLES.iter().map(|metadata| metadata.start.unwrap_or(0.0)).collect();
+        Values { numbers, texts: Default::default() }
+    }
+}
+
+impl std::ops::Index<Text> for Values {
+    type Output = String;
+
+    fn index(&self, text: Text) -> &String {
+        &self.texts[text as usize]
+    }
+}
+
+impl std::ops::IndexMut<Text> for Values {
+    fn index_mut(&mut self, text: Text) -> &mut String {
+        &mut self.texts[text as usize]
     }
 }
 
@@ -26,14 +51,21 @@ impl std::ops::Index<Variable> for Values {
     type Output = f64;
 
     fn index(&self, variable: Variable) -> &f64 {
-        &self.0[variable as usize]
+        &self.numbers[variable as usize]
     }
 }
 
 impl std::ops::IndexMut<Variable> for Values {
     fn index_mut(&mut self, variable: Variable) -> &mut f64 {
-        &mut self.0[variable as usize]
+        &mut self.numbers[variable as usize]
     }
+}
+
+/// The variables that say which record is read, and how.
+struct RecordSettings {
+    path: Text,
+    unit: Text,
+    channel: Variable,
 }
 
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
@@ -41,8 +73,8 @@ const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 impl Values {
     /// Whether these are values of this FMU: one a variable, each within its limits.
     pub fn are_valid(&self) -> bool {
-        self.0.len() == VARIABLES.len()
-            && VARIABLES.iter().zip(&self.0).all(|(metadata, &value)| {
+        self.numbers.len() == VARIABLES.len()
+            && VARIABLES.iter().zip(&self.numbers).all(|(metadata, &value)| {
                 !metadata.is_settable() || (value.is_finite() && metadata.admits(value).is_ok())
             })
     }
@@ -116,6 +148,13 @@ impl Values {
             Parameter::PulseAmplitude | Parameter::PulsePeriod | Parameter::PulseStart => {
                 (self.pulse().shape == PulseShape::None).then_some("a pulse.shape")
             }
+            Parameter::RecordScale | Parameter::RecordStart | Parameter::RecordDt => {
+                (!self.has_record()).then_some("record.horizontal or record.vertical")
+            }
+            Parameter::RecordHorizontalChannel => {
+                self[Text::RecordHorizontal].is_empty().then_some("record.horizontal")
+            }
+            Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
             Parameter::Parameterization
             | Parameter::Mass
             | Parameter::Gamma
@@ -134,7 +173,78 @@ impl Values {
     /// Parameters that were given and that nothing reads with the others as they are, each with what it needs.
     pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
-        self.given(Parameter::ALL.into_iter().filter_map(lacking).collect())
+        let numbers = self.given(Parameter::ALL.into_iter().filter_map(lacking).collect());
+        numbers.chain(Text::ALL.into_iter().filter(|&text| !self[text].is_empty()).filter_map(|text| {
+            let needed = self.text_lacks(text)?;
+            Some((text.variable().name(), needed))
+        }))
+    }
+
+    /// What a text needs to be read.
+    fn text_lacks(&self, text: Text) -> Option<&'static str> {
+        match text {
+            Text::RecordHorizontal | Text::RecordVertical => None,
+            // Of a vertical record too, unless that has a unit of its own.
+            Text::RecordHorizontalUnit => {
+                let of_vertical = !self[Text::RecordVertical].is_empty() && self[Text::RecordVerticalUnit].is_empty();
+                (self[Text::RecordHorizontal].is_empty() && !of_vertical).then_some("record.horizontal")
+            }
+            Text::RecordVerticalUnit => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
+        }
+    }
+
+    /// Whether a record acts inside.
+    pub fn has_record(&self) -> bool {
+        !(self[Text::RecordHorizontal].is_empty() && self[Text::RecordVertical].is_empty())
+    }
+
+    /// Whether [`Values::ground`] reads this variable.
+    pub fn is_of_ground(variable: Variable) -> bool {
+        variable == Variable::G || variable.name().starts_with("record.")
+    }
+
+    /// Reads the records that the parameters name; the error is one line, with settings as the variables are called.
+    pub fn ground(&self) -> Result<Ground, String> {
+        let unit = |texts: &[Text]| texts.iter().copied().find(|&text| !self[text].is_empty());
+        let horizontal = RecordSettings {
+            path: Text::RecordHorizontal,
+            unit: unit(&[Text::RecordHorizontalUnit]).unwrap_or(Text::RecordHorizontalUnit),
+            channel: Variable::RecordHorizontalChannel,
+        };
+        let vertical = RecordSettings {
+            path: Text::RecordVertical,
+            unit: unit(&[Text::RecordVerticalUnit, Text::RecordHorizontalUnit]).unwrap_or(Text::RecordVerticalUnit),
+            channel: Variable::RecordVerticalChannel,
+        };
+        let ground = Ground { horizontal: self.record(&horizontal)?, vertical: self.record(&vertical)? };
+        Ok(ground.scaled(self[Variable::RecordScale]).shifted(self[Variable::RecordStart]))
+    }
+
+    fn record(&self, settings: &RecordSettings) -> Result<Option<Record>, String> {
+        let &RecordSettings { path, unit, channel } = settings;
+        if self[path].is_empty() {
+            return Ok(None);
+        }
+        let time_step = self[Variable::RecordDt];
+        let given = (!self[unit].is_empty()).then(|| self[unit].parse());
+        let options = ReadOptions {
+            unit: given.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
+            time_step: (time_step != 0.0).then_some(time_step),
+            gravity: self[Variable::G],
+            channel: (self[channel] != 0.0).then_some(self[channel] as usize),
+            ..ReadOptions::default()
+        };
+        let name = |setting| match setting {
+            Setting::Unit => unit.variable().name().to_string(),
+            Setting::TimeStep => Variable::RecordDt.name().to_string(),
+            Setting::Channel => channel.name().to_string(),
+            Setting::Format => "a format".to_string(),
+            Setting::TimeColumn | Setting::AccelerationColumn => {
+                "a file with one column of accelerations, here one of columns".to_string()
+            }
+        };
+        let read = records::read(Path::new(&self[path]), &options);
+        read.map(Some).map_err(|error| format!("{}: {}", path.variable().name(), error.naming(name)))
     }
 
     /// Those of [`Values::unread`], and those of the supports on a rigid base, where only calculated parameters have them.
@@ -221,24 +331,39 @@ pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
     inputs
 }
 
-/// The value of a calculated parameter.
-pub fn derived(parameter: Derived, block: &Block) -> f64 {
+/// Where the value of a calculated parameter comes from.
+pub enum DerivedSource {
+    /// The block.
+    Block(fn(&Block) -> f64),
+    /// The records.
+    Ground(fn(&Ground) -> f64),
+}
+
+/// Where a calculated parameter comes from.
+pub fn derived(parameter: Derived) -> DerivedSource {
+    use DerivedSource::{Block as OfBlock, Ground as OfGround};
+    fn greatest(record: &Option<Record>) -> f64 {
+        record.as_ref().map_or(0.0, |record| record.peak().acceleration.abs())
+    }
     match parameter {
-        Derived::DerivedAlpha => block.alpha,
-        Derived::DerivedR0 => block.r0,
-        Derived::DerivedI0 => block.inertia(),
-        Derived::DerivedP => block.p,
-        Derived::DerivedOmegaV => block.omega_v,
-        Derived::DerivedK => block.stiffness,
-        Derived::DerivedC => block.damping,
-        Derived::DerivedEta => block.eta(),
-        Derived::DerivedXiV => block.xi_v,
-        Derived::DerivedDeltaS => block.static_deflection(),
-        Derived::DerivedE => block.restitution(),
-        Derived::DerivedEMax => block.max_restitution(),
-        Derived::DerivedThetaSeparation => block.separation_angle(),
-        Derived::DerivedWidth => 2.0 * block.b,
-        Derived::DerivedHeight => 2.0 * block.h,
+        Derived::DerivedAlpha => OfBlock(|block| block.alpha),
+        Derived::DerivedR0 => OfBlock(|block| block.r0),
+        Derived::DerivedI0 => OfBlock(Block::inertia),
+        Derived::DerivedP => OfBlock(|block| block.p),
+        Derived::DerivedOmegaV => OfBlock(|block| block.omega_v),
+        Derived::DerivedK => OfBlock(|block| block.stiffness),
+        Derived::DerivedC => OfBlock(|block| block.damping),
+        Derived::DerivedEta => OfBlock(Block::eta),
+        Derived::DerivedXiV => OfBlock(|block| block.xi_v),
+        Derived::DerivedDeltaS => OfBlock(Block::static_deflection),
+        Derived::DerivedE => OfBlock(Block::restitution),
+        Derived::DerivedEMax => OfBlock(Block::max_restitution),
+        Derived::DerivedThetaSeparation => OfBlock(Block::separation_angle),
+        Derived::DerivedWidth => OfBlock(|block| 2.0 * block.b),
+        Derived::DerivedHeight => OfBlock(|block| 2.0 * block.h),
+        Derived::RecordPGA => OfGround(|ground| greatest(&ground.horizontal)),
+        Derived::RecordPGAVertical => OfGround(|ground| greatest(&ground.vertical)),
+        Derived::RecordEnd => OfGround(|ground| ground.end().unwrap_or(0.0)),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What modelDescription.xml says of each variable, as the build read it.
 
-/// Base type of a variable; an enumeration is read and set as an Integer.
+/// Base type of a variable. What is an enumeration in modelDescription.xml is an Integer in FMI 2.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A real number.
@@ -11,7 +11,7 @@ pub enum Kind {
     Boolean,
     /// An item of an enumeration.
     Enumeration,
-    /// A text; no variable is one.
+    /// A text.
     String,
 }
 
@@ -27,7 +27,12 @@ impl Kind {
 
 impl std::fmt::Display for Kind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{self:?}")
+        f.write_str(match self {
+            Kind::Real => "Real",
+            Kind::Integer | Kind::Enumeration => "Integer",
+            Kind::Boolean => "Boolean",
+            Kind::String => "String",
+        })
     }
 }
 
@@ -60,8 +65,10 @@ impl std::fmt::Display for Causality {
 pub enum Role {
     /// Set from outside at any time.
     Input(Input),
-    /// Set from outside before initialization ends.
+    /// A number, set from outside before initialization ends.
     Parameter(Parameter),
+    /// A text, set from outside before initialization ends.
+    Text(Text),
     /// Follows from parameters.
     Derived(Derived),
     /// Put out.
@@ -108,14 +115,16 @@ pub struct Metadata {
     pub role: Role,
     /// When it changes.
     pub variability: Variability,
+    /// Its unit, if it is Real.
+    pub unit: Option<&'static str>,
     /// Its start value, with 0 and 1 for false and true.
     pub start: Option<f64>,
     /// Its least value.
     pub min: Option<f64>,
     /// Its greatest value.
     pub max: Option<f64>,
-    /// The values that an enumeration has.
-    pub items: &'static [i32],
+    /// The choices of an enumeration: values and names.
+    pub items: &'static [(i32, &'static str)],
 }
 
 impl Metadata {
@@ -129,8 +138,11 @@ impl Metadata {
         let (name, min, max) = (self.name, self.min, self.max);
         let within = min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
         if self.kind == Kind::Enumeration {
-            let known = self.items.iter().any(|&item| f64::from(item) == value);
-            return if known { Ok(()) } else { Err(format!("{name} = {value}; expected one of {:?}", self.items)) };
+            if self.items.iter().any(|&(item, _)| f64::from(item) == value) {
+                return Ok(());
+            }
+            let choices: Vec<String> = self.items.iter().map(|(value, name)| format!("{value} {name}")).collect();
+            return Err(format!("{name} = {value}; expected one of {}", choices.join(", ")));
         }
         if value.is_finite() && within {
             return Ok(());

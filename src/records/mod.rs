@@ -10,6 +10,7 @@ mod cosmos;
 mod csmip;
 mod error;
 mod esm;
+pub mod ground;
 mod peer;
 mod raw;
 mod smc;
@@ -19,6 +20,8 @@ mod time_axis;
 mod unit;
 
 use std::{fmt, fs::File, io::Read, path::Path, str::FromStr};
+
+use serde::{Deserialize, Serialize};
 
 pub use columns::Column;
 pub use error::{RecordError, Setting, UnknownFormat, UnknownUnit};
@@ -30,7 +33,7 @@ use text::Source;
 pub(crate) const LARGEST_FILE: u64 = 512;
 
 /// A ground acceleration that is linear between evenly spaced samples.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Earthquake, station and component as far as the header gives them, otherwise the file's name.
     pub title: String,
@@ -91,6 +94,15 @@ impl Record {
         }
     }
 
+    /// Whether this can be a record: what a file says of itself is not enough.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let Record { start_time, time_step, acceleration, .. } = self;
+        acceleration.len() >= 2
+            && *time_step > 0.0
+            && [start_time, time_step].into_iter().chain(acceleration).all(|x| x.is_finite())
+    }
+
     /// The same record with all accelerations multiplied by `factor`, a pure number.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Record {
@@ -100,7 +112,7 @@ impl Record {
 }
 
 /// Format of an accelerogram file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
     /// PEER AT2, with or without header; values in reading order.
     Peer,

@@ -1,7 +1,7 @@
 //! Accelerogram files, and what a user says of them → ground motions.
 
+use crate::records::ground::Ground;
 use crate::records::{ReadOptions, Record, RecordError, Setting};
-use crate::study::ground::Ground;
 
 /// What a user says of the files of ground motions.
 #[derive(Clone, Debug, Default)]

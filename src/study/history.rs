@@ -3,11 +3,11 @@
 use crate::block::Block;
 use crate::contact::Regime;
 use crate::excitation::{Inputs, Pulse, PulseShape};
+use crate::records::ground::Ground;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError};
 use crate::study::coming_down::{ComingDown, part_of_barrier};
-use crate::study::ground::Ground;
 use crate::study::outcome::{Flights, Outcome};
 use crate::system::surfaces::Event;
 

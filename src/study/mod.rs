@@ -4,7 +4,6 @@ mod chart;
 pub mod coming_down;
 pub mod figures;
 mod formula;
-pub mod ground;
 pub mod ground_files;
 pub mod history;
 pub mod intensity;

@@ -10,8 +10,8 @@ use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterato
 
 use crate::block::{Block, BlockError, Common, Dimensionless};
 use crate::excitation::Pulse;
+use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
-use crate::study::ground::Ground;
 use crate::study::history::Run;
 use crate::study::outcome::End;
 use crate::study::sweep::Levels;

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use crate::excitation::{Pulse, PulseShape};
+use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
-use crate::study::ground::Ground;
 use crate::study::history::Run;
 use crate::study::outcome::Outcome;
 use crate::study::resumable::Head;

@@ -3,8 +3,8 @@
 use crate::excitation::PulseShape;
 use crate::model::values::Values;
 use crate::model::variables::Variable;
+use crate::records::ground::Ground;
 use crate::simulation::OnSeparation;
-use crate::study::ground::Ground;
 use crate::study::history::Run;
 use crate::study::intensity::{pga, pgv, spectral_acceleration};
 use crate::study::outcome::Outcome;

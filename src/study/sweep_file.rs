@@ -56,7 +56,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         }
     }
     let tolerance = study.number("tolerance", |x| x > 0.0, "a number > 0")?;
-    let factors = given.iter().map(|g| Factor { parameter: g.parameter.clone(), levels: g.levels.clone() }).collect();
+    let factors = given.iter().map(|g| Factor { parameter: g.parameter, levels: g.levels.clone() }).collect();
     let sweep = Sweep {
         // What a line says counts, not how it is set.
         text: text

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use toml::de::DeValue;
 
+use crate::records::ground::Ground;
 use crate::records::{self, Column, ReadOptions, Record, Setting};
-use crate::study::ground::Ground;
 use crate::study::ground_files::{Name, Said};
 use crate::study::study_file::{Section, Source, StudyFileError};
 use crate::study::sweep::Motion;

@@ -58,16 +58,12 @@ fn unknown_value_references() {
     }
 }
 
-/// An enumeration is read and set by the Integer functions (standard, 2.2.7); every other mixture is refused.
+/// Every mixture is refused.
 #[test]
 fn wrong_types() {
     let [_, _, instance] = settable();
     for variable in &FMU.description.variables {
-        let (name, reference) = (variable.name.as_str(), &variable.reference);
-        let kind = match variable.kind.as_str() {
-            "Enumeration" => "Integer",
-            kind => kind,
-        };
+        let (name, reference, kind) = (variable.name.as_str(), &variable.reference, variable.kind.as_str());
         let gets = [
             ("Real", call!(instance, get_real, reference, 1, &mut 0.0)),
             ("Integer", call!(instance, get_integer, reference, 1, &mut 0)),
@@ -148,8 +144,12 @@ fn what_cannot_be_set() {
                 _ => continue,
             };
             // Even the value that it has.
-            let value = if variable.causality == "parameter" { instance.get(name) } else { 0.0 };
-            instance.refuses(instance.try_set(name, value), words);
+            let status = match (variable.kind.as_str(), variable.causality.as_str()) {
+                ("String", _) => instance.try_set_text(name, &instance.text(name)),
+                (_, "parameter") => instance.try_set(name, instance.get(name)),
+                _ => instance.try_set(name, 0.0),
+            };
+            instance.refuses(status, words);
         }
     }
 }

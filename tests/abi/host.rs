@@ -167,6 +167,27 @@ impl Instance {
         }
     }
 
+    /// Sets a text.
+    pub fn try_set_text(&self, name: &str, text: &str) -> Status {
+        let text = CString::new(text).unwrap();
+        call!(self, set_string, &reference(name), 1, &text.as_ptr())
+    }
+
+    /// Sets a text and expects no trouble.
+    #[track_caller]
+    pub fn set_text(&self, name: &str, text: &str) {
+        assert_eq!(self.try_set_text(name, text), OK, "{name} = {text}: {:?}", self.messages());
+    }
+
+    /// Reads a text and expects no trouble.
+    #[track_caller]
+    pub fn text(&self, name: &str) -> String {
+        let mut text = null();
+        assert_eq!(call!(self, get_string, &reference(name), 1, &mut text), OK, "{:?}", self.messages());
+        // SAFETY: a text that ends with 0 and lasts until the next call (standard, 2.1.7).
+        unsafe { CStr::from_ptr(text) }.to_str().expect("texts are UTF-8").to_string()
+    }
+
     /// Sets a variable of any type and expects no trouble.
     #[track_caller]
     pub fn set(&self, name: &str, value: f64) {
@@ -180,7 +201,7 @@ impl Instance {
         assert_eq!(status, OK, "{:?}", self.messages());
     }
 
-    /// Reads a variable of any type.
+    /// Reads a variable of any type but a text.
     pub fn try_get(&self, name: &str) -> Result<f64, Status> {
         let variable = FMU.description.variable(name);
         let (mut real, mut integer) = (f64::NAN, c_int::MIN);
@@ -199,10 +220,11 @@ impl Instance {
         self.try_get(name).unwrap_or_else(|status| panic!("{name}: {status}, {:?}", self.messages()))
     }
 
-    /// The bits of all variables.
+    /// The bits of all variables but texts.
     #[track_caller]
     pub fn bits(&self) -> Vec<u64> {
-        FMU.description.variables.iter().map(|variable| self.get(&variable.name).to_bits()).collect()
+        let numbers = FMU.description.variables.iter().filter(|variable| variable.kind != "String");
+        numbers.map(|variable| self.get(&variable.name).to_bits()).collect()
     }
 
     /// The bits of all outputs.

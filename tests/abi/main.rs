@@ -20,6 +20,7 @@ mod functions;
 mod host;
 mod life_cycle;
 mod logging;
+mod records;
 mod reference;
 mod rigid_base;
 #[path = "../common/skipped.rs"]

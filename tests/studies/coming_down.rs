@@ -3,9 +3,9 @@
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::contact::Regime;
 use rocking_block::excitation::{Forcing, Pulse, PulseShape};
+use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
 use rocking_block::study::coming_down::overturning_barrier;
-use rocking_block::study::ground::Ground;
 use rocking_block::study::history::Run;
 use rocking_block::study::outcome::{End, Flights};
 use rocking_block::study::sampling::LatinHypercube;

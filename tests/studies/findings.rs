@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use rocking_block::excitation::Pulse;
+use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, Settings};
 use rocking_block::study::figures::parameters::{self, ETA, block};
 use rocking_block::study::figures::plane::{BOUNDS, Point};
@@ -11,7 +12,6 @@ use rocking_block::study::figures::sources::{self, Source};
 use rocking_block::study::figures::{
     Comparison, comparisons, history_run, least_damping, panels, tower_bases, tower_run, tower_sources,
 };
-use rocking_block::study::ground::Ground;
 use rocking_block::study::history::{History, Run};
 use rocking_block::study::outcome::End;
 use rocking_block::study::runner::Study;

@@ -2,8 +2,8 @@
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
-use rocking_block::study::ground::Ground;
 use rocking_block::study::history::Run;
 use rocking_block::study::outcome::End;
 use rocking_block::study::search::{Scan, Shaking, damping_against_separation, overturning};

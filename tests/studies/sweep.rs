@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::Pulse;
+use rocking_block::records::ground::Ground;
 use rocking_block::records::{ReadOptions, Unit, read};
 use rocking_block::simulation::{Initial, Settings};
-use rocking_block::study::ground::Ground;
 use rocking_block::study::history::Run;
 use rocking_block::study::intensity::spectral_acceleration;
 

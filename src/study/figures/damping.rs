@@ -2,13 +2,13 @@
 
 use crate::block::BlockError;
 use crate::excitation::Pulse;
+use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
 use crate::study::chart::{Chart, Curve};
 use crate::study::figures::page::page;
 use crate::study::figures::parameters::{DAMPING_ALPHA, Detail, EPSILON, ETA, GREATEST_XI_V, P, RATE, block};
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
-use crate::study::ground::Ground;
 use crate::study::history::Run;
 use crate::study::look::Look;
 use crate::study::outcome::End;

@@ -1,6 +1,7 @@
 //! Figures 6 to 8: histories of rotation, its rate and energy under a one-sine pulse.
 
 use crate::block::BlockError;
+use crate::records::ground::Ground;
 use crate::simulation::{Ending, Initial, Settings};
 use crate::study::chart::{Chart, Curve, Sample, range};
 use crate::study::figures::page::page;
@@ -9,7 +10,6 @@ use crate::study::figures::parameters::{
 };
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
-use crate::study::ground::Ground;
 use crate::study::history::{History, Row, Run};
 use crate::study::look::Look;
 use crate::study::plot::short;

@@ -9,11 +9,11 @@ use std::ops::Range;
 
 use crate::block::{BlockError, Common};
 use crate::excitation::{Pulse, PulseShape};
+use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
 use crate::study::chart::{Cell, Chart, Sample, TEXT, drawing, keys, keys_height, text};
 use crate::study::figures::parameters::{ALPHA, EPSILON, ETA, P, XI_V, block, history_pulse};
 use crate::study::formula::formula;
-use crate::study::ground::Ground;
 use crate::study::history::Run;
 use crate::study::outcome::{End, Outcome};
 use crate::study::picture::PictureError;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::block::Common;
 use crate::excitation::{Pulse, PulseShape};
+use crate::records::ground::Ground;
 use crate::records::{self, ReadOptions, Record, RecordError, Unit};
-use crate::study::ground::Ground;
 
 /// A row of Table I, and the files that hold its records.
 pub struct Row {

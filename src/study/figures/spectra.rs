@@ -2,6 +2,7 @@
 
 use crate::block::Common;
 use crate::excitation::Pulse;
+use crate::records::ground::Ground;
 use crate::simulation::Settings;
 use crate::study::chart::{Sample, TEXT, lanes_height, text};
 use crate::study::figures::page::page;
@@ -13,7 +14,6 @@ use crate::study::figures::sources::Source;
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::formula::formula;
-use crate::study::ground::Ground;
 use crate::study::look::Look;
 use crate::study::outcome::End;
 use crate::study::picture::PictureError;

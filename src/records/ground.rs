@@ -1,10 +1,12 @@
 //! Records → inputs that are linear in time between their samples.
 
+use serde::{Deserialize, Serialize};
+
 use crate::excitation::{Inputs, Ramp};
 use crate::records::Record;
 
 /// Ground motion: records, linear between samples and zero outside, each with a time step of its own.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
     /// Horizontal ground acceleration, positive to the right.
     pub horizontal: Option<Record>,
@@ -15,6 +17,11 @@ pub struct Ground {
 impl Ground {
     fn records(&self) -> impl Iterator<Item = &Record> {
         self.horizontal.iter().chain(&self.vertical)
+    }
+
+    /// Whether there is no record.
+    pub fn is_empty(&self) -> bool {
+        self.records().next().is_none()
     }
 
     /// Time of the first sample (s); 0 without a record.
@@ -38,10 +45,34 @@ impl Ground {
         Ground { horizontal: scaled(self.horizontal), vertical: scaled(self.vertical) }
     }
 
+    /// Both records with the zero of their time axes at this time (s).
+    pub fn shifted(self, time: f64) -> Ground {
+        let shifted =
+            |record: Option<Record>| record.map(|record| Record { start_time: record.start_time + time, ..record });
+        Ground { horizontal: shifted(self.horizontal), vertical: shifted(self.vertical) }
+    }
+
+    /// Whether these can be records.
+    pub fn is_valid(&self) -> bool {
+        self.records().all(Record::is_valid)
+    }
+
     /// Both records in a line, see [`fingerprint`].
     pub fn fingerprint(&self) -> String {
         let of = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);
         format!("horizontal {}; vertical {}", of(&self.horizontal), of(&self.vertical))
+    }
+
+    /// The piece that acts at `time` (s), between two samples of any record: its inputs, with their reference at its beginning, and
+    /// its end (s).
+    pub fn piece_at(&self, time: f64) -> (Inputs, f64) {
+        let last = |record: &Record| match record.sample_at(time) {
+            Some(i) if i + 1 < record.acceleration.len() => record.sample_time(i),
+            Some(_) => record.start_time + record.duration(),
+            None => f64::NEG_INFINITY,
+        };
+        let beginning = self.records().map(last).reduce(f64::max).filter(|beginning| beginning.is_finite());
+        self.inputs_from(beginning.unwrap_or(time))
     }
 
     /// Inputs from `time` on, and the time until which they hold: the next sample of any record (s).
@@ -71,24 +102,35 @@ pub fn fingerprint(record: &Record) -> String {
 
 /// The straight line on which a record is from `time` on, and the time of its end.
 fn ramp_from(record: &Record, time: f64) -> (Ramp, f64) {
-    let sample_time = |i: usize| record.start_time + i as f64 * record.time_step;
-    if time < record.start_time {
-        return (Ramp::default(), record.start_time);
-    }
-    // The sample at or before `time`: a division may be off by one either way.
-    let mut i = ((time - record.start_time) / record.time_step) as usize;
-    while i > 0 && sample_time(i) > time {
-        i -= 1;
-    }
-    while sample_time(i + 1) <= time {
-        i += 1;
-    }
+    let Some(i) = record.sample_at(time) else { return (Ramp::default(), record.start_time) };
     match (record.acceleration.get(i), record.acceleration.get(i + 1)) {
         (Some(a), Some(b)) => {
             let rate = (b - a) / record.time_step;
-            (Ramp { value: a + rate * (time - sample_time(i)), rate }, sample_time(i + 1))
+            (Ramp { value: a + rate * (time - record.sample_time(i)), rate }, record.sample_time(i + 1))
         }
         _ => (Ramp::default(), f64::INFINITY),
+    }
+}
+
+impl Record {
+    fn sample_time(&self, i: usize) -> f64 {
+        self.start_time + i as f64 * self.time_step
+    }
+
+    /// The sample at or before `time`, as if samples went on after the last one; none before the first.
+    fn sample_at(&self, time: f64) -> Option<usize> {
+        if time < self.start_time {
+            return None;
+        }
+        // A division may be off by one either way.
+        let mut i = ((time - self.start_time) / self.time_step) as usize;
+        while i > 0 && self.sample_time(i) > time {
+            i -= 1;
+        }
+        while self.sample_time(i + 1) <= time {
+            i += 1;
+        }
+        Some(i)
     }
 }
 
