@@ -67,8 +67,10 @@ pub fn read(text: &str) -> Result<Description, String> {
     let text = without_enumerations(text, root, &variables)?;
     let guid = format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()));
     let packed = text.replacen(attribute(root, "guid")?, &guid, 1);
-    if attribute(child(root, "CoSimulation")?, "modelIdentifier")? != "rocking_block" {
-        return Err("the modelIdentifier is the library's name, rocking_block".into());
+    for interface in ["ModelExchange", "CoSimulation"] {
+        if attribute(child(root, interface)?, "modelIdentifier")? != "rocking_block" {
+            return Err(format!("the modelIdentifier of {interface} is the library's name, rocking_block"));
+        }
     }
     Ok(Description { guid, variables, packed })
 }
@@ -195,7 +197,7 @@ fn items(declaration: Node) -> Result<Vec<Item>, String> {
         .collect()
 }
 
-/// Every output stands in ModelStructure, once and in order, and depends on inputs only.
+/// Every output stands in ModelStructure, once and in order, and depends on inputs and states only.
 fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     let structure = child(root, "ModelStructure")?;
     let indices = |list: &str| -> Result<Vec<usize>, String> {
@@ -210,11 +212,16 @@ fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     if indices("InitialUnknowns")? != of(&["CalculatedParameter", "Output"]) {
         return Err("ModelStructure/InitialUnknowns should list every calculated parameter and output in order".into());
     }
-    let inputs = of(&["Input"]);
-    for unknown in child(structure, "Outputs")?.children().filter(Node::is_element) {
-        for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
-            if !inputs.iter().any(|input| input.to_string() == dependency) {
-                return Err(format!("output {} depends on {dependency}, which is no input", index(unknown, "index")?));
+    let declared = child(root, "ModelVariables")?.descendants();
+    let states = declared.filter_map(|node| node.attribute("derivative")).map(str::to_string);
+    let knowns: Vec<String> = of(&["Input"]).iter().map(usize::to_string).chain(states).collect();
+    for unknown in ["Outputs", "Derivatives"].map(|list| child(structure, list)).into_iter().flatten() {
+        for unknown in unknown.children().filter(Node::is_element) {
+            for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
+                if !knowns.iter().any(|known| known == dependency) {
+                    let index = index(unknown, "index")?;
+                    return Err(format!("unknown {index} depends on {dependency}, which is no input and no state"));
+                }
             }
         }
     }

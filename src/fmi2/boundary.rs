@@ -35,11 +35,11 @@ use crate::fmi2::calls::Call;
 use crate::fmi2::instance::{Answer, Instance};
 use crate::fmi2::log::Log;
 use crate::fmi2::types::{
-    FMI2_CO_SIMULATION, FMI2_FALSE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate,
-    fmi2Status, fmi2String, fmi2Type,
+    FMI2_CO_SIMULATION, FMI2_FALSE, FMI2_MODEL_EXCHANGE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component,
+    fmi2FMUstate, fmi2Status, fmi2String, fmi2Type,
 };
 use crate::model::fault::Fault;
-use crate::model::unit::Unit;
+use crate::model::unit::{Interface, Unit};
 use crate::model::variables::GUID;
 
 /// What the importer's `fmi2Component` points to.
@@ -144,7 +144,9 @@ pub unsafe fn instantiate(
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
         let log = Log::new(messenger, CString::from(shown), is_true(logging));
         match fit(name, kind, guid) {
-            Ok(()) => Some(Box::new(Outer { busy: AtomicBool::new(false), instance: Instance::new(log) })),
+            Ok(interface) => {
+                Some(Box::new(Outer { busy: AtomicBool::new(false), instance: Instance::new(log, interface) }))
+            }
             Err(reason) => {
                 log.status(Status::Error, &format!("fmi2Instantiate: {reason}"));
                 None
@@ -157,15 +159,21 @@ pub unsafe fn instantiate(
     }
 }
 
-fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<(), String> {
+fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Interface, String> {
     if name.is_none_or(CStr::is_empty) {
         return Err("instanceName is missing; expected a name".into());
     }
-    if kind != FMI2_CO_SIMULATION {
-        return Err(format!("fmuType = {kind}; expected {FMI2_CO_SIMULATION}, fmi2CoSimulation"));
-    }
+    let interface = match kind {
+        FMI2_MODEL_EXCHANGE => Interface::ModelExchange,
+        FMI2_CO_SIMULATION => Interface::CoSimulation,
+        _ => {
+            return Err(format!(
+                "fmuType = {kind}; expected {FMI2_MODEL_EXCHANGE}, fmi2ModelExchange, or {FMI2_CO_SIMULATION}, fmi2CoSimulation"
+            ));
+        }
+    };
     match guid.map(CStr::to_string_lossy) {
-        Some(guid) if guid == GUID => Ok(()),
+        Some(guid) if guid == GUID => Ok(interface),
         Some(guid) => Err(format!("fmuGUID = {guid:?}; expected {GUID:?}")),
         None => Err(format!("fmuGUID is missing; expected {GUID:?}")),
     }
@@ -415,7 +423,7 @@ mod tests {
     };
 
     fn instance(callbacks: fmi2CallbackFunctions) -> Instance {
-        Instance::new(Log::new(Messenger(callbacks), c"block".into(), false))
+        Instance::new(Log::new(Messenger(callbacks), c"block".into(), false), Interface::CoSimulation)
     }
 
     #[test]

@@ -1,20 +1,25 @@
-//! Which call is legal in which state: the table of 4.2.4 of the standard (2.0.4), in one place.
+//! Which call is legal in which state: the tables of 3.2.3 and 4.2.4 of the standard (2.0.4), in one place.
 
 use crate::model::life_cycle::Phase;
+use crate::model::unit::Interface;
 
 const INSTANTIATED: u16 = Phase::Instantiated.bit();
 const INITIALIZATION: u16 = Phase::InitializationMode.bit();
 const COMPLETE: u16 = Phase::StepComplete.bit();
 const FAILED: u16 = Phase::StepFailed.bit();
+const EVENT: u16 = Phase::EventMode.bit();
+const CONTINUOUS: u16 = Phase::ContinuousTimeMode.bit();
 const TERMINATED: u16 = Phase::Terminated.bit();
 const ERROR: u16 = Phase::Error.bit();
 const NEVER: u16 = 0;
 
-const AFTER_INSTANTIATION: u16 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
-const READABLE: u16 = INITIALIZATION | COMPLETE | FAILED | TERMINATED | ERROR;
-const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | COMPLETE;
+const READABLE: u16 = INITIALIZATION | COMPLETE | FAILED | EVENT | CONTINUOUS | TERMINATED | ERROR;
+const AFTER_INSTANTIATION: u16 = INSTANTIATED | READABLE;
+const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | COMPLETE | EVENT | CONTINUOUS;
+const SETTABLE_RATES: u16 = INSTANTIATED | INITIALIZATION | COMPLETE;
 const STEPPED: u16 = COMPLETE | FAILED | TERMINATED | ERROR;
 const STATUS: u16 = COMPLETE | FAILED | TERMINATED;
+const EXCHANGED: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR;
 
 macro_rules! calls {
     ($($call:ident $name:literal $phases:expr;)*) => {
@@ -47,7 +52,7 @@ calls! {
     SetupExperiment "fmi2SetupExperiment" INSTANTIATED;
     EnterInitializationMode "fmi2EnterInitializationMode" INSTANTIATED;
     ExitInitializationMode "fmi2ExitInitializationMode" INITIALIZATION;
-    Terminate "fmi2Terminate" COMPLETE | FAILED;
+    Terminate "fmi2Terminate" COMPLETE | FAILED | EVENT | CONTINUOUS;
     Reset "fmi2Reset" AFTER_INSTANTIATION;
     GetReal "fmi2GetReal" READABLE;
     GetInteger "fmi2GetInteger" READABLE;
@@ -64,7 +69,7 @@ calls! {
     SerializeFmuState "fmi2SerializeFMUstate" AFTER_INSTANTIATION;
     DeSerializeFmuState "fmi2DeSerializeFMUstate" AFTER_INSTANTIATION;
     GetDirectionalDerivative "fmi2GetDirectionalDerivative" READABLE;
-    SetRealInputDerivatives "fmi2SetRealInputDerivatives" SETTABLE;
+    SetRealInputDerivatives "fmi2SetRealInputDerivatives" SETTABLE_RATES;
     GetRealOutputDerivatives "fmi2GetRealOutputDerivatives" STEPPED;
     DoStep "fmi2DoStep" COMPLETE;
     CancelStep "fmi2CancelStep" NEVER;
@@ -73,33 +78,93 @@ calls! {
     GetIntegerStatus "fmi2GetIntegerStatus" STATUS;
     GetBooleanStatus "fmi2GetBooleanStatus" STATUS;
     GetStringStatus "fmi2GetStringStatus" STATUS;
-    EnterEventMode "fmi2EnterEventMode" NEVER;
-    NewDiscreteStates "fmi2NewDiscreteStates" NEVER;
-    EnterContinuousTimeMode "fmi2EnterContinuousTimeMode" NEVER;
-    CompletedIntegratorStep "fmi2CompletedIntegratorStep" NEVER;
-    SetTime "fmi2SetTime" NEVER;
-    SetContinuousStates "fmi2SetContinuousStates" NEVER;
-    GetDerivatives "fmi2GetDerivatives" NEVER;
-    GetEventIndicators "fmi2GetEventIndicators" NEVER;
-    GetContinuousStates "fmi2GetContinuousStates" NEVER;
-    GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates" NEVER;
+    EnterEventMode "fmi2EnterEventMode" CONTINUOUS;
+    NewDiscreteStates "fmi2NewDiscreteStates" EVENT;
+    EnterContinuousTimeMode "fmi2EnterContinuousTimeMode" EVENT;
+    CompletedIntegratorStep "fmi2CompletedIntegratorStep" CONTINUOUS;
+    SetTime "fmi2SetTime" EVENT | CONTINUOUS;
+    SetContinuousStates "fmi2SetContinuousStates" CONTINUOUS;
+    GetDerivatives "fmi2GetDerivatives" EXCHANGED;
+    GetEventIndicators "fmi2GetEventIndicators" EXCHANGED;
+    GetContinuousStates "fmi2GetContinuousStates" EXCHANGED;
+    GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates" EXCHANGED;
 }
+
+/// Phases of an instance for Co-Simulation alone, and of one for Model Exchange.
+const OF_CO_SIMULATION: u16 = COMPLETE | FAILED;
+const OF_MODEL_EXCHANGE: u16 = EVENT | CONTINUOUS;
 
 impl Call {
     /// Whether the state allows the call; if not, a sentence that says what would.
-    pub fn admitted_in(self, phase: Phase) -> Result<(), String> {
+    pub fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String> {
         let phases = self.phases();
-        if phases & phase.bit() != 0 {
+        if phases & phase.bit() != 0 && self.interface().is_none_or(|needed| needed == interface) {
             return Ok(());
         }
-        Err(match (phases, self) {
-            (NEVER, Call::CancelStep) => "no step is ever in progress, steps are synchronous".into(),
-            (NEVER, _) => "this belongs to Model Exchange; this FMU offers Co-Simulation only".into(),
+        Err(match (phases, self.interface()) {
+            (NEVER, _) => "no step is ever in progress, steps are synchronous".into(),
+            (_, Some(Interface::ModelExchange)) if interface == Interface::CoSimulation => {
+                "this belongs to Model Exchange; the instance is one for Co-Simulation".into()
+            }
+            (_, Some(Interface::CoSimulation)) if interface == Interface::ModelExchange => {
+                "this belongs to Co-Simulation; the instance is one for Model Exchange".into()
+            }
             _ => {
-                let allowed: Vec<&str> = Phase::ALL.into_iter().filter(|p| phases & p.bit() != 0).map(name).collect();
+                let others = match interface {
+                    Interface::CoSimulation => OF_MODEL_EXCHANGE,
+                    Interface::ModelExchange => OF_CO_SIMULATION,
+                };
+                let allowed = Phase::ALL.into_iter().filter(|phase| phases & !others & phase.bit() != 0);
+                let allowed: Vec<&str> = allowed.map(name).collect();
                 format!("not allowed in state {}; it is in {}", name(phase), allowed.join(", "))
             }
         })
+    }
+
+    /// The interface to which the call belongs, if it is not of both.
+    fn interface(self) -> Option<Interface> {
+        match self {
+            Call::DoStep
+            | Call::SetRealInputDerivatives
+            | Call::GetRealOutputDerivatives
+            | Call::GetStatus
+            | Call::GetRealStatus
+            | Call::GetIntegerStatus
+            | Call::GetBooleanStatus
+            | Call::GetStringStatus => Some(Interface::CoSimulation),
+            Call::EnterEventMode
+            | Call::NewDiscreteStates
+            | Call::EnterContinuousTimeMode
+            | Call::CompletedIntegratorStep
+            | Call::SetTime
+            | Call::SetContinuousStates
+            | Call::GetDerivatives
+            | Call::GetEventIndicators
+            | Call::GetContinuousStates
+            | Call::GetNominalsOfContinuousStates => Some(Interface::ModelExchange),
+            Call::SetDebugLogging
+            | Call::SetupExperiment
+            | Call::EnterInitializationMode
+            | Call::ExitInitializationMode
+            | Call::Terminate
+            | Call::Reset
+            | Call::GetReal
+            | Call::GetInteger
+            | Call::GetBoolean
+            | Call::GetString
+            | Call::SetReal
+            | Call::SetInteger
+            | Call::SetBoolean
+            | Call::SetString
+            | Call::GetFmuState
+            | Call::SetFmuState
+            | Call::FreeFmuState
+            | Call::SerializedFmuStateSize
+            | Call::SerializeFmuState
+            | Call::DeSerializeFmuState
+            | Call::GetDirectionalDerivative
+            | Call::CancelStep => None,
+        }
     }
 }
 
@@ -110,6 +175,8 @@ fn name(phase: Phase) -> &'static str {
         Phase::InitializationMode => "initializationMode",
         Phase::StepComplete => "stepComplete",
         Phase::StepFailed => "stepFailed",
+        Phase::EventMode => "eventMode",
+        Phase::ContinuousTimeMode => "continuousTimeMode",
         Phase::Terminated => "terminated",
         Phase::Error => "error",
         Phase::Fatal => "fatal",

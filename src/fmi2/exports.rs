@@ -16,6 +16,7 @@ use crate::fmi2::instance::{Instance, write};
 use crate::fmi2::types::*;
 use crate::model::fault::Fault;
 use crate::model::snapshot;
+use crate::model::unit::Unit;
 use crate::model::variables::Kind;
 
 /// The platform of the types: "default".
@@ -523,29 +524,107 @@ fn refused(_: &mut Instance) -> Result<Status, Fault> {
     Err(Fault::new("not offered"))
 }
 
-macro_rules! model_exchange {
-    ($($name:ident $call:ident ($($argument:ident: $type:ty),*);)*) => {$(
-        /// Model Exchange: refused with a message.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(component: fmi2Component, $($argument: $type),*) -> fmi2Status {
-            // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); no other
-            // pointer is used.
-            unsafe { call(component, Call::$call, refused) }
+/// Model Exchange: an event is due.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::EnterEventMode, Instance::enter_event_mode) }
+}
+
+/// Model Exchange: what an event makes of the block.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, event_info: *mut fmi2EventInfo) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `event_info` is a place for the
+    // information, which is only written (standard, 3.2.2).
+    unsafe {
+        call(component, Call::NewDiscreteStates, |instance| {
+            let place = place("fmi2EventInfo", event_info)?;
+            let after = instance.new_discrete_states()?;
+            place.put(fmi2EventInfo {
+                new_discrete_states_needed: FMI2_FALSE,
+                terminate_simulation: after.ended.into(),
+                nominals_of_continuous_states_changed: FMI2_FALSE,
+                values_of_continuous_states_changed: after.states_changed.into(),
+                next_event_time_defined: after.next_time.is_some().into(),
+                next_event_time: after.next_time.unwrap_or(0.0),
+            });
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// Model Exchange: the motion goes on.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::EnterContinuousTimeMode, Instance::enter_continuous_time_mode) }
+}
+
+/// Model Exchange: a step of the importer's solver was accepted.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
+    component: fmi2Component,
+    _no_set_state_prior: fmi2Boolean,
+    enter_event_mode: *mut fmi2Boolean,
+    terminate: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); the others are places for answers, which
+    // are only written (standard, 3.2.2).
+    unsafe {
+        call(component, Call::CompletedIntegratorStep, |instance| {
+            let enter_event_mode = place("enterEventMode", enter_event_mode)?;
+            let terminate = place("terminateSimulation", terminate)?;
+            let answer = instance.completed_integrator_step();
+            enter_event_mode.put(FMI2_FALSE);
+            terminate.put(FMI2_FALSE);
+            answer
+        })
+    }
+}
+
+/// Model Exchange: the importer's clock.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::SetTime, |instance| instance.set_time(time)) }
+}
+
+/// Model Exchange: the continuous states.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetContinuousStates(
+    component: fmi2Component,
+    states: *const fmi2Real,
+    count: size_t,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count` states (standard, 3.2.1).
+    unsafe {
+        call(component, Call::SetContinuousStates, |instance| instance.set_continuous_states(read("x", states, count)?))
+    }
+}
+
+macro_rules! exchanged {
+    ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(component: fmi2Component, values: *mut fmi2Real, count: size_t) -> fmi2Status {
+            // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is room for `count` values,
+            // which is only written (standard, 3.2.1).
+            unsafe {
+                call(component, Call::$call, |instance| {
+                    instance.get_all($of, room($array, values, count)?.places())
+                })
+            }
         }
     )*};
 }
 
-model_exchange! {
-    fmi2EnterEventMode EnterEventMode ();
-    fmi2NewDiscreteStates NewDiscreteStates (_event_info: *mut fmi2EventInfo);
-    fmi2EnterContinuousTimeMode EnterContinuousTimeMode ();
-    fmi2CompletedIntegratorStep CompletedIntegratorStep (
-        _no_set_state_prior: fmi2Boolean, _enter_event_mode: *mut fmi2Boolean, _terminate: *mut fmi2Boolean
-    );
-    fmi2SetTime SetTime (_time: fmi2Real);
-    fmi2SetContinuousStates SetContinuousStates (_states: *const fmi2Real, _count: size_t);
-    fmi2GetDerivatives GetDerivatives (_derivatives: *mut fmi2Real, _count: size_t);
-    fmi2GetEventIndicators GetEventIndicators (_indicators: *mut fmi2Real, _count: size_t);
-    fmi2GetContinuousStates GetContinuousStates (_states: *mut fmi2Real, _count: size_t);
-    fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates (_nominals: *mut fmi2Real, _count: size_t);
+exchanged! {
+    /// Model Exchange: derivatives of the continuous states.
+    fmi2GetDerivatives GetDerivatives "derivatives" Unit::derivatives;
+    /// Model Exchange: event indicators.
+    fmi2GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
+    /// Model Exchange: the continuous states.
+    fmi2GetContinuousStates GetContinuousStates "x" Unit::states;
+    /// Model Exchange: sizes that the continuous states typically have.
+    fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates "x_nominal" Unit::nominals;
 }

@@ -8,7 +8,8 @@ use crate::fmi2::log::{Category, Log};
 use crate::fmi2::types::{Status, StatusKind};
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
-use crate::model::unit::Unit;
+use crate::model::unit::exchange::{AfterEvent, counted};
+use crate::model::unit::{Interface, Unit};
 use crate::model::variables::Kind;
 use crate::simulation::Progress;
 
@@ -28,13 +29,13 @@ pub struct Instance {
 
 impl Instance {
     /// A new instance, all values at their starts.
-    pub fn new(log: Log) -> Instance {
-        Instance { log, unit: Unit::default(), texts: Vec::new() }
+    pub fn new(log: Log, interface: Interface) -> Instance {
+        Instance { log, unit: Unit::new(interface), texts: Vec::new() }
     }
 
     /// Refuses a call that the present state does not allow.
     pub fn admit(&self, call: Call) -> Result<(), Fault> {
-        call.admitted_in(self.unit.phase()).map_err(Fault)
+        call.admitted_in(self.unit.phase(), self.unit.interface()).map_err(Fault)
     }
 
     /// Whether a panic was caught in an earlier call.
@@ -96,7 +97,7 @@ impl Instance {
 
     /// `fmi2Reset`: as after instantiation.
     pub fn reset(&mut self) -> Answer {
-        self.unit = Unit::default();
+        self.unit = Unit::new(self.unit.interface());
         Ok(Status::Ok)
     }
 
@@ -113,7 +114,7 @@ impl Instance {
             Progress::Ended(ending, at) => {
                 log.tell(
                     Status::Discard,
-                    Category::Warning,
+                    Category::Discard,
                     format_args!("{ending} at t = {at:?} s ends the run; the outputs are those of that time"),
                 );
                 Ok(Status::Discard)
@@ -214,8 +215,62 @@ impl Instance {
         write(self.unit.directional_derivative(unknowns, knowns, direction)?, sensitivities)
     }
 
+    /// `fmi2EnterEventMode`.
+    pub fn enter_event_mode(&mut self) -> Answer {
+        self.unit.enter_event_mode();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2NewDiscreteStates`: one call does it all.
+    pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
+        let log = &self.log;
+        let after = self.unit.pass_events(&mut |event| {
+            log.tell(Status::Ok, Category::Events, format_args!("{event}"));
+        })?;
+        Ok(after)
+    }
+
+    /// `fmi2EnterContinuousTimeMode`.
+    pub fn enter_continuous_time_mode(&mut self) -> Answer {
+        self.unit.enter_continuous_time_mode();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2CompletedIntegratorStep`: no event follows from it.
+    pub fn completed_integrator_step(&mut self) -> Answer {
+        self.unit.complete_step();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2SetTime`.
+    pub fn set_time(&mut self, time: f64) -> Answer {
+        self.unit.set_time(time)?;
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2SetContinuousStates`.
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Answer {
+        self.unit.set_states(states)?;
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2GetContinuousStates`, `fmi2GetDerivatives`, `fmi2GetEventIndicators` and
+    /// `fmi2GetNominalsOfContinuousStates`: what `of` gives, all of it.
+    pub fn get_all<const N: usize>(
+        &mut self,
+        of: impl FnOnce(&mut Unit) -> Result<[f64; N], Fault>,
+        values: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        counted(values.len(), N, "numbers")?;
+        write(of(&mut self.unit)?.into_iter().map(Ok), values)
+    }
+
     /// `fmi2SetFMUstate`: from here on as when the state was saved.
     pub fn restore(&mut self, saved: &Unit) -> Answer {
+        let (found, expected) = (saved.interface(), self.unit.interface());
+        if found != expected {
+            return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
+        }
         self.unit.clone_from(saved);
         Ok(Status::Ok)
     }

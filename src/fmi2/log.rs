@@ -11,6 +11,8 @@ use crate::fmi2::types::Status;
 pub enum Category {
     /// Something is to be looked at.
     Warning,
+    /// A step was discarded.
+    Discard,
     /// A call was refused or failed.
     Error,
     /// The instance is unusable.
@@ -23,13 +25,14 @@ pub enum Category {
 
 impl Category {
     /// All of them.
-    pub const ALL: [Category; 5] =
-        [Category::Warning, Category::Error, Category::Fatal, Category::Events, Category::Steps];
+    pub const ALL: [Category; 6] =
+        [Category::Warning, Category::Discard, Category::Error, Category::Fatal, Category::Events, Category::Steps];
 
     /// Its name.
     pub fn name(self) -> &'static CStr {
         match self {
             Category::Warning => c"logStatusWarning",
+            Category::Discard => c"logStatusDiscard",
             Category::Error => c"logStatusError",
             Category::Fatal => c"logStatusFatal",
             Category::Events => c"logEvents",
@@ -39,7 +42,8 @@ impl Category {
 
     fn of_status(status: Status) -> Category {
         match status {
-            Status::Ok | Status::Warning | Status::Discard => Category::Warning,
+            Status::Ok | Status::Warning => Category::Warning,
+            Status::Discard => Category::Discard,
             Status::Error => Category::Error,
             Status::Fatal => Category::Fatal,
         }
@@ -55,7 +59,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// A log through the importer's logger. Warnings and errors are logged in any case, events and steps if `logging`.
+    /// A log through the importer's logger. Warnings and errors are logged in any case, the rest if `logging`.
     pub fn new(messenger: Messenger, instance: CString, logging: bool) -> Log {
         let mut log = Log { messenger, instance, wanted: [true; Category::ALL.len()] };
         log.choose(logging, None);
@@ -63,12 +67,13 @@ impl Log {
     }
 
     /// Which categories are logged from now on: with `logging` those listed, or all if none is; without it only warnings
-    /// and errors.
+    /// and errors, of which the importer has to know.
     pub fn choose(&mut self, logging: bool, listed: Option<&[Category]>) {
         self.wanted = Category::ALL.map(|category| match (logging, listed) {
             (true, None) => true,
             (true, Some(listed)) => listed.contains(&category),
-            (false, _) => !matches!(category, Category::Events | Category::Steps),
+            // The standard (2.0.4, 2.1.3) has discarded steps shown in debug mode only.
+            (false, _) => !matches!(category, Category::Discard | Category::Events | Category::Steps),
         });
     }
 

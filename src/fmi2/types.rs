@@ -36,6 +36,8 @@ pub const FMI2_TRUE: fmi2Boolean = 1;
 /// No.
 pub const FMI2_FALSE: fmi2Boolean = 0;
 
+/// `fmi2ModelExchange` of `fmi2Type`.
+pub const FMI2_MODEL_EXCHANGE: fmi2Type = 0;
 /// `fmi2CoSimulation` of `fmi2Type`.
 pub const FMI2_CO_SIMULATION: fmi2Type = 1;
 
@@ -111,20 +113,20 @@ pub struct fmi2CallbackFunctions {
     pub environment: fmi2ComponentEnvironment,
 }
 
-/// Model Exchange's event information; only its address is ever taken.
-#[derive(Debug)]
+/// What an importer has to know after an event.
+#[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct fmi2EventInfo {
-    /// See the standard, 3.2.2.
+    /// Whether `fmi2NewDiscreteStates` has to be called again.
     pub new_discrete_states_needed: fmi2Boolean,
-    /// See the standard, 3.2.2.
+    /// Whether the run ended.
     pub terminate_simulation: fmi2Boolean,
-    /// See the standard, 3.2.2.
+    /// Whether the nominal values of states are others than before.
     pub nominals_of_continuous_states_changed: fmi2Boolean,
-    /// See the standard, 3.2.2.
+    /// Whether states are others than before.
     pub values_of_continuous_states_changed: fmi2Boolean,
-    /// See the standard, 3.2.2.
+    /// Whether the time of the next event is known.
     pub next_event_time_defined: fmi2Boolean,
-    /// See the standard, 3.2.2.
+    /// That time (s).
     pub next_event_time: fmi2Real,
 }

@@ -13,6 +13,10 @@ pub enum Phase {
     StepComplete,
     /// The last step was discarded: the run came to its end within it.
     StepFailed,
+    /// Model Exchange: what an event makes of the block is found out.
+    EventMode,
+    /// Model Exchange: the importer's solver steps the block.
+    ContinuousTimeMode,
     /// The run was ended from outside.
     Terminated,
     /// The integration failed.
@@ -23,11 +27,13 @@ pub enum Phase {
 
 impl Phase {
     /// All of them.
-    pub const ALL: [Phase; 7] = [
+    pub const ALL: [Phase; 9] = [
         Phase::Instantiated,
         Phase::InitializationMode,
         Phase::StepComplete,
         Phase::StepFailed,
+        Phase::EventMode,
+        Phase::ContinuousTimeMode,
         Phase::Terminated,
         Phase::Error,
         Phase::Fatal,
@@ -42,7 +48,13 @@ impl Phase {
     pub fn is_initialized(self) -> bool {
         match self {
             Phase::Instantiated | Phase::InitializationMode => false,
-            Phase::StepComplete | Phase::StepFailed | Phase::Terminated | Phase::Error | Phase::Fatal => true,
+            Phase::StepComplete
+            | Phase::StepFailed
+            | Phase::EventMode
+            | Phase::ContinuousTimeMode
+            | Phase::Terminated
+            | Phase::Error
+            | Phase::Fatal => true,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Calls of an importer, whatever the version of FMI → a block in motion: all of an instance but its messages.
 
+pub mod exchange;
+
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -8,11 +10,12 @@ use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
-use crate::model::values::{DerivedSource, PerInput, Values, derived, inputs, source};
+use crate::model::values::{DerivedSource, PerInput, Values, derived, inputs, source, state};
 use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
 use crate::records::ground::Ground;
+use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
-use crate::simulation::peaks;
+use crate::simulation::peaks::{self, Channels};
 use crate::simulation::{Energies, Progress, Settings, Simulation};
 use crate::system::surfaces::Event;
 
@@ -24,9 +27,19 @@ struct Experiment {
     stop: Option<f64>,
 }
 
+/// Who steps the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Interface {
+    /// The block itself.
+    CoSimulation,
+    /// A solver of the importer.
+    ModelExchange,
+}
+
 /// An instance as a safe state machine: no pointer, no C, and no messages. A copy of it is a saved state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unit {
+    interface: Interface,
     phase: Phase,
     experiment: Experiment,
     values: Values,
@@ -40,6 +53,10 @@ pub struct Unit {
     /// The records inside, once they are read. Shared with saved states; serialized states hold them whole, so that no file
     /// is needed to resume from one.
     ground: Option<Arc<Ground>>,
+    /// In Model Exchange the continuous states, as they were set or as the last event left them, and what the peaks need of
+    /// the last step.
+    states: States,
+    last_step: Option<(f64, Channels)>,
     /// What is seen at the present time, until something changes it.
     #[serde(skip)]
     seen: Option<(Observation<f64>, Energies)>,
@@ -48,10 +65,11 @@ pub struct Unit {
 /// By how much a master's clock may be off, relative to the greater of step and time.
 const CLOCK_ROUNDING: f64 = 1e-9;
 
-impl Default for Unit {
+impl Unit {
     /// A new instance, all values at their starts.
-    fn default() -> Unit {
+    pub fn new(interface: Interface) -> Unit {
         Unit {
+            interface,
             phase: Phase::Instantiated,
             experiment: Experiment::default(),
             values: Values::default(),
@@ -60,12 +78,17 @@ impl Default for Unit {
             simulation: None,
             inputs: Inputs::default(),
             ground: None,
+            states: States::default(),
+            last_step: None,
             seen: None,
         }
     }
-}
 
-impl Unit {
+    /// Who steps the block.
+    pub fn interface(&self) -> Interface {
+        self.interface
+    }
+
     /// Where the instance is in its life.
     pub fn phase(&self) -> Phase {
         self.phase
@@ -79,9 +102,15 @@ impl Unit {
     /// Whether this can be the state of an instance of this FMU: what a file says of itself is not enough.
     pub fn is_valid(&self) -> bool {
         let times = [self.experiment.start, self.inputs.time];
+        let exchanged = matches!(self.phase, Phase::EventMode | Phase::ContinuousTimeMode);
+        let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.values.are_valid()
             && self.phase != Phase::Fatal
-            && times.iter().chain(&self.rates).all(|x| x.is_finite())
+            && match self.interface {
+                Interface::CoSimulation => !exchanged,
+                Interface::ModelExchange => !stepped,
+            }
+            && times.iter().chain(&self.rates).chain(&self.states).all(|x| x.is_finite())
             && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
             && match &self.simulation {
                 Some(simulation) => {
@@ -125,7 +154,13 @@ impl Unit {
     /// that nothing reads, each with what it needs.
     pub fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
         self.preview()?;
-        self.phase = Phase::StepComplete;
+        self.phase = match self.interface {
+            Interface::CoSimulation => Phase::StepComplete,
+            Interface::ModelExchange => {
+                self.states = self.states()?;
+                Phase::EventMode
+            }
+        };
         Ok(self.values.unread().collect())
     }
 
@@ -137,7 +172,8 @@ impl Unit {
     /// Goes on from `time` (s), which is the present one but for a master's rounding, by `step` (s), and reports each event
     /// as it happens. Allocates no memory unless it fails.
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
-        let Unit { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting, ground, seen } = self;
+        let Unit { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting, ground, seen, .. } =
+            self;
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
             return Err(Fault::new("there is no block yet"));
         };
@@ -264,7 +300,7 @@ impl Unit {
     /// if only rates of inputs were set, these are rounded in another way then, so that nothing is seen again as it was.
     fn take_up_values(&mut self) {
         if self.phase.is_initialized() {
-            let time = self.time();
+            let time = self.simulation.as_ref().map_or(self.experiment.start, Simulation::piece_time);
             let inputs = self.values.inputs(time, &self.rates);
             self.inputs = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, time).0);
             self.seen = None;
@@ -324,7 +360,7 @@ impl Unit {
             let ground = self.ground()?;
             let Unit { values, experiment, rates, .. } = self;
             let (inputs, _) = with_ground(&values.inputs(experiment.start, rates), &ground, experiment.start);
-            let simulation = Simulation::new(
+            let mut simulation = Simulation::new(
                 block,
                 values.settings(experiment.tolerance),
                 values.pulse(),
@@ -333,6 +369,9 @@ impl Unit {
                 &inputs,
             );
             self.inputs = inputs;
+            if self.interface == Interface::ModelExchange {
+                simulation.begin_exchange();
+            }
             self.simulation = Some(simulation);
         }
         let Unit { simulation, inputs, .. } = self;
@@ -380,7 +419,7 @@ impl Unit {
         Ok(references.iter().map(move |&reference| output(reference).map(&rate)))
     }
 
-    /// Exact derivatives of Real outputs with respect to inputs, in a direction, at the present time.
+    /// Exact derivatives of Real outputs with respect to inputs and states, in a direction, at the present time.
     pub fn directional_derivative<'a>(
         &mut self,
         unknowns: &'a [u32],
@@ -389,21 +428,25 @@ impl Unit {
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
         let output = |reference| output(reference, "can be differentiated");
         unknowns.iter().try_for_each(|&reference| output(reference).map(|_| ()))?;
-        let mut components = PerInput::default();
+        let (mut components, mut states) = (PerInput::default(), None::<States>);
         for (&reference, &component) in knowns.iter().zip(direction) {
-            let (input, metadata) = input(reference, "is a direction")?;
             if !component.is_finite() {
-                return Err(Fault::new(format!(
-                    "direction {component} of {}; expected a finite number",
-                    metadata.name
-                )));
+                let name = known(reference, Kind::Real)?.name;
+                return Err(Fault::new(format!("direction {component} of {name}; expected a finite number")));
             }
-            components[input as usize] += component;
+            match known(reference, Kind::Real)?.role {
+                Role::Output(output) if let Some(i) = state(output) => states.get_or_insert_default()[i] += component,
+                _ => components[input(reference, "or a state is a direction")?.0 as usize] += component,
+            }
         }
         let along = inputs(0.0, components, &PerInput::default());
         let (simulation, at) = self.preview()?;
-        let derivative = simulation.observe_direction(&at, &along).map(|x| x.eps);
-        let sensitivity = move |output| source(output).sensitivity(&derivative);
+        let (derivative, energies) = match states {
+            None => (simulation.observe_direction(&at, &along), Energies::default()),
+            Some(states) => simulation.directional(&at, &states, &along),
+        };
+        let derivative = derivative.map(|x| x.eps);
+        let sensitivity = move |output| source(output).sensitivity(&derivative, &energies);
         Ok(unknowns.iter().map(move |&reference| output(reference).map(&sensitivity)))
     }
 }

@@ -367,6 +367,21 @@ pub fn derived(parameter: Derived) -> DerivedSource {
     }
 }
 
+/// The place of an output among the continuous states, if it is one.
+pub fn state(output: Output) -> Option<usize> {
+    const STATES: [Output; crate::simulation::exchange::STATES] = [
+        Output::Theta,
+        Output::ThetaDot,
+        Output::V,
+        Output::VDot,
+        Output::U,
+        Output::UDot,
+        Output::EnergyInput,
+        Output::EnergyDashpots,
+    ];
+    STATES.into_iter().position(|state| state == output)
+}
+
 /// Where the value of an output comes from, and with it its derivatives.
 pub enum Source {
     /// What is seen at an instant; of rates its rate, of sensitivities its sensitivity.
@@ -401,6 +416,8 @@ pub fn source(output: Output) -> Source {
         Output::UpliftL => Seen(|seen| seen.uplift[0]),
         Output::UpliftR => Seen(|seen| seen.uplift[1]),
         Output::FrictionDemand => Seen(|seen| seen.friction_demand),
+        Output::PowerInput => Seen(|seen| seen.power[0]),
+        Output::PowerDashpots => Seen(|seen| seen.power[1]),
         Output::EnergyTotal => Energy(|energies| energies.total),
         Output::EnergyKinetic => Energy(|energies| energies.kinetic),
         Output::EnergyPotential => Energy(|energies| energies.potential),
@@ -449,12 +466,13 @@ impl Source {
         }
     }
 
-    /// Its derivative with respect to the inputs at one instant, from those of what is seen. Energies and what was since the
-    /// start do not depend on them.
-    pub fn sensitivity(&self, sensitivities: &Observation<f64>) -> f64 {
+    /// Its derivative with respect to inputs and states at one instant, from those of what is seen and of the energies. What
+    /// was since the start does not depend on them.
+    pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies) -> f64 {
         match self {
             Source::Seen(of) => of(sensitivities),
-            Source::Energy(_) | Source::Peak(_) | Source::Discrete(_) => 0.0,
+            Source::Energy(of) => of(energies),
+            Source::Peak(_) | Source::Discrete(_) => 0.0,
         }
     }
 }

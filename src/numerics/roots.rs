@@ -2,7 +2,7 @@
 //! zero, and the greatest value in between.
 
 /// Value of a function and its rate of change at one time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Sample {
     /// Value.
     pub value: f64,

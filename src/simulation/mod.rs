@@ -1,6 +1,7 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
 mod energies;
+pub mod exchange;
 pub mod outputs;
 pub mod peaks;
 mod stepping;
@@ -21,6 +22,7 @@ use peaks::Peaks;
 pub use crate::system::LiftOff;
 pub use crate::system::transitions::Initial;
 pub use energies::{Energies, EnergySums};
+use exchange::Piece;
 
 /// What happens at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -192,6 +194,8 @@ pub struct Simulation {
     settings: Settings,
     pulse: Pulse,
     pose: Pose,
+    /// Where the block is stepped from outside, the present piece of its motion.
+    piece: Option<Piece>,
     control: StepControl,
     short_size: f64,
     ending: Option<(Ending, f64)>,
@@ -216,13 +220,14 @@ impl Simulation {
     ) -> Simulation {
         let [least, most] = Settings::TOLERANCES;
         let flies = settings.on_separation == OnSeparation::Fly;
-        let system = System { block, lift_off: settings.lift_off, flies };
+        let system = System { block, lift_off: settings.lift_off, flies, slowest: System::SLOWEST };
         let excitation = Excitation::from_time(time, inputs, &pulse, &block);
         let mut simulation = Simulation {
             system,
             settings: Settings { tolerance: settings.tolerance.clamp(least, most), ..settings },
             pulse,
             pose: system.beginning(initial, time, &excitation),
+            piece: None,
             control: StepControl::NEW,
             short_size: f64::INFINITY,
             ending: None,
@@ -270,7 +275,7 @@ impl Simulation {
     /// Whether a state that came from outside can be resumed: all numbers finite, and the tolerance one that
     /// is followed. The block is checked by whoever knows what it was made from.
     pub fn is_valid(&self) -> bool {
-        let Simulation { settings, pulse, pose, control, short_size, sums, last_event, .. } = self;
+        let Simulation { settings, pulse, pose, piece, control, short_size, sums, last_event, .. } = self;
         let Pose { time, state, contacts, footing } = pose;
         let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts, sums.constraint];
         let others = [*time, *last_event, pulse.amplitude, pulse.period, pulse.start];
@@ -279,6 +284,7 @@ impl Simulation {
             && control.is_valid()
             && *short_size > 0.0
             && pulse.period > 0.0
+            && piece.is_none_or(|piece| piece.is_finite())
             && footing.is_finite()
             && contacts.is_finite()
             && state.iter().copied().chain(sums).chain(others).all(f64::is_finite)

@@ -49,10 +49,18 @@ pub struct Observation<T> {
     pub uplift: [T; 2],
     /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most [`MOST_FRICTION_DEMAND`].
     pub friction_demand: T,
+    /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
+    pub power: [T; 2],
 }
 
 /// The observation that belongs to the equations of motion at an instant; `tops` are the heights of the supports.
-pub fn observe<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>, tops: [T; 2]) -> Observation<T> {
+pub fn observe<T: Scalar>(
+    block: &Block,
+    regime: Regime,
+    x: &Instant<T>,
+    tops: [T; 2],
+    forcing: Forcing<T>,
+) -> Observation<T> {
     let zero = T::from(0.0);
     let reaction = x.reaction.map(|n| n * block.mass);
     let horizontal = x.horizontal * block.mass;
@@ -77,6 +85,7 @@ pub fn observe<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>, tops: [
         corner: x.corner,
         uplift,
         friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
+        power: x.powers(block, regime, forcing).map(|power| power * block.mass),
     }
 }
 
@@ -113,6 +122,7 @@ impl<T: Scalar> Observation<T> {
             corner: self.corner.map(&f),
             uplift: self.uplift.map(&f),
             friction_demand: f(self.friction_demand),
+            power: self.power.map(&f),
         }
     }
 
@@ -137,6 +147,7 @@ impl<T: Scalar> Observation<T> {
             horizontal: zero,
             base_moment: zero,
             friction_demand: zero,
+            power: [zero; 2],
         }
     }
 }
@@ -144,21 +155,23 @@ impl<T: Scalar> Observation<T> {
 impl Now<'_> {
     /// What a user sees.
     pub fn observe(&self) -> Observation<f64> {
-        observe(self.block, self.regime, &self.instant, self.tops.map(|top| top.value))
+        observe(self.block, self.regime, &self.instant, self.tops.map(|top| top.value), self.forcing)
     }
 
     /// What a user sees and, in the dual parts, its exact rate of change along the motion.
     pub fn observe_rates(&self) -> Observation<Dual64> {
         let tops = self.tops.map(|Sample { value, rate }| Dual64::new(value, rate));
-        observe(self.block, self.regime, &self.along(self.forcing_rate()), tops)
+        let rate = self.forcing_rate();
+        observe(self.block, self.regime, &self.along(rate), tops, self.forcing.with_derivative(rate))
     }
 
     /// What a user sees and, in the dual parts, its exact derivative with respect to the forcing in a direction.
     pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
         let footing = self.footing.map(Dual64::from);
-        let x = instant(self.block, self.regime, state, footing, self.forcing.with_derivative(direction));
-        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)))
+        let forcing = self.forcing.with_derivative(direction);
+        let x = instant(self.block, self.regime, state, footing, forcing);
+        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)), forcing)
     }
 }
 
@@ -196,7 +209,7 @@ impl Simulation {
     /// Looks at the block as it goes on from here under these inputs.
     pub(super) fn shown<R>(&self, inputs: &Inputs, look: impl FnOnce(&Now) -> R) -> R {
         let (Simulation { system, pose, .. }, block) = (self, self.block());
-        let excitation = Excitation::from_time(pose.time, inputs, &self.pulse, block);
+        let excitation = self.excitation(inputs);
         let mut now = self.now(block, &excitation);
         if let Some((_, ended)) = self.ending {
             // Under a block that is held the supports are, too.

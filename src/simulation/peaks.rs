@@ -40,7 +40,7 @@ pub enum Channel {
 }
 
 /// The quantities of which the greatest absolute values are peaks, with their rates of change.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Channels {
     /// Rotation θ (rad).
     pub theta: Sample,

@@ -386,6 +386,20 @@ impl<T: Scalar> Instant<T> {
     }
 }
 
+/// `[w, ẇ]`, height (m) and rate (m/s) of what stands, from `[θ, θ̇, v, v̇]`; zeros on the rigid base, which does not give way.
+pub fn height_of_what_stands<T: Scalar>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
+    let Block { b, h, .. } = *block;
+    let (sin, cos) = theta.sin_cos();
+    let (middle, middle_dot) = (v + sin * sin / (cos + 1.0) * h, v_dot + sin * theta_dot * h);
+    match (block.foundation, regime) {
+        (_, Regime::Separated) => [v, v_dot],
+        (Foundation::Rigid, _) => [T::from(0.0); 2],
+        (Foundation::Viscoelastic, Regime::FullContact) => [middle, middle_dot],
+        (Foundation::Viscoelastic, Regime::TiltingLeft) => [middle + sin * b, middle_dot + cos * theta_dot * b],
+        (Foundation::Viscoelastic, Regime::TiltingRight) => [middle - sin * b, middle_dot - cos * theta_dot * b],
+    }
+}
+
 /// Energy per unit mass (m²/s²): kinetic, and potential of weight and touching springs; zero at rest.
 ///
 /// `E = ½ I0 θ̇² + ½ M (u̇² + v̇²) + M g v + ½ K Σ_touching (δ_s − v_I)² − ½ M g δ_s`, with the terms that cancel at rest

@@ -43,4 +43,12 @@ pub struct System {
     /// Whether the block flies when no corner touches any more. In the paper's analysis it does not: the run ends, as soon as
     /// the last corner bears nothing.
     pub flies: bool,
+    /// Slowest rocking on the rigid base that goes on after an impact, as a part of p: it comes to rest after infinitely many
+    /// impacts in finite time, which are not told apart any more below this.
+    pub slowest: f64,
+}
+
+impl System {
+    /// What a solver that locates events to rounding tells apart.
+    pub const SLOWEST: f64 = 1e-9;
 }

@@ -37,7 +37,7 @@ fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
         ((Some("block"), CO_SIMULATION, Some("")), &["fmuGUID", guid]),
         ((None, CO_SIMULATION, Some(guid)), &["instanceName"]),
         ((Some(""), CO_SIMULATION, Some(guid)), &["instanceName"]),
-        ((Some("block"), MODEL_EXCHANGE, Some(guid)), &["fmuType = 0", "1"]),
+        ((Some("block"), 2, Some(guid)), &["fmuType = 2", "0", "1"]),
         ((Some("block"), 7, Some(guid)), &["fmuType = 7", "1"]),
         ((Some("block"), -1, Some(guid)), &["fmuType = -1", "1"]),
     ];
@@ -50,7 +50,9 @@ fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
         assert_eq!((category.as_str(), format.as_str()), ("logStatusError", "%s"));
         assert!(words.iter().all(|word| text.contains(word)), "{text:?} should hold {words:?}");
     }
-    assert_eq!(instantiate(Some("block"), CO_SIMULATION, Some(guid)), (true, vec![]));
+    for kind in [CO_SIMULATION, MODEL_EXCHANGE] {
+        assert_eq!(instantiate(Some("block"), kind, Some(guid)), (true, vec![]));
+    }
 }
 
 #[test]

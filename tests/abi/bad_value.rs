@@ -240,8 +240,8 @@ fn derivatives_of_what_has_none() {
         let status = call!(instance, get_directional_derivative, &of, 1, &a_gx, 1, &1.0, &mut 0.0);
         instance.refuses(status, &[name, "output"]);
     }
-    let status = call!(instance, get_directional_derivative, &theta, 1, &theta, 1, &1.0, &mut 0.0);
-    instance.refuses(status, &["theta", "input"]);
+    let status = call!(instance, get_directional_derivative, &theta, 1, &reference("N_L"), 1, &1.0, &mut 0.0);
+    instance.refuses(status, &["N_L", "input", "state"]);
 }
 
 #[test]

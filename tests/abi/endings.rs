@@ -42,9 +42,16 @@ fn the_end_of_a_run_is_discarded_with_its_time_and_the_outputs_of_that_time() {
         assert_eq!([instance.get(flag), instance.get(other)], [0.0; 2]);
         assert_eq!(instance.boolean_status(TERMINATED), Ok(false));
         assert_eq!(instance.real_status(LAST_SUCCESSFUL_TIME), Ok(time));
-        instance.messages();
+        let before = instance.save();
+        assert_eq!(instance.try_step(time, 0.01), DISCARD);
+        assert_eq!(instance.messages(), [], "the standard, 2.1.3: without logging a discarded step is not told");
+        instance.restore(before);
+        instance.free(before);
+        let discarded = c"logStatusDiscard".as_ptr();
+        assert_eq!(call!(instance, set_debug_logging, 1, 1, &discarded), OK);
 
         assert_eq!(instance.try_step(time, 0.01), DISCARD);
+        assert_eq!(call!(instance, set_debug_logging, 0, 0, std::ptr::null()), OK);
         let ended = instance.real_status(LAST_SUCCESSFUL_TIME).unwrap();
         assert!((ended - case.t_final).abs() <= 1e-6, "{name} ends at {ended} s instead of {} s", case.t_final);
         assert_eq!(instance.boolean_status(TERMINATED), Ok(true));
@@ -52,7 +59,7 @@ fn the_end_of_a_run_is_discarded_with_its_time_and_the_outputs_of_that_time() {
         assert_eq!((call!(instance, get_status, DO_STEP_STATUS, &mut status), status), (OK, DISCARD));
         let messages = instance.messages();
         assert_eq!(messages.len(), 1, "{messages:?}");
-        assert_eq!((messages[0].status, messages[0].category.as_str()), (DISCARD, "logStatusWarning"));
+        assert_eq!((messages[0].status, messages[0].category.as_str()), (DISCARD, "logStatusDiscard"));
         assert!(messages[0].text.contains(&format!("{ended}")), "{:?} should hold {ended}", messages[0].text);
 
         assert_eq!([instance.get(flag), instance.get(other)], [1.0, 0.0]);

@@ -37,6 +37,18 @@ pub struct Callbacks {
     pub environment: Environment,
 }
 
+/// What an importer has to know after an event of Model Exchange.
+#[repr(C)]
+#[derive(Default, Debug)]
+pub struct EventInfo {
+    pub new_discrete_states_needed: Boolean,
+    pub terminate_simulation: Boolean,
+    pub nominals_of_continuous_states_changed: Boolean,
+    pub values_of_continuous_states_changed: Boolean,
+    pub next_event_time_defined: Boolean,
+    pub next_event_time: f64,
+}
+
 macro_rules! functions {
     ($($field:ident $name:literal ($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// One pointer a function.
@@ -87,7 +99,7 @@ functions! {
     get_directional_derivative "fmi2GetDirectionalDerivative"
         (Component, *const Reference, usize, *const Reference, usize, *const f64, *mut f64) -> Status;
     enter_event_mode "fmi2EnterEventMode" (Component) -> Status;
-    new_discrete_states "fmi2NewDiscreteStates" (Component, *mut c_void) -> Status;
+    new_discrete_states "fmi2NewDiscreteStates" (Component, *mut EventInfo) -> Status;
     enter_continuous_time_mode "fmi2EnterContinuousTimeMode" (Component) -> Status;
     completed_integrator_step "fmi2CompletedIntegratorStep" (Component, Boolean, *mut Boolean, *mut Boolean) -> Status;
     set_time "fmi2SetTime" (Component, f64) -> Status;

@@ -123,6 +123,11 @@ impl Instance {
 
     /// A new instance with a resource location, all categories logged if `logging`.
     pub fn at(name: &str, location: Option<&str>, logging: bool) -> Instance {
+        Instance::of(CO_SIMULATION, name, location, logging)
+    }
+
+    /// The same for an interface.
+    pub fn of(interface: c_int, name: &str, location: Option<&str>, logging: bool) -> Instance {
         let messages = Box::new(Messages::default());
         let callbacks = Box::new(callbacks(&messages));
         let name = CString::new(name).unwrap();
@@ -132,7 +137,7 @@ impl Instance {
         // SAFETY: all texts end with 0, the callbacks live as long as the instance.
         let component = unsafe {
             let instantiate = FMU.functions.instantiate;
-            instantiate(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), location, &*callbacks, 0, logging.into())
+            instantiate(name.as_ptr(), interface, guid.as_ptr(), location, &*callbacks, 0, logging.into())
         };
         assert!(!component.is_null(), "{:?}", messages.lock().unwrap());
         Instance { component, messages, _callbacks: callbacks }

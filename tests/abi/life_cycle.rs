@@ -199,8 +199,10 @@ fn integer_and_string_statuses_are_never_answered() {
     for state in STATES {
         let instance = instance_in(state);
         assert_eq!(call!(instance, get_integer_status, PENDING_STATUS, &mut 0), ERROR, "{state:?}");
-        assert!(call!(instance, get_string_status, PENDING_STATUS, &mut null()) >= DISCARD, "{state:?}");
-        assert_eq!(instance.messages().len(), 2, "{state:?}");
+        let status = call!(instance, get_string_status, PENDING_STATUS, &mut null());
+        assert!(status >= DISCARD, "{state:?}");
+        // What is discarded is told in debug mode only (2.1.3).
+        assert_eq!(instance.messages().len(), if status == DISCARD { 1 } else { 2 }, "{state:?}");
     }
 }
 

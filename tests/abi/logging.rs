@@ -102,7 +102,7 @@ fn categories_are_chosen_by_name() {
 #[test]
 fn categories_are_those_of_the_description() {
     let categories = &FMU.description.log_categories;
-    assert_eq!(categories.len(), 5);
+    assert_eq!(categories.len(), 6);
     let instance = Instance::new("block");
     for category in categories {
         assert_eq!(choose(&instance, true, &[category]), OK, "{category}");

@@ -15,6 +15,7 @@ mod callbacks;
 mod derivatives;
 mod description;
 mod endings;
+mod exchange;
 mod exports;
 mod functions;
 mod host;

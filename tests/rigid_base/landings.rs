@@ -175,7 +175,7 @@ fn a_level_landing_stops_the_block_or_trips_it() {
 #[test]
 fn a_level_landing_makes_no_energy() {
     let block = block(0.3, 1.0, 1.0);
-    let system = System { block, lift_off: LiftOff::KeepRates, flies: true };
+    let system = System { block, lift_off: LiftOff::KeepRates, flies: true, slowest: System::SLOWEST };
     let excitation = Excitation::none();
     let pose = Pose {
         time: 0.0,

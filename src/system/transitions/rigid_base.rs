@@ -67,14 +67,11 @@ impl Change<'_> {
 
     /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
     pub(super) fn change_pivot(&mut self, corner: Corner, now: &Now) {
-        // Rocking comes to rest after infinitely many impacts in finite time; below this part of p they are not told
-        // apart any more.
-        const REST: f64 = 1e-9;
         let block = &self.system.block;
         let theta_dot = block.restitution().max(0.0) * now.state[1];
         self.tally.impacts += 1;
         self.pose.contacts = Contacts::FULL;
-        if theta_dot.abs() < REST * block.p {
+        if theta_dot.abs() < self.system.slowest * block.p {
             self.pose.state = State::zeros();
         } else {
             self.raise(corner.other());

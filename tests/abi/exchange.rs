@@ -1,0 +1,372 @@
+//! Model Exchange (the standard, chapter 3): the block stepped by a solver of the importer, here a simple one.
+
+use crate::functions::*;
+use crate::host::{Instance, call, reference};
+
+const STATES: usize = 8;
+const INDICATORS: usize = 4;
+const NAMES: [&str; STATES] = ["theta", "theta_dot", "v", "v_dot", "u", "u_dot", "energy.input", "energy.dashpots"];
+const DERIVATIVES: [&str; STATES] =
+    ["theta_dot", "theta_ddot", "v_dot", "v_ddot", "u_dot", "u_ddot", "power.input", "power.dashpots"];
+
+type States = [f64; STATES];
+
+/// Ground accelerations that no polynomial of first degree follows.
+fn ground(time: f64) -> [f64; 2] {
+    [7.5 * (4.0 * time).sin(), 14.0 * (17.0 * time).cos()]
+}
+
+/// The importer's side: classical Runge–Kutta with steps of one length, and bisection of a step that holds an event.
+struct Solver {
+    instance: Instance,
+    time: f64,
+    states: States,
+    events: u32,
+    ended: bool,
+}
+
+impl Solver {
+    fn begin(values: &[(&str, f64)]) -> Solver {
+        let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
+        for &(name, value) in values {
+            instance.set(name, value);
+        }
+        instance.initialize(None);
+        let mut solver = Solver { instance, time: 0.0, states: [f64::NAN; STATES], events: 0, ended: false };
+        solver.set(0.0, None);
+        solver.pass_events();
+        solver.events = 0;
+        solver
+    }
+
+    /// Clock, inputs and, unless an event has changed them, states.
+    fn set(&self, time: f64, states: Option<&States>) {
+        assert_eq!(call!(self.instance, set_time, time), OK);
+        for (name, value) in ["a_gx", "a_gz"].into_iter().zip(ground(time)) {
+            self.instance.set(name, value);
+        }
+        if let Some(states) = states {
+            assert_eq!(call!(self.instance, set_continuous_states, states.as_ptr(), STATES), OK);
+        }
+    }
+
+    fn pass_events(&mut self) -> EventInfo {
+        let mut info = EventInfo::default();
+        assert_eq!(call!(self.instance, new_discrete_states, &mut info), OK, "{:?}", self.instance.messages());
+        assert_eq!(info.new_discrete_states_needed, 0);
+        self.ended = info.terminate_simulation != 0;
+        self.events += 1;
+        assert_eq!(call!(self.instance, enter_continuous_time_mode), OK);
+        assert_eq!(call!(self.instance, get_continuous_states, self.states.as_mut_ptr(), STATES), OK);
+        info
+    }
+
+    fn derivatives(&self, time: f64, states: &States) -> States {
+        self.set(time, Some(states));
+        let mut derivatives = [f64::NAN; STATES];
+        assert_eq!(call!(self.instance, get_derivatives, derivatives.as_mut_ptr(), STATES), OK);
+        derivatives
+    }
+
+    fn indicators(&self) -> [f64; INDICATORS] {
+        let mut indicators = [f64::NAN; INDICATORS];
+        assert_eq!(call!(self.instance, get_event_indicators, indicators.as_mut_ptr(), INDICATORS), OK);
+        indicators
+    }
+
+    /// Where a step leads, and whether an event is behind.
+    fn attempt(&self, h: f64) -> (States, bool) {
+        let plus = |k: &States, part: f64| -> States { std::array::from_fn(|i| self.states[i] + part * h * k[i]) };
+        let k1 = self.derivatives(self.time, &self.states);
+        let k2 = self.derivatives(self.time + 0.5 * h, &plus(&k1, 0.5));
+        let k3 = self.derivatives(self.time + 0.5 * h, &plus(&k2, 0.5));
+        let k4 = self.derivatives(self.time + h, &plus(&k3, 1.0));
+        let end = std::array::from_fn(|i| self.states[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        self.set(self.time + h, Some(&end));
+        (end, self.indicators().iter().any(|&z| z <= 0.0))
+    }
+
+    fn accept(&mut self, h: f64, end: States) {
+        (self.time, self.states) = (self.time + h, end);
+        self.set(self.time, Some(&end));
+        let (mut event, mut terminate) = (1, 1);
+        assert_eq!(call!(self.instance, completed_integrator_step, 1, &mut event, &mut terminate), OK);
+        assert_eq!((event, terminate), (0, 0));
+    }
+
+    /// One step, or the part of it before an event and the event.
+    fn step(&mut self, h: f64) {
+        let (end, fallen) = self.attempt(h);
+        if !fallen {
+            return self.accept(h, end);
+        }
+        let (mut before, mut after) = (0.0, h);
+        for _ in 0..60 {
+            let middle = 0.5 * (before + after);
+            if self.attempt(middle).1 { after = middle } else { before = middle }
+        }
+        let (end, _) = self.attempt(after);
+        self.accept(after, end);
+        assert_eq!(call!(self.instance, enter_event_mode), OK);
+        self.pass_events();
+    }
+
+    fn go(&mut self, until: f64, h: f64) {
+        while self.time < until - 1e-12 && !self.ended {
+            self.step(h.min(until - self.time));
+        }
+    }
+}
+
+const FLYING: [(&str, f64); 6] = [
+    ("dimensionless.alpha", 0.3),
+    ("dimensionless.p", 2.0),
+    ("dimensionless.eta", 25.0),
+    ("dimensionless.xi_v", 0.05),
+    ("epsilon", 0.6),
+    ("on_separation", 3.0),
+];
+
+/// In flight and under inputs that are no straight lines: the same motion as in Co-Simulation with steps so small that straight
+/// lines follow these.
+#[test]
+fn a_simple_solver_follows_flights_under_arbitrary_inputs() {
+    let mut solver = Solver::begin(&FLYING);
+    let slave = Instance::new("slave");
+    FLYING.iter().for_each(|&(name, value)| slave.set(name, value));
+    slave.initialize(Some(1e-10));
+    let (mut flown, step) = (0, 1.0 / 2048.0);
+    for i in 0..3072 {
+        let time = f64::from(i) * step;
+        for (j, name) in ["a_gx", "a_gz"].into_iter().enumerate() {
+            let (here, there) = (ground(time)[j], ground(time + step)[j]);
+            slave.set(name, here);
+            slave.set_rate(name, (there - here) / step);
+        }
+        slave.step(time, step);
+        solver.go(time + step, step);
+        flown += u32::from(slave.get("regime") == 2.0);
+        let regimes = [&slave, &solver.instance].map(|instance| instance.get("regime"));
+        for name in ["theta", "v", "u"] {
+            let (a, b) = (slave.get(name), solver.instance.get(name));
+            assert!((a - b).abs() < 2e-5, "{name} at t = {}: {a}, {b} in {regimes:?}", time + step);
+        }
+    }
+    assert!(flown > 50, "{flown} steps in flight");
+    assert!(solver.events >= 8, "{} events", solver.events);
+    for name in ["events.impacts", "events.liftoffs"] {
+        assert_eq!(slave.get(name), solver.instance.get(name), "{name}");
+    }
+    for (name, part) in [("peak.theta", 1e-3), ("peak.uplift", 1e-3), ("energy.input", 1e-3), ("energy.dashpots", 1e-3)]
+    {
+        let (a, b) = (slave.get(name), solver.instance.get(name));
+        assert!((a - b).abs() < part * a.abs(), "{name}: {a}, {b}");
+    }
+}
+
+/// States, their derivatives and nominal sizes are those of the variables that the description names.
+#[test]
+fn states_are_the_variables_that_they_are_declared_to_be() {
+    let mut solver = Solver::begin(&FLYING);
+    solver.go(0.9, 1e-3);
+    let set: States = std::array::from_fn(|i| solver.states[i] * (1.0 + 1e-7));
+    let derivatives = solver.derivatives(solver.time, &set);
+    let mut states = [f64::NAN; STATES];
+    assert_eq!(call!(solver.instance, get_continuous_states, states.as_mut_ptr(), STATES), OK);
+    assert_eq!(states, set);
+    let grips = solver.instance.get("regime") != 2.0;
+    for i in 0..STATES {
+        let (value, rate) = (solver.instance.get(NAMES[i]), solver.instance.get(DERIVATIVES[i]));
+        assert!((rate - derivatives[i]).abs() <= 1e-12 * rate.abs(), "{}: {rate}, {}", DERIVATIVES[i], derivatives[i]);
+        // Where what touches grips, u follows from the rotation.
+        if !(grips && NAMES[i].starts_with('u')) {
+            assert!((value - set[i]).abs() <= 1e-12 * set[i].abs().max(0.01), "{}: {value}, {}", NAMES[i], set[i]);
+        }
+    }
+    let mut nominals = [f64::NAN; STATES];
+    assert_eq!(call!(solver.instance, get_nominals, nominals.as_mut_ptr(), STATES), OK);
+    assert!(nominals.iter().all(|&nominal| nominal.is_finite() && nominal > 0.0), "{nominals:?}");
+}
+
+/// Derivatives with respect to states are those of differences, in all regimes that the run passes.
+#[test]
+fn directional_derivatives_with_respect_to_states_are_exact() {
+    let mut broad = FLYING;
+    broad[0].1 = 0.5;
+    let mut solver = Solver::begin(&broad);
+    let mut regimes = [false; 4];
+    for _ in 0..80 {
+        let until = solver.time + 0.05;
+        solver.go(until, 1e-3);
+        if solver.ended {
+            break;
+        }
+        let regime = solver.instance.get("regime");
+        regimes[(regime + 1.0) as usize] = true;
+        let (time, states) = (solver.time, solver.states);
+        let mut nominals = [f64::NAN; STATES];
+        assert_eq!(call!(solver.instance, get_nominals, nominals.as_mut_ptr(), STATES), OK);
+        for (i, name) in NAMES.into_iter().enumerate() {
+            if (regime != 2.0 && name.starts_with('u')) || name.starts_with("energy") {
+                continue;
+            }
+            let moved = |part: f64| {
+                let mut states = states;
+                states[i] += part * 1e-5 * nominals[i];
+                solver.set(time, Some(&states));
+                ["theta_ddot", "v_ddot", "u_ddot", "N_L", "H", "energy.total", "power.input", "v_R"]
+                    .map(|output| (output, solver.instance.get(output)))
+            };
+            let (low, high) = (moved(-1.0), moved(1.0));
+            solver.set(time, Some(&states));
+            for ((output, low), (_, high)) in low.into_iter().zip(high) {
+                let difference = (high - low) / (2e-5 * nominals[i]);
+                let (mut exact, unknown, known) = (f64::NAN, reference(output), reference(name));
+                let status =
+                    call!(solver.instance, get_directional_derivative, &unknown, 1, &known, 1, &1.0, &mut exact);
+                assert_eq!(status, OK, "{:?}", solver.instance.messages());
+                let size = exact.abs().max(low.abs().max(high.abs()) / nominals[i] * 1e-3);
+                assert!(
+                    (difference - exact).abs() <= 2e-5 * size,
+                    "d {output}/d {name} = {exact}, by differences {difference}"
+                );
+            }
+        }
+    }
+    assert!(regimes.iter().all(|&seen| seen), "{regimes:?}");
+}
+
+#[test]
+fn saved_states_resume_with_the_same_bits() {
+    let mut solver = Solver::begin(&FLYING);
+    solver.go(0.7, 1e-3);
+    let (state, time, states) = (solver.instance.save(), solver.time, solver.states);
+    let bytes = solver.instance.serialize(state);
+    solver.go(1.4, 1e-3);
+    let expected = solver.instance.bits();
+    (solver.time, solver.states) = (time, states);
+    solver.instance.restore(state);
+    solver.go(1.4, 1e-3);
+    assert_eq!(solver.instance.bits(), expected);
+
+    // Neither is a state of the other interface one of this.
+    let slave = Instance::new("slave");
+    slave.refuses(call!(slave, set_fmu_state, state), &["ModelExchange", "CoSimulation"]);
+    solver.instance.free(state);
+
+    let other = Solver::begin(&FLYING);
+    let mut state = std::ptr::null_mut();
+    assert_eq!(call!(other.instance, deserialize, bytes.as_ptr(), bytes.len(), &mut state), OK);
+    other.instance.restore(state);
+    other.instance.free(state);
+    let mut other = Solver { time, states, ..other };
+    other.go(1.4, 1e-3);
+    assert_eq!(other.instance.bits(), expected);
+}
+
+/// The pulse's beginning and end are time events; the end of the run is announced.
+#[test]
+fn time_events_and_the_end_of_the_run() {
+    let values = [("pulse.shape", 3.0), ("pulse.amplitude", 9.0), ("pulse.period", 0.5), ("pulse.start", 0.25)];
+    let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
+    values.iter().for_each(|&(name, value)| instance.set(name, value));
+    instance.initialize(None);
+    let next = |time: f64| {
+        if time > 0.0 {
+            assert_eq!(call!(instance, enter_event_mode), OK);
+        }
+        assert_eq!(call!(instance, set_time, time), OK);
+        let mut info = EventInfo::default();
+        assert_eq!(call!(instance, new_discrete_states, &mut info), OK);
+        assert_eq!(call!(instance, enter_continuous_time_mode), OK);
+        (info.next_event_time_defined != 0).then_some(info.next_event_time)
+    };
+    assert_eq!(next(0.0), Some(0.25));
+    // Up to the event the excitation is that before it, and the cosine begins at once after it.
+    assert_eq!(call!(instance, set_time, 0.25), OK);
+    assert_eq!(instance.get("H"), 0.0);
+    assert_eq!(next(0.25), Some(0.75));
+    assert!(instance.get("H") > 100.0, "{}", instance.get("H"));
+    assert_eq!(next(0.75), None);
+
+    let mut solver = Solver::begin(&[("dimensionless.alpha", 0.15), ("dimensionless.p", 2.0), ("epsilon", 0.5)]);
+    solver.go(20.0, 1e-3);
+    assert!(solver.ended && solver.time < 20.0, "{}", solver.time);
+    assert_eq!(solver.instance.get("separated").max(solver.instance.get("overturned")), 1.0);
+}
+
+type Row = (&'static str, [bool; 5], fn(&Instance) -> Status);
+
+/// Whether a call is legal in instantiated, initializationMode, eventMode, continuousTimeMode and terminated (3.2.3).
+const TABLE: &[Row] = &[
+    ("fmi2SetTime", [false, false, true, true, false], |i| call!(i, set_time, 0.0)),
+    ("fmi2SetContinuousStates", [false, false, false, true, false], |i| {
+        call!(i, set_continuous_states, [0.0; STATES].as_ptr(), STATES)
+    }),
+    ("fmi2GetContinuousStates", [false, true, true, true, true], |i| {
+        call!(i, get_continuous_states, [0.0; STATES].as_mut_ptr(), STATES)
+    }),
+    ("fmi2GetNominalsOfContinuousStates", [false, true, true, true, true], |i| {
+        call!(i, get_nominals, [0.0; STATES].as_mut_ptr(), STATES)
+    }),
+    ("fmi2GetDerivatives", [false, true, true, true, true], |i| {
+        call!(i, get_derivatives, [0.0; STATES].as_mut_ptr(), STATES)
+    }),
+    ("fmi2GetEventIndicators", [false, true, true, true, true], |i| {
+        call!(i, get_event_indicators, [0.0; INDICATORS].as_mut_ptr(), INDICATORS)
+    }),
+    ("fmi2CompletedIntegratorStep", [false, false, false, true, false], |i| {
+        call!(i, completed_integrator_step, 0, &mut 0, &mut 0)
+    }),
+    ("fmi2EnterEventMode", [false, false, false, true, false], |i| call!(i, enter_event_mode)),
+    ("fmi2NewDiscreteStates", [false, false, true, false, false], |i| {
+        call!(i, new_discrete_states, &mut EventInfo::default())
+    }),
+    ("fmi2EnterContinuousTimeMode", [false, false, true, false, false], |i| call!(i, enter_continuous_time_mode)),
+    ("fmi2SetReal", [true, true, true, true, false], |i| call!(i, set_real, &reference("a_gx"), 1, &0.25)),
+    ("fmi2GetReal", [false, true, true, true, true], |i| call!(i, get_real, &reference("theta"), 1, &mut 0.0)),
+    ("fmi2DoStep", [false; 5], |i| i.try_step(0.0, 0.1)),
+    ("fmi2GetStatus", [false; 5], |i| call!(i, get_status, DO_STEP_STATUS, &mut 0)),
+    ("fmi2SetRealInputDerivatives", [false; 5], |i| {
+        call!(i, set_real_input_derivatives, &reference("a_gx"), 1, &1, &0.0)
+    }),
+    ("fmi2Terminate", [false, false, true, true, false], |i| call!(i, terminate)),
+];
+
+#[test]
+fn every_call_in_every_state() {
+    for (name, legal, make) in TABLE {
+        for (phase, &legal) in legal.iter().enumerate() {
+            let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
+            assert_eq!(instance.setup(None, 0.0, None), OK);
+            let ways: [fn(&Instance) -> Status; 4] = [
+                |i| call!(i, enter_initialization_mode),
+                |i| call!(i, exit_initialization_mode),
+                |i| call!(i, enter_continuous_time_mode),
+                |i| call!(i, terminate),
+            ];
+            ways[..phase].iter().for_each(|way| assert_eq!(way(&instance), OK));
+            let status = make(&instance);
+            if legal {
+                assert_eq!(status, OK, "{name} in phase {phase}: {:?}", instance.messages());
+            } else {
+                instance.refuses(status, &[name]);
+            }
+        }
+    }
+}
+
+#[test]
+fn arrays_of_another_length_and_numbers_that_are_none_are_refused() {
+    let solver = Solver::begin(&FLYING);
+    let before = solver.instance.bits();
+    let i = &solver.instance;
+    i.refuses(call!(i, get_continuous_states, [0.0; 9].as_mut_ptr(), 9), &["9", "8"]);
+    i.refuses(call!(i, get_derivatives, [0.0; 7].as_mut_ptr(), 7), &["7", "8"]);
+    i.refuses(call!(i, get_event_indicators, [0.0; 3].as_mut_ptr(), 3), &["3", "4"]);
+    i.refuses(call!(i, set_continuous_states, [0.0; 7].as_ptr(), 7), &["7", "8"]);
+    i.refuses(call!(i, set_continuous_states, [f64::NAN; STATES].as_ptr(), STATES), &["state 0", "NaN"]);
+    i.refuses(call!(i, set_time, f64::INFINITY), &["inf"]);
+    i.refuses(call!(i, get_derivatives, std::ptr::null_mut(), STATES), &["derivatives", "NULL"]);
+    assert_eq!(i.bits(), before);
+}
