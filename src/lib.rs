@@ -38,7 +38,7 @@ pub mod model;
 
 pub mod fmi2;
 
-#[cfg(feature = "program")]
+#[cfg(feature = "studies")]
 pub mod study;
 
 #[cfg(feature = "program")]
