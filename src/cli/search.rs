@@ -179,8 +179,8 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             let common = Common { restitution_factor, ..overturning.block.common(foundation) };
             let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;
             let (shaking, name, unit, pga) = overturning.shaking(common.gravity)?;
-            let least = common.gravity * libm::tan(block.alpha) / pga;
-            let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(10.0 * least));
+            let [least, greatest] = search::usual_strengths(&block, pga);
+            let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(greatest));
             let scan = overturning.search.scan(from, to, resolution)?;
             let on_separation = overturning.on_separation.into();
             let settings = Settings { on_separation, ..overturning.search.settings()? };

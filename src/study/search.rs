@@ -187,6 +187,13 @@ pub enum Shaking {
     Records(Ground),
 }
 
+/// The strengths between which a block is likely to overturn first: those of a PGA of g tan α, which rocks no block on a
+/// rigid base, and of ten times as much. `pga` is that of strength 1 (m/s²).
+pub fn usual_strengths(block: &Block, pga: f64) -> [f64; 2] {
+    let least = block.gravity * libm::tan(block.alpha) / pga;
+    [least, 10.0 * least]
+}
+
 /// Outcomes of a block over the strength of the ground motion, followed until it has come down.
 /// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude, or factor.
 pub fn overturning(
