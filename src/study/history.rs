@@ -138,16 +138,21 @@ impl Run {
                 coming_down.look(simulation);
             }
         };
+        // A block that is held stays in sight as long as was asked for; else nothing more is to be seen of it.
+        let is_over = |simulation: &Simulation| {
+            let is_held = simulation.is_frozen() && self.duration.is_some();
+            simulation.ending().is_some() && !is_held
+        };
         row(0.0, simulation, &inputs);
         look(&mut coming_down, simulation);
         let mut rows = 0;
-        while simulation.time() < end_of(&coming_down) && simulation.ending().is_none() {
+        while simulation.time() < end_of(&coming_down) && !is_over(simulation) {
             let end = end_of(&coming_down);
             let next = start + (rows + 1) as f64 * self.output_step;
             let next_look = coming_down.map_or(f64::INFINITY, |coming_down| coming_down.next_look(block));
             let stop = until.min(next).min(next_look).min(end);
             simulation.advance(stop, &inputs, events)?;
-            let ended = simulation.ending().is_some();
+            let ended = is_over(simulation);
             if !ended && stop == until {
                 (inputs, until) = self.ground.inputs_from(stop);
             }

@@ -133,3 +133,22 @@ fn only_a_block_beyond_alpha_that_goes_on_is_on_its_way_over() {
         assert_eq!(Ending::at_separation(0.2, theta, theta_dot), ending, "{theta} {theta_dot}");
     }
 }
+
+/// A block that is held stays in sight for the duration that was asked for; without one its run is over.
+#[test]
+fn a_block_that_is_held_stays_in_sight_for_the_duration() {
+    let block = block(0.25, 80.0, 0.8, Foundation::Viscoelastic);
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.0, start: 0.0 };
+    let run = Run { output_step: 0.125, ..run(block, Initial::default(), pulse, OnSeparation::Hold) };
+    let over = run.history(|_| ()).unwrap();
+    let Some((Ending::Separated, time)) = over.ending else { panic!("{:?}", over.ending) };
+    assert_eq!(over.rows.last().map(|row| row.regime), Some(Regime::Separated));
+    let seen = Run { duration: Some(4.0), ..run.clone() }.history(|_| ()).unwrap();
+    assert_eq!(seen.ending, over.ending);
+    assert_eq!(seen.rows.len(), 33);
+    let held: Vec<_> = seen.rows.iter().filter(|row| row.time > time).collect();
+    assert!(held.len() > 10);
+    assert!(held.iter().all(|row| row.seen.theta == held[0].seen.theta && row.seen.theta_dot == 0.0));
+    let outcome = Run { duration: Some(4.0), ..run }.outcome();
+    assert_eq!((outcome.end, outcome.end_time), (End::Separated, time));
+}
