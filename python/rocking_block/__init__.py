@@ -1,0 +1,42 @@
+"""Rigid blocks that rock on viscoelastic supports, or on a rigid base, under earthquakes and pulses.
+
+The model is that of A. Palmeri and N. Makris, Response analysis of rigid structures rocking on viscoelastic foundation,
+Earthquake Engineering and Structural Dynamics 37 (2008) 1039-1063, doi:10.1002/eqe.800; equation numbers are the paper's.
+SI units, angles in radians; rotation, horizontal motion and forces are positive to the right, vertical ones up.
+
+    record = rb.read_record("RSN1063.AT2")
+    block = rb.Block(alpha=0.2, p=1.5, eta=60, xi_v=0.1)
+    run = block.run(record)
+    table = rb.spectrum(alpha=0.2, p=np.geomspace(0.5, 5, 400), eta=[40, 80], xi_v=0.1, records=[record])
+"""
+
+from rocking_block._engine import __version__
+from rocking_block._block import Block
+from rocking_block._fmu import fmu_path
+from rocking_block._pulse import Pulse
+from rocking_block._record import Record, read_record
+from rocking_block._run import Counts, Energy, Event, Peak, Run
+from rocking_block._search import Search, search_damping, search_overturning
+from rocking_block._studies import blocks, outcomes, spectrum, sweep
+from rocking_block._table import Table
+
+__all__ = [
+    "Block",
+    "Counts",
+    "Energy",
+    "Event",
+    "Peak",
+    "Pulse",
+    "Record",
+    "Run",
+    "Search",
+    "Table",
+    "blocks",
+    "fmu_path",
+    "outcomes",
+    "read_record",
+    "search_damping",
+    "search_overturning",
+    "spectrum",
+    "sweep",
+]

@@ -1,0 +1,173 @@
+"""A block and its foundation."""
+
+import math
+from typing import Any
+
+from rocking_block import _engine
+from rocking_block._pulse import Pulse
+from rocking_block._record import Record
+from rocking_block._run import Run
+from rocking_block._words import LiftOff, OnOverturning, OnSeparation, ticking
+
+
+class Block(_engine.Block):
+    """A rigid block on viscoelastic supports, or on a rigid base. It cannot be changed.
+
+    It is given by the paper's four parameters (Palmeri & Makris 2008), or by its sizes and those of a support. Either way
+    all of them can be read from it, and `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max` and `theta_separation` besides.
+    What a rigid base has not is nan.
+
+    Parameters
+    ----------
+    alpha : float, default 0.25
+        Slenderness angle α [rad], 0 < α < π/2.
+    p : float, default 1
+        Frequency parameter p = √(γ g / ((1 + γ) R0)) [rad/s], eq. (3).
+    eta : float, default 40
+        Stiffness ratio η = ω_v/p [1].
+    xi_v : float, default 0.1
+        Vertical damping ratio ξ_v [1].
+    width, height : float
+        Width of the base, and twice the height of the centre of mass over it [m], instead of `alpha` and `p`.
+    K, C : float
+        Stiffness [N/m] and damping [N s/m] of one support, instead of `eta` and `xi_v`.
+    mass : float
+        Mass M [kg].
+    gamma : float
+        Shape factor γ = M R0²/I0 [1]; 3 for a homogeneous rectangle.
+    epsilon : float
+        Restitution ε of the landing corner [1], 0 ≤ ε ≤ 1, eq. (17).
+    g : float
+        Gravity [m/s²].
+    foundation : {"viscoelastic", "rigid"}
+        A spring and a dashpot under each corner, or Housner's rigid base.
+    restitution_factor : float, default 1
+        On the rigid base, restitution e over Housner's e of ε [1].
+
+    Raises
+    ------
+    ValueError
+        A parameter of which no block can be made, or that nothing would read; the message names it.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> block = rb.Block(alpha=0.2, p=1.5, eta=60, xi_v=0.1)
+    >>> block
+    <Block 1.3 m × 6.41 m, 1000 kg: alpha=0.2, p=1.5, eta=60, xi_v=0.1, epsilon=0; R0=3.27 m, K=4.05e+06 N/m, C=9e+03 N s/m>
+    >>> block.replace(foundation="rigid")
+    <Block 1.3 m × 6.41 m, 1000 kg: alpha=0.2, p=1.5, rigid base, epsilon=0; R0=3.27 m, e=0.9408>
+    >>> rb.Block(alpha=-0.2)
+    Traceback (most recent call last):
+        ...
+    ValueError: alpha = -0.2 is not valid; expected 0 < alpha < pi/2 rad
+    """
+
+    __slots__ = ()
+
+    def replace(self, **changes: Any) -> "Block":
+        """The block with other parameters.
+
+        Those of its supports are left out where `foundation="rigid"` is among them, and the factor on e where it is
+        "viscoelastic".
+
+        >>> import rocking_block as rb
+        >>> rb.Block(eta=60).replace(p=2.0).eta
+        60.0
+        """
+        kept = self.parameters()
+        other = {"rigid": ("eta", "xi_v", "K", "C"), "viscoelastic": ("restitution_factor",)}
+        for name in other.get(changes.get("foundation", ""), ()):
+            kept.pop(name, None)
+        return Block(**(kept | changes))
+
+    __replace__ = replace
+
+    def run(
+        self,
+        record: Record | None = None,
+        *,
+        vertical: Record | None = None,
+        scale: float = 1.0,
+        pulse: Pulse | None = None,
+        theta: float = 0.0,
+        theta_dot: float = 0.0,
+        v: float | None = None,
+        v_dot: float | None = None,
+        tolerance: float = 1e-8,
+        on_separation: OnSeparation = "terminate",
+        on_overturning: OnOverturning = "terminate",
+        lift_off: LiftOff = "keep-rates",
+        duration: float | None = None,
+        step: float | None = None,
+        progress: bool | None = None,
+    ) -> Run:
+        """Rocks the block; the same numbers to the last bit as those of `rocking simulate`.
+
+        Parameters
+        ----------
+        record, vertical : Record, optional
+            Horizontal and vertical ground acceleration, each followed exactly, sample by sample.
+        scale : float
+            Factor on both [1].
+        pulse : Pulse, optional
+            A pulse, alone or added to the record.
+        theta, theta_dot : float
+            Rotation [rad] and its rate [rad/s] at the start, positive to the right.
+        v, v_dot : float, optional
+            Height of the centre of mass over its place at rest [m] and vertical velocity [m/s] at the start, instead of
+            the vertical equilibrium.
+        tolerance : float
+            Relative tolerance of the integration, 1e-14 to 1e-1; what lies outside is taken as the nearer one.
+        on_separation : {"terminate", "hold", "fly"}
+            At complete separation: the run ends, as in the paper; the block is held where it is until `duration`; or it
+            flies, lands and goes on.
+        on_overturning : {"terminate", "hold"}
+            The same at a quarter turn.
+        lift_off : {"keep-rates", "keep-momentum"}
+            What stays the same when a corner lifts from full contact: the rates, as in the paper, or the angular momentum
+            about the corner that stands.
+        duration : float, optional
+            Duration [s]; without it the run goes on until the ground has come to rest and the block has come down.
+        step : float, optional
+            Time between two rows [s]; without it the record's time step, or 0.01 s.
+        progress : bool, optional
+            Whether to show a bar of tqdm.
+
+        Raises
+        ------
+        ValueError
+            An option that is not valid, nothing that moves the block, or a run that fails; in the engine's words.
+
+        Examples
+        --------
+        >>> import rocking_block as rb
+        >>> run = rb.Block(alpha=0.25, p=1.0).run(pulse=rb.Pulse("one-sine", 6.2622, 1.2566))
+        >>> run
+        <Run completed at 9.257 s, |θ|/α = 0.5798, 4 impacts, 927 rows>
+        >>> run.outcome, run.theta.shape
+        ('completed', (927,))
+        """
+        beginning = {"theta": theta, "theta_dot": theta_dot, "v": v, "v_dot": v_dot}
+        options = {
+            "tolerance": tolerance,
+            "on_separation": on_separation,
+            "on_overturning": on_overturning,
+            "lift_off": lift_off,
+            "duration": duration,
+            "step": step,
+        }
+        with ticking(progress) as tick:
+            made = _engine.history(self, record, vertical, scale, pulse, beginning, options, tick)
+        return Run.of(self, made)
+
+    def __repr__(self) -> str:
+        size = f"{self.width:.3g} m × {self.height:.3g} m, {self.mass:g} kg"
+        if math.isnan(self.eta):
+            base = "rigid base, "
+            more = f"e={self.e:.4g}"
+        else:
+            base = f"eta={self.eta:.6g}, xi_v={self.xi_v:.6g}, "
+            more = f"K={self.K:.3g} N/m, C={self.C:.3g} N s/m"
+        paper = f"alpha={self.alpha:.6g}, p={self.p:.6g}, {base}epsilon={self.epsilon:g}"
+        return f"<Block {size}: {paper}; R0={self.R0:.3g} m, {more}>"

@@ -1,0 +1,174 @@
+"""The compiled part of the package."""
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+from typing_extensions import Self, disjoint_base
+
+__version__: str
+
+_Floats = npt.NDArray[np.float64]
+_Tick = Callable[[int, int], object]
+_Motion = tuple[Record | None, Record | None, float]
+_Answer = tuple[float | None, list[tuple[float, float, str]], float]
+
+@disjoint_base
+class Block:
+    def __new__(
+        cls,
+        *,
+        alpha: float | None = None,
+        p: float | None = None,
+        eta: float | None = None,
+        xi_v: float | None = None,
+        width: float | None = None,
+        height: float | None = None,
+        K: float | None = None,
+        C: float | None = None,
+        mass: float = 1000.0,
+        gamma: float = 3.0,
+        epsilon: float = 0.0,
+        g: float = 9.81,
+        foundation: str = "viscoelastic",
+        restitution_factor: float | None = None,
+    ) -> Self: ...
+    def parameters(self) -> dict[str, Any]: ...
+    @property
+    def foundation(self) -> str: ...
+    @property
+    def alpha(self) -> float: ...
+    @property
+    def p(self) -> float: ...
+    @property
+    def eta(self) -> float: ...
+    @property
+    def xi_v(self) -> float: ...
+    @property
+    def omega_v(self) -> float: ...
+    @property
+    def K(self) -> float: ...
+    @property
+    def C(self) -> float: ...
+    @property
+    def delta_s(self) -> float: ...
+    @property
+    def theta_separation(self) -> float: ...
+    @property
+    def width(self) -> float: ...
+    @property
+    def height(self) -> float: ...
+    @property
+    def R0(self) -> float: ...
+    @property
+    def I0(self) -> float: ...
+    @property
+    def mass(self) -> float: ...
+    @property
+    def gamma(self) -> float: ...
+    @property
+    def epsilon(self) -> float: ...
+    @property
+    def g(self) -> float: ...
+    @property
+    def e(self) -> float: ...
+    @property
+    def e_max(self) -> float: ...
+    @property
+    def restitution_factor(self) -> float: ...
+
+@final
+class Blocks:
+    def __new__(
+        cls,
+        foundation: str,
+        alpha: _Floats,
+        p: _Floats,
+        eta: _Floats,
+        xi_v: _Floats,
+        epsilon: _Floats,
+        restitution_factor: _Floats,
+        mass: float,
+        gamma: float,
+        g: float,
+    ) -> Self: ...
+    @staticmethod
+    def of(blocks: Sequence[Block]) -> Blocks: ...
+    def __len__(self) -> int: ...
+    def column(self, name: str) -> _Floats: ...
+    def foundations(self) -> list[str]: ...
+
+@disjoint_base
+class Record:
+    def __new__(cls, acceleration: _Floats, dt: float, name: str = "", start: float = 0.0) -> Self: ...
+    def __len__(self) -> int: ...
+    @property
+    def acceleration(self) -> _Floats: ...
+    @property
+    def dt(self) -> float: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def pga(self) -> float: ...
+    @property
+    def pgv(self) -> float: ...
+    def sa(self, period: float) -> float: ...
+
+def read_record(
+    path: str | PathLike[str],
+    *,
+    unit: str | None,
+    dt: float | None,
+    format: str | None,
+    channel: int | None,
+    time_column: int | str | None,
+    acceleration_column: int | str | None,
+    g: float,
+) -> tuple[_Floats, float, str, float]: ...
+def check_pulse(pulse: object) -> None: ...
+def pulse_acceleration(pulse: object, times: _Floats) -> list[float]: ...
+def pulse_duration(pulse: object) -> float: ...
+def history(
+    block: Block,
+    horizontal: Record | None,
+    vertical: Record | None,
+    scale: float,
+    pulse: object | None,
+    beginning: dict[str, float | None],
+    options: dict[str, Any],
+    tick: _Tick,
+) -> dict[str, Any]: ...
+def outcomes(
+    blocks: Blocks,
+    motions: Sequence[_Motion],
+    pulse: object | None,
+    options: dict[str, Any],
+    threads: int | None,
+    tick: _Tick,
+) -> tuple[dict[str, Any], str | None]: ...
+def sweep(
+    name: str | None,
+    text: str,
+    folder: str | PathLike[str],
+    on_separation: str | None,
+    threads: int | None,
+    tick: _Tick,
+) -> tuple[list[str], list[Any], str | None]: ...
+def search_overturning(
+    block: Block,
+    pulse: object | None,
+    horizontal: Record | None,
+    vertical: Record | None,
+    scan: dict[str, Any],
+    options: dict[str, Any],
+    tick: _Tick,
+) -> _Answer: ...
+def search_damping(
+    block: Block, rate: float, scan: dict[str, Any], options: dict[str, Any], tick: _Tick
+) -> _Answer: ...

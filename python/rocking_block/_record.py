@@ -1,0 +1,123 @@
+"""Accelerograms."""
+
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from rocking_block import _engine
+from rocking_block._words import Floats
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Record(_engine.Record):
+    """A ground acceleration, linear between evenly spaced samples and zero outside. It cannot be changed.
+
+    Parameters
+    ----------
+    acceleration : array_like, shape (n,)
+        Samples [m/s²], n ≥ 2. As a horizontal record positive to the right, as a vertical one positive up.
+    dt : float
+        Time between two samples [s], > 0.
+    name : str
+        Earthquake, station and component.
+    start : float
+        Time of the first sample [s].
+
+    Raises
+    ------
+    ValueError
+        Too few samples, one that is not finite, or no time step.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> record = rb.Record([0.0, 3.0, -2.0, 0.0], dt=0.5, name="made up")
+    >>> record
+    Record('made up', 4 samples, dt=0.5 s, 1.5 s, PGA 3 m/s²)
+    >>> record.t
+    array([0. , 0.5, 1. , 1.5])
+    """
+
+    __slots__ = ()
+
+    def __new__(cls, acceleration: npt.ArrayLike, dt: float, name: str = "", start: float = 0.0) -> "Self":
+        samples = np.asarray(acceleration, dtype=np.float64)
+        if samples.ndim != 1:
+            raise ValueError(f"acceleration has shape {samples.shape}; expected one dimension, of samples")
+        return super().__new__(cls, samples, dt, name, start)
+
+    @property
+    def t(self) -> Floats:
+        """Times of the samples [s], shape (n,)."""
+        return self.start + np.arange(len(self), dtype=np.float64) * self.dt
+
+    def scaled(self, factor: float) -> "Record":
+        """The record with all accelerations multiplied by a factor.
+
+        >>> import rocking_block as rb
+        >>> rb.Record([0.0, 3.0, -2.0], dt=0.5).scaled(-2).pga
+        6.0
+        """
+        return Record(self.acceleration * factor, self.dt, self.name, self.start)
+
+    def __repr__(self) -> str:
+        name = f"{self.name!r}, " if self.name else ""
+        return f"Record({name}{len(self)} samples, dt={self.dt:g} s, {self.duration:g} s, PGA {self.pga:.3g} m/s²)"
+
+
+def read_record(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    format: str | None = None,
+    channel: int | None = None,
+    time_column: int | str | None = None,
+    acceleration_column: int | str | None = None,
+    g: float = 9.81,
+) -> Record:
+    """Reads an accelerogram: PEER AT2 in all its variants, USGS SMC, COSMOS, CSMIP, ESM ASC, or columns (CSV).
+
+    The format is told from the content. What the file does not say is given by the options, and what it does say must
+    agree with them.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    unit : {"g", "m/s2", "cm/s2", "gal"}, optional
+        Unit of the values.
+    dt : float, optional
+        Time between two samples [s].
+    format : {"peer", "smc", "columns", "cosmos", "csmip", "esm"}, optional
+        Format of the file.
+    channel : int, optional
+        Channel, from 1, of a COSMOS or CSMIP file that has several.
+    time_column, acceleration_column : int or str, optional
+        Columns of a table, by number from 1 or by name.
+    g : float
+        Gravity by which values in g are read [m/s²].
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        It is not an accelerogram, is incomplete, or leaves open what no option says; the message is one line with the
+        place in the file, what was found and what was expected.
+    """
+    read = _engine.read_record(
+        path,
+        unit=unit,
+        dt=dt,
+        format=format,
+        channel=channel,
+        time_column=time_column,
+        acceleration_column=acceleration_column,
+        g=g,
+    )
+    return Record(*read)

@@ -1,0 +1,259 @@
+"""What a block did."""
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rocking_block import _engine
+from rocking_block._words import Floats, Outcome
+
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import pandas
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of what touches what."""
+
+    t: float
+    """Time [s]."""
+    event: str
+    """"lift-off", "landing", "slip", "grip" or "overturning"."""
+    corner: str | None
+    """"L" or "R", of a lift-off or a landing."""
+    before: str
+    """The regime before: "full contact", "tilting left", "tilting right" or "separated"."""
+    after: str
+    """The regime after."""
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Greatest absolute values of a run, from between its rows too."""
+
+    theta: float
+    """Rotation [rad]."""
+    N: float
+    """Vertical reaction of a corner [N]."""
+    H: float
+    """Horizontal reaction [N]."""
+    uplift: float
+    """Height of a corner above its support [m]."""
+    friction_demand: float
+    """|H|/(N_L + N_R) [1]: the friction that the assumption of no sliding needs."""
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What was counted in a run."""
+
+    impacts: int
+    """Landings of a corner."""
+    liftoffs: int
+    """Corners that lifted."""
+    steps: int
+    """Steps of the integrator that were accepted."""
+    rejected: int
+    """Steps that were repeated with a smaller size."""
+    evaluations: int
+    """Evaluations of the equations of motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """Energies over time [J], each of shape (n,)."""
+
+    total: Floats
+    kinetic: Floats
+    input: Floats
+    """Work of the ground motion."""
+    dashpots: Floats
+    """Lost in the dashpots."""
+    impacts: Floats
+    """Lost at impacts."""
+    constraint: Floats
+    """What comes and goes with the horizontal constraint."""
+    residual: Floats
+    """What the sum misses: round-off and integration error."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """What a block did, in rows at evenly spaced times and at the end of the run: arrays of shape (n,), SI units, angles in
+    radians, names of the FMU's variables. `Block.run` makes it.
+
+    `run["theta"]` is any column by its name; `run.theta` those without a dot in their name, and `run.energy.total` the
+    energies.
+    """
+
+    block: _engine.Block
+    """The block."""
+    columns: dict[str, Floats]
+    """All columns by their names, those of the table of `rocking simulate`."""
+    events: tuple[Event, ...]
+    """What happened, in order."""
+    peak: Peak
+    """Greatest absolute values."""
+    counts: Counts
+    """What was counted."""
+    outcome: Outcome
+    """"completed", "overturned" or "separated". A block that leaves its supports with |θ| ≥ α and growing overturned."""
+    end_time: float
+    """When the run ended [s]."""
+    has_come_down: bool
+    """Whether, at the end, the ground has come to rest and the block is bound to."""
+
+    @staticmethod
+    def of(block: _engine.Block, made: dict[str, Any]) -> "Run":
+        """The run of what the engine made."""
+        for column in made["columns"].values():
+            column.setflags(write=False)
+        return Run(
+            block=block,
+            columns=made["columns"],
+            events=tuple(Event(*event) for event in made["events"]),
+            peak=Peak(*made["peak"]),
+            counts=Counts(*made["counts"]),
+            outcome=made["outcome"],
+            end_time=made["end_time"],
+            has_come_down=made["has_come_down"],
+        )
+
+    def __getitem__(self, name: str) -> Floats:
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def t(self) -> Floats:
+        """Time [s]."""
+        return self.columns["t"]
+
+    @property
+    def theta(self) -> Floats:
+        """Rotation [rad], positive to the right."""
+        return self.columns["theta"]
+
+    @property
+    def theta_dot(self) -> Floats:
+        """Rate of rotation [rad/s]."""
+        return self.columns["theta_dot"]
+
+    @property
+    def theta_ddot(self) -> Floats:
+        """Angular acceleration [rad/s²]."""
+        return self.columns["theta_ddot"]
+
+    @property
+    def v(self) -> Floats:
+        """Vertical displacement of the centre of mass relative to the ground [m], positive up."""
+        return self.columns["v"]
+
+    @property
+    def v_dot(self) -> Floats:
+        """Its rate [m/s]."""
+        return self.columns["v_dot"]
+
+    @property
+    def v_ddot(self) -> Floats:
+        """Its acceleration [m/s²]."""
+        return self.columns["v_ddot"]
+
+    @property
+    def u(self) -> Floats:
+        """Horizontal displacement of the centre of mass relative to the ground [m], positive to the right."""
+        return self.columns["u"]
+
+    @property
+    def u_dot(self) -> Floats:
+        """Its rate [m/s]."""
+        return self.columns["u_dot"]
+
+    @property
+    def u_ddot(self) -> Floats:
+        """Its acceleration [m/s²]."""
+        return self.columns["u_ddot"]
+
+    @property
+    def N_L(self) -> Floats:
+        """Vertical reaction of the left corner [N], ≥ 0."""
+        return self.columns["N_L"]
+
+    @property
+    def N_R(self) -> Floats:
+        """Vertical reaction of the right corner [N], ≥ 0."""
+        return self.columns["N_R"]
+
+    @property
+    def H(self) -> Floats:
+        """Horizontal reaction on the block [N], positive to the right."""
+        return self.columns["H"]
+
+    @property
+    def M_base(self) -> Floats:
+        """Moment of the reactions about the middle of the base [N m], positive clockwise."""
+        return self.columns["M_base"]
+
+    @property
+    def regime(self) -> npt.NDArray[np.int8]:
+        """−1 tilting left, 0 full contact, 1 tilting right, 2 separated."""
+        return self.columns["regime"].astype(np.int8)
+
+    @property
+    def uplift_L(self) -> Floats:
+        """Height of the left corner above its support [m], ≥ 0."""
+        return self.columns["uplift_L"]
+
+    @property
+    def uplift_R(self) -> Floats:
+        """Height of the right corner above its support [m], ≥ 0."""
+        return self.columns["uplift_R"]
+
+    @property
+    def friction_demand(self) -> Floats:
+        """|H|/(N_L + N_R) [1]."""
+        return self.columns["friction_demand"]
+
+    @property
+    def a_gx(self) -> Floats:
+        """Horizontal ground acceleration, with the pulse [m/s²], positive to the right."""
+        return self.columns["a_gx"]
+
+    @property
+    def a_gz(self) -> Floats:
+        """Vertical ground acceleration [m/s²], positive up."""
+        return self.columns["a_gz"]
+
+    @property
+    def energy(self) -> Energy:
+        """Energies [J]."""
+        return Energy(**{field.name: self.columns[f"energy.{field.name}"] for field in fields(Energy)})
+
+    def to_frame(self) -> "pandas.DataFrame":
+        """The columns over time, as a pandas DataFrame with the index `t` [s].
+
+        >>> import rocking_block as rb
+        >>> rb.Block().run(theta=0.1, duration=1.0).to_frame().shape
+        (101, 26)
+        """
+        import pandas
+
+        columns = {name: self.columns[name] for name in self.columns if name != "t"}
+        return pandas.DataFrame(columns | {"regime": self.regime}, index=pandas.Index(self.t, name="t"))
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Rotation, reactions of the corners and ground acceleration over time, as a figure of Matplotlib."""
+        from rocking_block import _plot
+
+        return _plot.run(self)
+
+    def __repr__(self) -> str:
+        rotation = self.peak.theta / self.block.alpha
+        return (
+            f"<Run {self.outcome} at {self.end_time:.4g} s, |θ|/α = {rotation:.4g}, {self.counts.impacts} impacts, "
+            f"{len(self)} rows>"
+        )

@@ -1,0 +1,144 @@
+"""Where the outcome of a run changes."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from rocking_block import _engine
+from rocking_block._pulse import Pulse
+from rocking_block._record import Record
+from rocking_block._words import LiftOff, OnSeparation, ticking
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search found. Outcomes of rocking blocks are not monotonic: a block may stand more and fall under less."""
+
+    parameter: str
+    """What was searched over, with its unit."""
+    least: float | None
+    """The number that was searched for; None where the range has none."""
+    stretches: tuple[tuple[float, float, str], ...]
+    """Where each outcome begins and ends, in order, and the outcome."""
+    spacing: float
+    """Distance of the values that were scanned: what is narrower may be missed."""
+    resolution: float
+    """Width to which each change is closed in."""
+
+
+def search_overturning(
+    block: _engine.Block,
+    *,
+    pulse: Pulse | None = None,
+    record: Record | None = None,
+    vertical: Record | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    points: int = 201,
+    resolution: float = 1e-6,
+    tolerance: float = 1e-8,
+    on_separation: OnSeparation = "fly",
+    lift_off: LiftOff = "keep-rates",
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Search:
+    """The least amplitude of a pulse, or factor on a record, that overturns a block; as `rocking search overturning`.
+
+    A range of strengths is scanned, and every change of outcome that the scan sees is closed in by bisection.
+
+    Parameters
+    ----------
+    block : Block
+        The block.
+    pulse : Pulse
+        Shape, period and start of a pulse; its amplitude [m/s²] is what is searched for, and not read.
+    record, vertical : Record
+        Instead of a pulse, records, the factor on which [1] is searched for.
+    start, stop : float, optional
+        Range of the amplitude or factor; without them from a PGA of g tan α, which rocks no block on a rigid base, to ten
+        times as much.
+    points : int
+        Values that are scanned, evenly spaced.
+    resolution : float
+        Width to which a change is closed in, in the unit of the amplitude or factor.
+    tolerance, on_separation, lift_off
+        As in `Block.run`.
+    threads : int, optional
+        Threads; without it one for each core.
+    progress : bool, optional
+        Whether to show a bar of tqdm.
+
+    Raises
+    ------
+    ValueError
+        An option that is not valid.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> block = rb.Block(alpha=0.25, p=1.0, foundation="rigid")
+    >>> found = rb.search_overturning(block, pulse=rb.Pulse("one-sine", period=1.2566), points=41)
+    >>> f"{found.least:.4f} m/s²"
+    '7.2226 m/s²'
+    """
+    scan = _scan(start, stop, points, resolution, threads)
+    options = _options(tolerance, on_separation, lift_off)
+    with ticking(progress) as tick:
+        least, stretches, spacing = _engine.search_overturning(block, pulse, record, vertical, scan, options, tick)
+    parameter = "scale [1]" if pulse is None else "a_p [m/s2]"
+    return Search(parameter, least, tuple(stretches), spacing, resolution)
+
+
+def search_damping(
+    block: _engine.Block,
+    *,
+    rate: float = 0.95,
+    start: float = 0.0,
+    stop: float = 1.0,
+    points: int = 201,
+    resolution: float = 1e-6,
+    tolerance: float = 1e-8,
+    lift_off: LiftOff = "keep-rates",
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Search:
+    """The least damping ratio ξ_v from which on a block in free vibration does not separate; as `rocking search damping`
+    (Palmeri & Makris 2008, Figure 9).
+
+    Parameters
+    ----------
+    block : Block
+        The block on viscoelastic supports; its own ξ_v is not read.
+    rate : float
+        Rate of rotation at the start over α p [1].
+    start, stop : float
+        Range of ξ_v [1].
+    points, resolution, tolerance, lift_off, threads, progress
+        As in `search_overturning`.
+
+    Raises
+    ------
+    ValueError
+        An option that is not valid, or a rigid base.
+    """
+    scan = _scan(start, stop, points, resolution, threads)
+    options = _options(tolerance, "terminate", lift_off)
+    with ticking(progress) as tick:
+        least, stretches, spacing = _engine.search_damping(block, rate, scan, options, tick)
+    return Search("xi_v [1]", least, tuple(stretches), spacing, resolution)
+
+
+def _scan(
+    start: float | None, stop: float | None, points: int, resolution: float, threads: int | None
+) -> dict[str, Any]:
+    return {"from": start, "to": stop, "points": points, "resolution": resolution, "threads": threads}
+
+
+def _options(tolerance: float, on_separation: OnSeparation, lift_off: LiftOff) -> dict[str, Any]:
+    return {
+        "tolerance": tolerance,
+        "on_separation": on_separation,
+        "on_overturning": "terminate",
+        "lift_off": lift_off,
+        "duration": None,
+        "step": None,
+    }

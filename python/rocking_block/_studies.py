@@ -1,0 +1,403 @@
+"""Many runs: spectra, lists of blocks, and studies from files."""
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rocking_block import _engine, _toml
+from rocking_block._block import Block
+from rocking_block._pulse import Pulse
+from rocking_block._record import Record, read_record
+from rocking_block._table import Table, of_program
+from rocking_block._words import Floats, Foundation, LiftOff, OnOverturning, OnSeparation, ticking
+
+# One record or several, as they are or as files.
+Records = Record | str | os.PathLike[str] | Sequence[Record | str | os.PathLike[str]]
+
+_UNITS = {
+    "scale": "1",
+    "PGA": "m/s2",
+    "PGV": "m/s",
+    "PGA.vertical": "m/s2",
+    "alpha": "rad",
+    "p": "rad/s",
+    "eta": "1",
+    "xi_v": "1",
+    "epsilon": "1",
+    "restitution_factor": "1",
+    "2pi/p": "s",
+    "omega_p/p": "1",
+    "end_time": "s",
+    "peak.theta/alpha": "1",
+    "peak.uplift": "m",
+    "peak.N": "N",
+    "peak.H": "N",
+    "peak.friction_demand": "1",
+    "first_separation": "s",
+    "flights": "1",
+    "events.impacts": "1",
+    "events.liftoffs": "1",
+}
+
+
+def spectrum(
+    *,
+    p: npt.ArrayLike,
+    alpha: npt.ArrayLike = 0.25,
+    eta: npt.ArrayLike | None = None,
+    xi_v: npt.ArrayLike | None = None,
+    epsilon: npt.ArrayLike = 0.0,
+    restitution_factor: npt.ArrayLike | None = None,
+    foundation: Foundation = "viscoelastic",
+    mass: float = 1000.0,
+    gamma: float = 3.0,
+    g: float = 9.81,
+    records: Records | None = None,
+    vertical: Records | None = None,
+    scale: npt.ArrayLike = 1.0,
+    pulse: Pulse | None = None,
+    tolerance: float = 1e-8,
+    on_separation: OnSeparation = "fly",
+    on_overturning: OnOverturning = "terminate",
+    lift_off: LiftOff = "keep-rates",
+    duration: float | None = None,
+    step: float | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Table:
+    """What becomes of blocks of all sizes on any number of foundations, on all cores; the same numbers to the last bit as
+    those of `rocking spectrum`.
+
+    `alpha`, `eta`, `xi_v`, `epsilon` and `restitution_factor` broadcast with each other as NumPy does: each of their
+    elements is a curve, and each curve has all sizes `p`. So `eta=[40, 80]` are two curves, `eta=[40, 80], xi_v=[0.1, 0.4]`
+    are two as well, and `eta=[[40], [80]], xi_v=[0.1, 0.4]` are four. `outcomes` takes blocks one by one.
+
+    Parameters
+    ----------
+    p : array_like
+        Frequency parameters of the sizes [rad/s].
+    alpha, eta, xi_v, epsilon, restitution_factor : array_like
+        As in `Block`.
+    foundation, mass, gamma, g
+        As in `Block`.
+    records, vertical : Record, path, or sequence of them
+        Horizontal and vertical records, as many of both if there are both. Files are read by `read_record`.
+    scale : array_like, up to one dimension
+        Factors on the records [1].
+    pulse : Pulse, optional
+        A pulse, alone or added to each record.
+    tolerance, on_overturning, lift_off
+        As in `Block.run`.
+    on_separation : {"fly", "terminate", "hold"}
+        Blocks that leave the ground fly on, unless it says otherwise.
+    duration : float, optional
+        Duration of each run [s]; without it, until the ground has come to rest and the block has come down.
+    step : float, optional
+        Longest time between two stops of a run [s]; without it only the records' samples and the pulse's ends are.
+    threads : int, optional
+        Threads; without it one for each core. Their number changes no bit.
+    progress : bool, optional
+        Whether to show a bar of tqdm; without it, after a second where somebody sees it.
+
+    Returns
+    -------
+    Table
+        A row for each record × scale × curve × size, in this order; `shape` has the axes of those that were arrays.
+
+    Raises
+    ------
+    ValueError
+        A parameter of which no block can be made, nothing that moves the ground, or an option that is not valid.
+    OSError
+        A file cannot be read.
+
+    Warns
+    -----
+    RuntimeWarning
+        Some runs failed: their outcome is "failed".
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> pulse = rb.Pulse("one-sine", amplitude=6.2622, period=1.2566)
+    >>> table = rb.spectrum(alpha=0.25, p=[1.0, 1.5, 2.0, 3.0], eta=[40, 80], pulse=pulse)
+    >>> table.shape
+    (2, 4)
+    >>> table["outcome"].reshape(table.shape)[0].tolist()
+    ['completed', 'overturned', 'overturned', 'overturned']
+    """
+    rigid = foundation == "rigid"
+    _refuse(rigid, {"eta": eta, "xi_v": xi_v}, "on a rigid base")
+    factor = {"restitution_factor": restitution_factor}
+    _refuse(not rigid, factor, 'on viscoelastic supports; expected foundation="rigid"')
+    curves = _broadcast(
+        alpha=alpha,
+        eta=40.0 if eta is None else eta,
+        xi_v=0.1 if xi_v is None else xi_v,
+        epsilon=epsilon,
+        restitution_factor=1.0 if restitution_factor is None else restitution_factor,
+    )
+    sizes = np.asarray(p, dtype=np.float64)
+    each = {name: np.repeat(values.ravel(), sizes.size) for name, values in curves.items()}
+    shape = curves["alpha"].shape
+    count = curves["alpha"].size
+    many = _engine.Blocks(
+        foundation,
+        each["alpha"],
+        np.tile(sizes.ravel(), count),
+        each["eta"],
+        each["xi_v"],
+        each["epsilon"],
+        each["restitution_factor"],
+        mass,
+        gamma,
+        g,
+    )
+    options = _options(tolerance, on_separation, on_overturning, lift_off, duration, step)
+    return _outcomes(many, (*shape, *sizes.shape), records, vertical, scale, pulse, g, options, threads, progress)
+
+
+def blocks(**parameters: npt.ArrayLike) -> list[Block]:
+    """Blocks of parameters that broadcast as NumPy does, in the order of the elements.
+
+    Parameters
+    ----------
+    **parameters : array_like
+        Those of `Block`; `foundation` may be an array of words.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> [block.p for block in rb.blocks(alpha=[0.1, 0.2], p=[1.0, 2.0], eta=60)]
+    [1.0, 2.0]
+    """
+    names = list(parameters)
+    arrays = np.broadcast_arrays(*(np.asarray(value) for value in parameters.values()))
+    rows = zip(*(array.ravel().tolist() for array in arrays), strict=True)
+    return [Block(**dict(zip(names, row, strict=True))) for row in rows]
+
+
+def outcomes(
+    blocks: Block | Sequence[Block],
+    records: Records | None = None,
+    *,
+    vertical: Records | None = None,
+    scale: npt.ArrayLike = 1.0,
+    pulse: Pulse | None = None,
+    tolerance: float = 1e-8,
+    on_separation: OnSeparation = "fly",
+    on_overturning: OnOverturning = "terminate",
+    lift_off: LiftOff = "keep-rates",
+    duration: float | None = None,
+    step: float | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Table:
+    """What becomes of each of these blocks under each of these records, on all cores.
+
+    Parameters
+    ----------
+    blocks : Block or sequence of Block
+        The blocks.
+    records, vertical, scale, pulse, tolerance, on_separation, on_overturning, lift_off, duration, step, threads, progress
+        As in `spectrum`; a file in g is read by 9.81 m/s².
+
+    Returns
+    -------
+    Table
+        A row for each record × scale × block, in this order.
+
+    Raises
+    ------
+    ValueError, OSError
+        As `spectrum`.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> pulse = rb.Pulse("one-sine", amplitude=6.2622, period=1.2566)
+    >>> rb.outcomes(rb.blocks(p=[1.0, 1.5, 3.0]), pulse=pulse)["outcome"].tolist()
+    ['completed', 'overturned', 'overturned']
+    """
+    single = isinstance(blocks, _engine.Block)
+    many = _engine.Blocks.of([blocks] if isinstance(blocks, _engine.Block) else list(blocks))
+    shape = () if single else (len(many),)
+    options = _options(tolerance, on_separation, on_overturning, lift_off, duration, step)
+    return _outcomes(many, shape, records, vertical, scale, pulse, 9.81, options, threads, progress)
+
+
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    on_separation: OnSeparation | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Table:
+    """Any parameters of the FMU over grids or Latin hypercubes, under any number of records and scale factors: the table
+    of `rocking sweep`, to the last bit.
+
+    Parameters
+    ----------
+    study : path or mapping
+        A study file (TOML), or what one would hold as a dictionary; files in it are called from the file's folder, or from
+        the working directory.
+    on_separation : {"fly", "terminate"}, optional
+        What happens at complete separation, where the study does not name it; without it the block flies on.
+    threads, progress
+        As in `spectrum`.
+
+    Returns
+    -------
+    Table
+        A row for each combination × record × scale; parameters by their names in the FMU.
+
+    Raises
+    ------
+    OSError
+        The study cannot be read.
+    ValueError
+        It says something wrong; the message has its line, what was found and what was expected.
+
+    Warns
+    -----
+    RuntimeWarning
+        Some runs failed: their outcome is "failed".
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> table = rb.sweep({
+    ...     "study": {"design": "grid"},
+    ...     "parameters": {
+    ...         "dimensionless.p": {"from": 1.0, "to": 3.0, "count": 3},
+    ...         "pulse": {"shape": "OneSine", "amplitude": 6.2622, "period": 1.2566},
+    ...     },
+    ... })
+    >>> table["dimensionless.p"]
+    array([1., 2., 3.])
+    """
+    if isinstance(study, Mapping):
+        name, text, folder = None, _toml.text(study), Path()
+    else:
+        path = Path(study)
+        name, text, folder = str(path), path.read_text(encoding="utf-8"), path.parent
+    with ticking(progress) as tick:
+        headings, columns, failure = _engine.sweep(name, text, folder, on_separation, threads, tick)
+    table = of_program(headings, columns)
+    _warn(table["outcome"], failure)
+    return table
+
+
+def _refuse(unread: bool, given: Mapping[str, object], why: str) -> None:
+    """Refuses what nothing would read, in the engine's words."""
+    for name, value in given.items():
+        if unread and value is not None:
+            raise ValueError(f"{name} has no effect {why}")
+
+
+def _broadcast(**values: npt.ArrayLike) -> dict[str, Floats]:
+    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.shape)
+        raise ValueError(f"shapes do not broadcast: {shapes}") from None
+    return {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
+
+
+def _options(
+    tolerance: float,
+    on_separation: OnSeparation,
+    on_overturning: OnOverturning,
+    lift_off: LiftOff,
+    duration: float | None,
+    step: float | None,
+) -> dict[str, Any]:
+    return {
+        "tolerance": tolerance,
+        "on_separation": on_separation,
+        "on_overturning": on_overturning,
+        "lift_off": lift_off,
+        "duration": duration,
+        "step": step,
+    }
+
+
+def _outcomes(
+    many: _engine.Blocks,
+    shape: tuple[int, ...],
+    records: Records | None,
+    vertical: Records | None,
+    scale: npt.ArrayLike,
+    pulse: Pulse | None,
+    g: float,
+    options: dict[str, Any],
+    threads: int | None,
+    progress: bool | None,
+) -> Table:
+    along, up = _read(records, g), _read(vertical, g)
+    if not along and not up and pulse is None:
+        raise ValueError("nothing moves the ground; expected records or a pulse")
+    if along and up and len(along) != len(up):
+        raise ValueError(f"found {len(up)} vertical and {len(along)} horizontal records; expected as many")
+    number = max(len(along), len(up), 1)
+    nothing: list[Record | None] = [None] * number
+    pairs = list(zip(along or nothing, up or nothing, strict=True))
+    scales = np.asarray(scale, dtype=np.float64)
+    if scales.ndim > 1:
+        raise ValueError(f"scale has shape {scales.shape}; expected a factor or a list of factors")
+    if not along and not up and not np.array_equal(scales, 1.0):
+        raise ValueError("scale has no effect without records")
+    motions = [(horizontal, vertical, factor) for horizontal, vertical in pairs for factor in scales.ravel().tolist()]
+    with ticking(progress) as tick:
+        made, failure = _engine.outcomes(many, motions, pulse, options, threads, tick)
+
+    def of_motion(values: Sequence[Any]) -> npt.NDArray[Any]:
+        return np.repeat(np.array(values), len(many))
+
+    columns: dict[str, npt.ArrayLike] = {}
+    if along:
+        columns["record"] = of_motion([record.name if record else "" for record, _, _ in motions])
+    if up:
+        columns["vertical"] = of_motion([record.name if record else "" for _, record, _ in motions])
+    if along or up:
+        columns["scale"] = of_motion([factor for _, _, factor in motions])
+    if along:
+        pga = {record: record.pga for record in along}
+        pgv = {record: record.pgv for record in along}
+        columns["PGA"] = of_motion([pga[record] * abs(factor) for record, _, factor in motions if record])
+        columns["PGV"] = of_motion([pgv[record] * abs(factor) for record, _, factor in motions if record])
+    if up:
+        columns["PGA.vertical"] = of_motion([record.pga * abs(factor) for _, record, factor in motions if record])
+    columns["foundation"] = np.tile(np.array(many.foundations()), len(motions))
+    for name in ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor"):
+        columns[name] = np.tile(many.column(name), len(motions))
+    frequencies = np.asarray(columns["p"])
+    columns["2pi/p"] = 2 * np.pi / frequencies
+    if pulse is not None:
+        columns["omega_p/p"] = 2 * np.pi / pulse.period / frequencies
+    columns.update(made)
+    _warn(made["outcome"], failure)
+    axes = (*((number,) if isinstance(records or vertical, list | tuple) else ()), *scales.shape, *shape)
+    return Table(columns, {name: unit for name, unit in _UNITS.items() if name in columns}, axes)
+
+
+def _read(records: Records | None, g: float) -> list[Record]:
+    if records is None:
+        return []
+    listed = [records] if isinstance(records, Record | str | os.PathLike) else list(records)
+    if not listed:
+        raise ValueError("records = []; expected at least one")
+    return [record if isinstance(record, Record) else read_record(record, g=g) for record in listed]
+
+
+def _warn(found: Sequence[str] | npt.NDArray[Any], failure: str | None) -> None:
+    if failure is not None:
+        failed = np.flatnonzero(np.asarray(found) == "failed")
+        message = f"{len(failed)} of {len(found)} runs failed, the first in row {failed[0]}: {failure}"
+        warnings.warn(message, RuntimeWarning, stacklevel=3)

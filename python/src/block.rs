@@ -1,0 +1,374 @@
+//! Parameters → a block, or many.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Physical};
+
+use crate::options::{invalid, word};
+
+/// The foundations by their words.
+const FOUNDATIONS: [(&str, Foundation); 2] = [("viscoelastic", Foundation::Viscoelastic), ("rigid", Foundation::Rigid)];
+
+/// What was given of a block; the rest follows.
+#[derive(Clone, Debug, Default)]
+struct Given {
+    alpha: Option<f64>,
+    p: Option<f64>,
+    eta: Option<f64>,
+    xi_v: Option<f64>,
+    width: Option<f64>,
+    height: Option<f64>,
+    stiffness: Option<f64>,
+    damping: Option<f64>,
+    restitution_factor: Option<f64>,
+}
+
+impl Given {
+    fn named(&self) -> [(&'static str, Option<f64>); 9] {
+        let Given { alpha, p, eta, xi_v, width, height, stiffness, damping, restitution_factor } = *self;
+        [
+            ("alpha", alpha),
+            ("p", p),
+            ("eta", eta),
+            ("xi_v", xi_v),
+            ("width", width),
+            ("height", height),
+            ("K", stiffness),
+            ("C", damping),
+            ("restitution_factor", restitution_factor),
+        ]
+    }
+
+    /// Refuses the first of these parameters that was given.
+    fn refuse(&self, names: &[&str], why: &str) -> PyResult<()> {
+        match self.named().into_iter().find(|(name, value)| value.is_some() && names.contains(name)) {
+            Some((name, _)) => Err(PyValueError::new_err(format!("{name} has no effect {why}"))),
+            None => Ok(()),
+        }
+    }
+
+    fn block(&self, common: &Common) -> PyResult<engine::Block> {
+        match common.foundation {
+            Foundation::Viscoelastic => {
+                self.refuse(&["restitution_factor"], "on viscoelastic supports; expected foundation=\"rigid\"")?;
+            }
+            Foundation::Rigid => self.refuse(&["eta", "xi_v", "K", "C"], "on a rigid base")?,
+        }
+        let Some(width) = self.width else {
+            self.refuse(&["height", "K", "C"], "without width")?;
+            let Given { alpha, p, eta, xi_v, .. } = *self;
+            let dimensionless = Dimensionless {
+                alpha: alpha.unwrap_or(0.25),
+                p: p.unwrap_or(1.0),
+                eta: eta.unwrap_or(40.0),
+                xi_v: xi_v.unwrap_or(0.1),
+            };
+            return engine::Block::from_dimensionless(&dimensionless, common).map_err(invalid);
+        };
+        self.refuse(&["alpha", "p", "eta", "xi_v"], "with width")?;
+        let missing = |what: &str| PyValueError::new_err(format!("width without {what}"));
+        let height = self.height.ok_or_else(|| missing("height; expected both"))?;
+        let (stiffness, damping) = match (common.foundation, self.stiffness, self.damping) {
+            (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
+            (Foundation::Viscoelastic, ..) => {
+                return Err(missing("K and C; expected both, or foundation=\"rigid\""));
+            }
+            // The rigid base reads neither; any that make a block will do.
+            (Foundation::Rigid, ..) => (common.mass * common.gravity / height, 0.0),
+        };
+        let physical = Physical { width, height, stiffness, damping };
+        engine::Block::from_physical(&physical, common).map_err(invalid)
+    }
+}
+
+/// The parameters of a block; the class of the same name in Python adds what it does.
+#[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
+#[derive(Clone, Debug)]
+pub struct Block {
+    given: Given,
+    pub block: engine::Block,
+}
+
+impl PartialEq for Block {
+    fn eq(&self, other: &Block) -> bool {
+        self.block == other.block
+    }
+}
+
+impl Hash for Block {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let engine::Block { alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, .. } =
+            self.block;
+        // Adding zero makes one of both zeros, which are equal.
+        [alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor]
+            .map(|value| (value + 0.0).to_bits())
+            .hash(state);
+    }
+}
+
+#[pymethods]
+impl Block {
+    #[new]
+    #[pyo3(signature = (
+        *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=1000.0, gamma=3.0,
+        epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None,
+    ))]
+    #[allow(non_snake_case, clippy::too_many_arguments)]
+    fn new(
+        alpha: Option<f64>,
+        p: Option<f64>,
+        eta: Option<f64>,
+        xi_v: Option<f64>,
+        width: Option<f64>,
+        height: Option<f64>,
+        K: Option<f64>,
+        C: Option<f64>,
+        mass: f64,
+        gamma: f64,
+        epsilon: f64,
+        g: f64,
+        foundation: &str,
+        restitution_factor: Option<f64>,
+    ) -> PyResult<Block> {
+        let foundation = word("foundation", foundation, &FOUNDATIONS)?;
+        let given = Given { alpha, p, eta, xi_v, width, height, stiffness: K, damping: C, restitution_factor };
+        let restitution_factor = restitution_factor.unwrap_or(1.0);
+        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
+        Ok(Block { block: given.block(&common)?, given })
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
+        Ok(((), self.parameters(py)?))
+    }
+
+    /// The parameters that make this block: those that were given, and those that all blocks have.
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let parameters = PyDict::new(py);
+        for (name, value) in self.given.named() {
+            if let Some(value) = value {
+                parameters.set_item(name, value)?;
+            }
+        }
+        let engine::Block { mass, gamma, epsilon, gravity, .. } = self.block;
+        for (name, value) in [("mass", mass), ("gamma", gamma), ("epsilon", epsilon), ("g", gravity)] {
+            parameters.set_item(name, value)?;
+        }
+        parameters.set_item("foundation", self.foundation())?;
+        Ok(parameters)
+    }
+
+    #[getter]
+    fn foundation(&self) -> &'static str {
+        foundation_word(self.block.foundation)
+    }
+
+    #[getter]
+    fn alpha(&self) -> f64 {
+        self.block.alpha
+    }
+
+    #[getter]
+    fn p(&self) -> f64 {
+        self.block.p
+    }
+
+    #[getter]
+    fn eta(&self) -> f64 {
+        self.of_supports(self.given.eta.unwrap_or(self.block.eta()))
+    }
+
+    #[getter]
+    fn xi_v(&self) -> f64 {
+        self.of_supports(self.block.xi_v)
+    }
+
+    #[getter]
+    fn omega_v(&self) -> f64 {
+        self.of_supports(self.block.omega_v)
+    }
+
+    #[getter]
+    #[allow(non_snake_case)]
+    fn K(&self) -> f64 {
+        self.of_supports(self.block.stiffness)
+    }
+
+    #[getter]
+    #[allow(non_snake_case)]
+    fn C(&self) -> f64 {
+        self.of_supports(self.block.damping)
+    }
+
+    #[getter]
+    fn delta_s(&self) -> f64 {
+        self.of_supports(self.block.static_deflection())
+    }
+
+    #[getter]
+    fn theta_separation(&self) -> f64 {
+        self.of_supports(self.block.separation_angle())
+    }
+
+    #[getter]
+    fn width(&self) -> f64 {
+        2.0 * self.block.b
+    }
+
+    #[getter]
+    fn height(&self) -> f64 {
+        2.0 * self.block.h
+    }
+
+    #[getter]
+    #[allow(non_snake_case)]
+    fn R0(&self) -> f64 {
+        self.block.r0
+    }
+
+    #[getter]
+    #[allow(non_snake_case)]
+    fn I0(&self) -> f64 {
+        self.block.inertia()
+    }
+
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.block.mass
+    }
+
+    #[getter]
+    fn gamma(&self) -> f64 {
+        self.block.gamma
+    }
+
+    #[getter]
+    fn epsilon(&self) -> f64 {
+        self.block.epsilon
+    }
+
+    #[getter]
+    fn g(&self) -> f64 {
+        self.block.gravity
+    }
+
+    #[getter]
+    fn e(&self) -> f64 {
+        self.block.restitution()
+    }
+
+    #[getter]
+    fn e_max(&self) -> f64 {
+        self.block.max_restitution()
+    }
+
+    #[getter]
+    fn restitution_factor(&self) -> f64 {
+        match self.block.foundation {
+            Foundation::Rigid => self.block.restitution_factor,
+            Foundation::Viscoelastic => f64::NAN,
+        }
+    }
+}
+
+impl Block {
+    /// A value that a rigid base has not.
+    fn of_supports(&self, value: f64) -> f64 {
+        match self.block.foundation {
+            Foundation::Viscoelastic => value,
+            Foundation::Rigid => f64::NAN,
+        }
+    }
+}
+
+fn foundation_word(foundation: Foundation) -> &'static str {
+    FOUNDATIONS.iter().find(|(_, known)| *known == foundation).map_or("", |(word, _)| word)
+}
+
+/// Many blocks on one kind of foundation.
+#[pyclass(frozen, module = "rocking_block._engine")]
+pub struct Blocks {
+    pub blocks: Vec<engine::Block>,
+    /// η as it was given: that of a block is ω_v/p, which may be off by rounding.
+    eta: Vec<f64>,
+}
+
+#[pymethods]
+impl Blocks {
+    /// The blocks of arrays of one length; those of η and ξ_v are not read on a rigid base, that of the factor not on
+    /// supports.
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        foundation: &str,
+        alpha: PyReadonlyArray1<f64>,
+        p: PyReadonlyArray1<f64>,
+        eta: PyReadonlyArray1<f64>,
+        xi_v: PyReadonlyArray1<f64>,
+        epsilon: PyReadonlyArray1<f64>,
+        restitution_factor: PyReadonlyArray1<f64>,
+        mass: f64,
+        gamma: f64,
+        g: f64,
+    ) -> PyResult<Blocks> {
+        let foundation = word("foundation", foundation, &FOUNDATIONS)?;
+        let (alpha, p, eta) = (alpha.as_slice()?, p.as_slice()?, eta.as_slice()?);
+        let (xi_v, epsilon, factor) = (xi_v.as_slice()?, epsilon.as_slice()?, restitution_factor.as_slice()?);
+        let block = |i: usize| {
+            let dimensionless = Dimensionless { alpha: alpha[i], p: p[i], eta: eta[i], xi_v: xi_v[i] };
+            let common =
+                Common { mass, gamma, epsilon: epsilon[i], gravity: g, foundation, restitution_factor: factor[i] };
+            engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
+        };
+        let blocks = (0..alpha.len()).map(block).collect::<PyResult<_>>()?;
+        Ok(Blocks { blocks, eta: eta.to_vec() })
+    }
+
+    /// The blocks of a list.
+    #[staticmethod]
+    fn of(blocks: Vec<PyRef<Block>>) -> Blocks {
+        Blocks {
+            blocks: blocks.iter().map(|block| block.block).collect(),
+            eta: blocks.iter().map(|block| block.eta()).collect(),
+        }
+    }
+
+    fn __len__(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// One parameter of all blocks, by its name.
+    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let of: fn(&Block) -> f64 = match name {
+            "alpha" => Block::alpha,
+            "p" => Block::p,
+            "eta" => Block::eta,
+            "xi_v" => Block::xi_v,
+            "epsilon" => Block::epsilon,
+            "restitution_factor" => Block::restitution_factor,
+            "mass" => Block::mass,
+            "gamma" => Block::gamma,
+            "g" => Block::g,
+            _ => return Err(PyValueError::new_err(format!("blocks have no column {name}"))),
+        };
+        let seen = |(block, eta): (&engine::Block, &f64)| {
+            of(&Block { given: Given { eta: Some(*eta), ..Given::default() }, block: *block })
+        };
+        Ok(PyArray1::from_iter(py, self.blocks.iter().zip(&self.eta).map(seen)))
+    }
+
+    /// What each block stands on.
+    fn foundations(&self) -> Vec<&'static str> {
+        self.blocks.iter().map(|block| foundation_word(block.foundation)).collect()
+    }
+}
+
+/// A hash of numbers, which no two runs of Python have differently.
+pub fn hash(parts: impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    parts.hash(&mut hasher);
+    hasher.finish()
+}

@@ -1,0 +1,126 @@
+//! A block and what moves it → columns over time.
+
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rocking_block::contact::Corner;
+use rocking_block::excitation::PulseShape;
+use rocking_block::simulation::Initial;
+use rocking_block::study::history::{History, Run};
+use rocking_block::study::outcome::End;
+use rocking_block::study::table::COLUMNS;
+use rocking_block::system::surfaces::EventKind;
+
+use crate::block::Block;
+use crate::options::{PulseOptions, RunOptions, finite, ground, invalid};
+use crate::record::Record;
+use crate::work::wait;
+
+/// Where a block is at the beginning: a dictionary of these names.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Beginning {
+    theta: f64,
+    theta_dot: f64,
+    v: Option<f64>,
+    v_dot: Option<f64>,
+}
+
+impl Beginning {
+    fn initial(&self) -> PyResult<Initial> {
+        let Beginning { theta, theta_dot, v, v_dot } = *self;
+        finite("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
+        finite("theta_dot", theta_dot, |_| true, "a finite rate")?;
+        for (name, value) in [("v", v), ("v_dot", v_dot)] {
+            finite(name, value.unwrap_or_default(), |_| true, "a finite number")?;
+        }
+        let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
+        Ok(Initial { theta, theta_dot, vertical })
+    }
+}
+
+/// The history of a run: a dictionary of `columns`, `events`, `peak`, `counts` and how it ended.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn history<'py>(
+    py: Python<'py>,
+    block: &Bound<'py, Block>,
+    horizontal: Option<&Bound<'py, Record>>,
+    vertical: Option<&Bound<'py, Record>>,
+    scale: f64,
+    pulse: Option<PulseOptions>,
+    beginning: Beginning,
+    options: RunOptions,
+    tick: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let ground = ground(horizontal, vertical, scale)?;
+    let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
+    let initial = beginning.initial()?;
+    let moves = ground.time_step().is_some()
+        || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+        || initial.theta != 0.0
+        || initial.theta_dot != 0.0
+        || initial.vertical.is_some();
+    if !moves {
+        return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or a beginning"));
+    }
+    let output_step = options.step.or(ground.time_step()).unwrap_or(0.01);
+    finite("step", output_step, |x| x > 0.0, "a time > 0 s")?;
+    if let Some(duration) = options.duration {
+        finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
+    }
+    let (block, settings) = (block.get().block, options.settings()?);
+    let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
+    let duration = run.longest_duration();
+    let rows = duration / output_step;
+    if rows >= 1e8 {
+        let message = format!("{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8");
+        return Err(PyValueError::new_err(message));
+    }
+    const PARTS: u64 = 1000;
+    let history = wait(py, tick, move |progress| {
+        run.history(|part| {
+            progress.show((part * PARTS as f64) as u64, PARTS);
+            progress.end_if_abandoned();
+        })
+    })?;
+    shown(py, &history.map_err(invalid)?)
+}
+
+fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>> {
+    let History { rows, events, peaks, counts, ending, has_come_down } = history;
+    let columns = PyDict::new(py);
+    for (name, value) in COLUMNS {
+        columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
+    }
+    let events = events.iter().map(|event| {
+        let (name, corner) = match event.kind {
+            EventKind::LiftOff(corner) => ("lift-off", Some(corner)),
+            EventKind::Landing(corner) => ("landing", Some(corner)),
+            EventKind::Slip => ("slip", None),
+            EventKind::Grip => ("grip", None),
+            EventKind::Overturning => ("overturning", None),
+        };
+        let corner = corner.map(|corner| match corner {
+            Corner::Left => "L",
+            Corner::Right => "R",
+        });
+        (event.time, name, corner, event.before.to_string(), event.after.to_string())
+    });
+    let end = match ending {
+        None => End::Completed,
+        Some((ending, _)) if ending.is_overturning() => End::Overturned,
+        Some(_) => End::Separated,
+    };
+    let last = rows.last().map_or(0.0, |row| row.time);
+    let result = PyDict::new(py);
+    result.set_item("columns", columns)?;
+    result.set_item("events", events.collect::<Vec<_>>())?;
+    result.set_item("peak", (peaks.theta, peaks.reaction, peaks.horizontal, peaks.uplift, peaks.friction_demand))?;
+    result.set_item("counts", (counts.impacts, counts.liftoffs, counts.steps, counts.rejected, counts.evaluations))?;
+    result.set_item("outcome", end.word())?;
+    result.set_item("end_time", ending.map_or(last, |(_, time)| time))?;
+    result.set_item("has_come_down", has_come_down)?;
+    Ok(result)
+}

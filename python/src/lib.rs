@@ -1,0 +1,42 @@
+//! The engine of the Python package `rocking_block`: what goes between NumPy and the crate `rocking-block`, and nothing
+//! else. Names, defaults and documentation are those of the Python modules beside it; `_engine.pyi` has the types.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `block` | parameters → a block, or many |
+//! | `record` | a file or an array → a record |
+//! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
+//! | `history` | a block and what moves it → columns over time |
+//! | `studies` | many blocks under many ground motions → a column each |
+//! | `search` | a range → where the outcome changes |
+//! | `work` | long work → its result, while Python shows progress and takes Ctrl-C |
+
+mod block;
+mod history;
+mod options;
+mod record;
+mod search;
+mod studies;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The engine of `rocking_block`.
+#[pymodule]
+mod _engine {
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use super::block::{Block, Blocks};
+    #[pymodule_export]
+    use super::history::history;
+    #[pymodule_export]
+    use super::options::{check_pulse, pulse_acceleration, pulse_duration};
+    #[pymodule_export]
+    use super::record::{Record, read_record};
+    #[pymodule_export]
+    use super::search::{search_damping, search_overturning};
+    #[pymodule_export]
+    use super::studies::{outcomes, sweep};
+}

@@ -1,0 +1,139 @@
+//! Words and numbers of Python → settings, pulses and ground motions of the engine.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::simulation::{LiftOff, OnOverturning, OnSeparation, Settings};
+use rocking_block::study::ground::Ground;
+use rocking_block::study::history::{LONGEST, SHORTEST};
+
+use crate::record::Record;
+
+/// An error of the engine, in its words, as a `ValueError`.
+pub fn invalid(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// What a word stands for; the error lists the words.
+pub fn word<T: Copy>(name: &str, found: &str, words: &[(&str, T)]) -> PyResult<T> {
+    words.iter().find(|(word, _)| *word == found).map(|(_, value)| *value).ok_or_else(|| {
+        let known: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+        PyValueError::new_err(format!("{name} = \"{found}\"; expected one of {}", known.join(", ")))
+    })
+}
+
+/// Refuses a value, with a sentence that names it.
+pub fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> PyResult<()> {
+    if value.is_finite() && fits(value) {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!("{name} = {value}; expected {expected}")))
+}
+
+/// How a run is made: a dictionary of these names.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct RunOptions {
+    tolerance: f64,
+    on_separation: String,
+    on_overturning: String,
+    lift_off: String,
+    /// Duration (s); without it, until the block has come down.
+    pub duration: Option<f64>,
+    /// Time between rows, or the longest between two stops (s).
+    pub step: Option<f64>,
+}
+
+impl RunOptions {
+    /// Settings of the engine.
+    pub fn settings(&self) -> PyResult<Settings> {
+        let separations =
+            [("terminate", OnSeparation::Terminate), ("hold", OnSeparation::Hold), ("fly", OnSeparation::Fly)];
+        let overturnings = [("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
+        let lift_offs = [("keep-rates", LiftOff::KeepRates), ("keep-momentum", LiftOff::KeepMomentum)];
+        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        Ok(Settings {
+            tolerance: self.tolerance,
+            on_separation: word("on_separation", &self.on_separation, &separations)?,
+            on_overturning: word("on_overturning", &self.on_overturning, &overturnings)?,
+            lift_off: word("lift_off", &self.lift_off, &lift_offs)?,
+        })
+    }
+
+    /// Refuses a duration that would never end, and stops that come too close.
+    pub fn check_times(&self) -> PyResult<()> {
+        if let Some(duration) = self.duration {
+            finite("duration", duration, |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?;
+        }
+        match self.step {
+            Some(step) => finite("step", step, |x| x >= SHORTEST, "a time of at least 1e-6 s"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The attributes of a `rocking_block.Pulse`.
+#[derive(FromPyObject)]
+pub struct PulseOptions {
+    shape: String,
+    amplitude: Option<f64>,
+    period: f64,
+    start: f64,
+}
+
+impl PulseOptions {
+    /// The pulse; without an amplitude it has that of `instead`.
+    fn pulse(&self, instead: Option<f64>) -> PyResult<Pulse> {
+        let shapes = [
+            ("one-sine", PulseShape::OneSine),
+            ("one-cosine", PulseShape::OneCosine),
+            ("C1", PulseShape::C1),
+            ("C2", PulseShape::C2),
+        ];
+        let shape = word("shape", &self.shape, &shapes)?;
+        let amplitude = instead.or(self.amplitude);
+        let missing = || PyValueError::new_err("amplitude is missing; expected that of the pulse, a_p [m/s2]");
+        let amplitude = amplitude.ok_or_else(missing)?;
+        let PulseOptions { period, start, .. } = *self;
+        finite("amplitude", amplitude, |_| true, "a finite acceleration")?;
+        finite("period", period, |x| x > 0.0, "a time > 0 s")?;
+        finite("start", start, |_| true, "a finite time")?;
+        Ok(Pulse { shape, amplitude, period, start })
+    }
+
+    /// The pulse of an option that may be missing.
+    pub fn pulse_or_none(pulse: Option<&PulseOptions>) -> PyResult<Pulse> {
+        pulse.map_or(Ok(Pulse::NONE), |pulse| pulse.pulse(None))
+    }
+
+    /// The pulse of which the amplitude is searched for.
+    pub fn without_amplitude(&self) -> PyResult<Pulse> {
+        self.pulse(Some(0.0))
+    }
+}
+
+/// Refuses a pulse that is not valid; its amplitude may be missing.
+#[pyfunction]
+pub fn check_pulse(pulse: PulseOptions) -> PyResult<()> {
+    pulse.pulse(pulse.amplitude.or(Some(0.0))).map(|_| ())
+}
+
+/// Ground accelerations of a pulse at these times (m/s²).
+#[pyfunction]
+pub fn pulse_acceleration(pulse: PulseOptions, times: Vec<f64>) -> PyResult<Vec<f64>> {
+    let pulse = pulse.pulse(None)?;
+    Ok(times.into_iter().map(|time| pulse.acceleration(time)).collect())
+}
+
+/// Duration of a pulse (s).
+#[pyfunction]
+pub fn pulse_duration(pulse: PulseOptions) -> PyResult<f64> {
+    Ok(pulse.without_amplitude()?.duration())
+}
+
+/// Horizontal and vertical ground motion, scaled.
+pub fn ground(horizontal: Option<&Bound<Record>>, vertical: Option<&Bound<Record>>, scale: f64) -> PyResult<Ground> {
+    finite("scale", scale, |_| true, "a finite factor")?;
+    let record = |record: Option<&Bound<Record>>| record.map(|record| record.get().record.clone());
+    Ok(Ground { horizontal: record(horizontal), vertical: record(vertical) }.scaled(scale))
+}

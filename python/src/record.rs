@@ -1,0 +1,188 @@
+//! A file or an array → a record.
+
+use std::io::ErrorKind;
+use std::path::PathBuf;
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rocking_block::records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
+use rocking_block::study::ground::Ground;
+use rocking_block::study::ground_files::{Name, Said};
+use rocking_block::study::intensity;
+
+use crate::block::hash;
+use crate::options::{finite, invalid};
+
+/// The samples of a record; the class of the same name in Python adds what it can do.
+#[pyclass(frozen, subclass, module = "rocking_block._engine")]
+pub struct Record {
+    pub record: engine::Record,
+    /// The samples as an array that cannot be written to.
+    acceleration: Py<PyArray1<f64>>,
+}
+
+impl Record {
+    fn of(py: Python, record: engine::Record) -> PyResult<Record> {
+        let acceleration = PyArray1::from_slice(py, &record.acceleration);
+        let flags = PyDict::new(py);
+        flags.set_item("write", false)?;
+        acceleration.call_method("setflags", (), Some(&flags))?;
+        Ok(Record { record, acceleration: acceleration.unbind() })
+    }
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (acceleration, dt, name="", start=0.0))]
+    fn new(py: Python, acceleration: PyReadonlyArray1<f64>, dt: f64, name: &str, start: f64) -> PyResult<Record> {
+        finite("dt", dt, |x| x > 0.0, "a time > 0 s")?;
+        finite("start", start, |_| true, "a finite time")?;
+        let acceleration = acceleration.as_array().to_vec();
+        if acceleration.len() < 2 {
+            let found = acceleration.len();
+            return Err(PyValueError::new_err(format!("acceleration has {found} samples; expected at least two")));
+        }
+        if let Some((i, a)) = acceleration.iter().enumerate().find(|(_, a)| !a.is_finite()) {
+            return Err(PyValueError::new_err(format!("acceleration[{i}] = {a}; expected a finite number")));
+        }
+        let record = engine::Record {
+            title: name.into(),
+            format: Format::Columns,
+            unit: Unit::MetrePerSecondSquared,
+            start_time: start,
+            time_step: dt,
+            acceleration,
+        };
+        Record::of(py, record)
+    }
+
+    fn __getnewargs__(&self, py: Python) -> (Py<PyArray1<f64>>, f64, &str, f64) {
+        (self.acceleration.clone_ref(py), self.record.time_step, &self.record.title, self.record.start_time)
+    }
+
+    fn __eq__(&self, other: &Bound<PyAny>) -> bool {
+        let Ok(other) = other.cast::<Record>() else { return false };
+        let other = &other.get().record;
+        let engine::Record { title, start_time, time_step, acceleration, .. } = &self.record;
+        (title, start_time, time_step, acceleration)
+            == (&other.title, &other.start_time, &other.time_step, &other.acceleration)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let engine::Record { title, start_time, time_step, acceleration, .. } = &self.record;
+        let bits = |value: &f64| (value + 0.0).to_bits();
+        let samples: Vec<u64> = acceleration.iter().map(bits).collect();
+        hash((title, bits(start_time), bits(time_step), samples))
+    }
+
+    fn __len__(&self) -> usize {
+        self.record.acceleration.len()
+    }
+
+    #[getter]
+    fn acceleration(&self, py: Python) -> Py<PyArray1<f64>> {
+        self.acceleration.clone_ref(py)
+    }
+
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.record.time_step
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.record.title
+    }
+
+    #[getter]
+    fn start(&self) -> f64 {
+        self.record.start_time
+    }
+
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.record.duration()
+    }
+
+    #[getter]
+    fn pga(&self) -> f64 {
+        intensity::pga(&self.record)
+    }
+
+    #[getter]
+    fn pgv(&self) -> f64 {
+        intensity::pgv(&self.record)
+    }
+
+    /// Pseudo-acceleration (m/s²) at a period (s), 5 % damping.
+    fn sa(&self, py: Python, period: f64) -> PyResult<f64> {
+        finite("period", period, |x| (0.001..=1000.0).contains(&x), "a time from 0.001 to 1000 s")?;
+        Ok(py.detach(|| intensity::spectral_acceleration(&self.record, period)))
+    }
+}
+
+/// A column of a table, by its name or its number from 1.
+#[derive(FromPyObject)]
+pub enum ColumnOption {
+    Number(usize),
+    Name(String),
+}
+
+impl From<ColumnOption> for Column {
+    fn from(column: ColumnOption) -> Column {
+        match column {
+            ColumnOption::Number(number) => Column::Number(number),
+            ColumnOption::Name(name) => Column::Name(name),
+        }
+    }
+}
+
+/// Samples, time step (s), title and beginning (s) of a file.
+#[pyfunction]
+#[pyo3(signature = (path, *, unit, dt, format, channel, time_column, acceleration_column, g))]
+#[allow(clippy::too_many_arguments)]
+pub fn read_record(
+    py: Python,
+    path: PathBuf,
+    unit: Option<&str>,
+    dt: Option<f64>,
+    format: Option<&str>,
+    channel: Option<usize>,
+    time_column: Option<ColumnOption>,
+    acceleration_column: Option<ColumnOption>,
+    g: f64,
+) -> PyResult<(Py<PyArray1<f64>>, f64, String, f64)> {
+    let options = ReadOptions {
+        format: format.map(str::parse).transpose().map_err(invalid)?,
+        unit: unit.map(str::parse).transpose().map_err(invalid)?,
+        time_step: dt,
+        gravity: g,
+        time_column: time_column.map(Column::from),
+        acceleration_column: acceleration_column.map(Column::from),
+        channel,
+    };
+    let record = py.detach(|| engine::read(&path, &options)).map_err(refused)?;
+    let said = Said { of_both: options, ..Said::default() };
+    let ground = Ground { horizontal: Some(record.clone()), vertical: None };
+    if let Some((name, needed)) = said.unread(&[ground]) {
+        return Err(PyValueError::new_err(format!("{} has no effect without {needed}", name.key())));
+    }
+    let engine::Record { title, start_time, time_step, acceleration, .. } = record;
+    Ok((PyArray1::from_vec(py, acceleration).unbind(), time_step, title, start_time))
+}
+
+/// What the operating system refuses is an `OSError`, what a file says a `ValueError`.
+fn refused(error: RecordError) -> PyErr {
+    let message = error.to_string();
+    match &error {
+        RecordError::Unreadable { error, .. } => match error.kind() {
+            ErrorKind::NotFound => PyFileNotFoundError::new_err(message),
+            ErrorKind::PermissionDenied => PyPermissionError::new_err(message),
+            _ => PyOSError::new_err(message),
+        },
+        _ => PyValueError::new_err(error.naming(|setting| Name { setting, vertical: false }.key())),
+    }
+}

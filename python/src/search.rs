@@ -1,0 +1,121 @@
+//! A range → where the outcome changes.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rocking_block::block::{Common, Dimensionless, Foundation};
+use rocking_block::study::outcome::End;
+use rocking_block::study::runner;
+use rocking_block::study::search::{self, Found, Scan, Shaking};
+
+use crate::block::Block;
+use crate::options::{PulseOptions, RunOptions, finite, ground, invalid};
+use crate::record::Record;
+use crate::work::wait;
+
+/// What is scanned and how closely: a dictionary of these names.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ScanOptions {
+    from: Option<f64>,
+    to: Option<f64>,
+    points: u64,
+    resolution: f64,
+    threads: Option<usize>,
+}
+
+impl ScanOptions {
+    /// The scan; without ends, between those of `instead`.
+    fn scan(&self, instead: [f64; 2]) -> PyResult<Scan> {
+        let (from, to) = (self.from.unwrap_or(instead[0]), self.to.unwrap_or(instead[1]));
+        finite("start", from, |_| true, "a finite number")?;
+        finite("stop", to, |x| x > from, &format!("more than start = {from}"))?;
+        finite("resolution", self.resolution, |x| x > 0.0, "a number > 0")?;
+        if !(2..=10_000_000).contains(&self.points) {
+            let message = format!("points = {}; expected a whole number from 2 to 10000000", self.points);
+            return Err(PyValueError::new_err(message));
+        }
+        Ok(Scan { from, to, points: self.points, resolution: self.resolution })
+    }
+}
+
+/// The number that is searched for, the stretches of one outcome, and the spacing of the scan.
+type Answer = (Option<f64>, Vec<(f64, f64, &'static str)>, f64);
+
+fn answer(found: &Found<End>, least: Option<f64>) -> Answer {
+    let stretches = found.stretches().into_iter().map(|(from, to, end)| (from, to, end.word()));
+    (least, stretches.collect(), found.spacing)
+}
+
+/// Stretches of the amplitude of a pulse, or of the factor on records, by what becomes of the block.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn search_overturning<'py>(
+    py: Python<'py>,
+    block: &Bound<'py, Block>,
+    pulse: Option<PulseOptions>,
+    horizontal: Option<&Bound<'py, Record>>,
+    vertical: Option<&Bound<'py, Record>>,
+    scan: ScanOptions,
+    options: RunOptions,
+    tick: &Bound<'py, PyAny>,
+) -> PyResult<Answer> {
+    let block = block.get().block;
+    let (shaking, pga) = match (&pulse, horizontal) {
+        (Some(pulse), None) => (Shaking::Pulse(pulse.without_amplitude()?), 1.0),
+        (None, Some(record)) => {
+            let pga = record.get().record.peak().acceleration.abs();
+            (Shaking::Records(ground(Some(record), vertical, 1.0)?), pga)
+        }
+        _ => return Err(PyValueError::new_err("expected either a pulse or a record, whose strength is searched for")),
+    };
+    let (settings, threads) = (options.settings()?, scan.threads);
+    let scan = scan.scan(search::usual_strengths(&block, pga))?;
+    let found = wait(py, tick, move |progress| {
+        let show = |done, total| {
+            progress.show(done, total);
+            progress.end_if_abandoned();
+        };
+        let pool = runner::pool(threads).map_err(|error| error.to_string())?;
+        Ok::<_, String>(pool.install(|| search::overturning(&block, &shaking, settings, &scan, show)))
+    })?;
+    let found = found.map_err(invalid)?;
+    Ok(answer(&found, found.least(End::Overturned)))
+}
+
+/// Stretches of the damping ratio of the supports by what becomes of the block in free vibration.
+#[pyfunction]
+pub fn search_damping<'py>(
+    py: Python<'py>,
+    block: &Bound<'py, Block>,
+    rate: f64,
+    scan: ScanOptions,
+    options: RunOptions,
+    tick: &Bound<'py, PyAny>,
+) -> PyResult<Answer> {
+    let block = block.get().block;
+    if block.foundation == Foundation::Rigid {
+        return Err(PyValueError::new_err("a rigid base has no damping; expected a block on viscoelastic supports"));
+    }
+    finite("rate", rate, |_| true, "a finite number")?;
+    let dimensionless = Dimensionless { alpha: block.alpha, p: block.p, eta: block.eta(), xi_v: block.xi_v };
+    let common = Common {
+        mass: block.mass,
+        gamma: block.gamma,
+        epsilon: block.epsilon,
+        gravity: block.gravity,
+        ..Common::default()
+    };
+    let (settings, threads) = (options.settings()?, scan.threads);
+    let scan = scan.scan([0.0, 1.0])?;
+    let found = wait(py, tick, move |progress| {
+        let show = |done, total| {
+            progress.show(done, total);
+            progress.end_if_abandoned();
+        };
+        let pool = runner::pool(threads).map_err(|error| error.to_string())?;
+        let search = || search::damping_against_separation(&dimensionless, &common, rate, settings, &scan, show);
+        pool.install(search).map_err(|error| error.to_string())
+    })?;
+    let found = found.map_err(invalid)?;
+    Ok(answer(&found, found.least_without(End::Separated)))
+}

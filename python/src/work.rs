@@ -1,0 +1,82 @@
+//! Long work → its result, while Python shows progress and takes Ctrl-C.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+/// How often Python gets a look at the progress and at signals: seldom enough to cost nothing, and often enough to seem
+/// immediate.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// How far work is, and whether somebody still waits for it.
+#[derive(Default)]
+pub struct Progress {
+    done: AtomicU64,
+    total: AtomicU64,
+    abandoned: AtomicBool,
+}
+
+/// With this a thread unwinds whose work nobody waits for any more.
+struct Abandoned;
+
+impl Progress {
+    /// Notes how far the work is.
+    pub fn show(&self, done: u64, total: u64) {
+        self.total.store(total, Ordering::Relaxed);
+        self.done.fetch_max(done, Ordering::Relaxed);
+    }
+
+    /// Whether nobody waits for the result any more.
+    pub fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Ordering::Relaxed)
+    }
+
+    /// Ends the thread if nobody waits for its result any more. It unwinds without a panic's message.
+    pub fn end_if_abandoned(&self) {
+        if self.is_abandoned() {
+            resume_unwind(Box::new(Abandoned));
+        }
+    }
+}
+
+/// Does work on a thread of its own, without the lock of the interpreter. `tick(done, total)` is called about 20 times a
+/// second, and Python's signals are handled as often. An exception of either, such as `KeyboardInterrupt`, is raised at
+/// once; the work ends by itself at its next look at its progress.
+pub fn wait<T: Send + 'static>(
+    py: Python,
+    tick: &Bound<PyAny>,
+    work: impl FnOnce(&Progress) -> T + Send + 'static,
+) -> PyResult<T> {
+    let progress = Arc::new(Progress::default());
+    let (sender, receiver) = channel();
+    let shared = Arc::clone(&progress);
+    std::thread::Builder::new().name("rocking-block".into()).spawn(move || {
+        // Nobody listens if the work was abandoned.
+        let _ = sender.send(catch_unwind(AssertUnwindSafe(|| work(&shared))));
+    })?;
+    // A receiver may not be shared, and detaching wants to.
+    let receiver = std::sync::Mutex::new(receiver);
+    loop {
+        let received = py.detach(|| match receiver.lock() {
+            Ok(receiver) => receiver.recv_timeout(LOOK),
+            Err(_) => Err(RecvTimeoutError::Disconnected),
+        });
+        match received {
+            Ok(Ok(result)) => return Ok(result),
+            Ok(Err(panic)) => resume_unwind(panic),
+            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("the work was lost")),
+            Err(RecvTimeoutError::Timeout) => {
+                let [done, total] = [&progress.done, &progress.total].map(|count| count.load(Ordering::Relaxed));
+                if let Err(error) = py.check_signals().and_then(|()| tick.call1((done, total))) {
+                    progress.abandoned.store(true, Ordering::Relaxed);
+                    return Err(error);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+"""Where the program and the records are, and how the program's tables are read."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rocking_block as rb
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/python"))
+RECORDS = {name: ROOT / "records" / name for name in ("np01002p_4225a_a.smc", "0111a.smc")}
+
+
+@pytest.fixture(scope="session")
+def rocking(tmp_path_factory):
+    """Runs the program with some options and gives the columns of the table that it writes, as text."""
+    program = Path(os.environ.get("ROCKING", ROOT / "target/release/rocking"))
+    assert program.exists(), f"{program} is missing: cargo build --release makes it"
+
+    def run(*options):
+        path = tmp_path_factory.mktemp("rocking") / "table.csv"
+        subprocess.run([program, *map(str, options), "--csv", path, "--quiet"][: None if options[0] == "simulate" else -1],
+                       check=True, capture_output=True, text=True)
+        rows = list(csv.reader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+        return {name: list(column) for name, column in zip(rows[0], zip(*rows[1:]))}
+
+    run.program = program
+    return run
+
+
+@pytest.fixture(scope="session")
+def path():
+    """An embedded record of the Loma Prieta earthquake of 1989."""
+    return RECORDS["np01002p_4225a_a.smc"]
+
+
+@pytest.fixture(scope="session")
+def record(path):
+    return rb.read_record(path)
+
+
+def numbers(column):
+    """Numbers of the program's table; nothing stands for nan."""
+    return np.array([float(field) if field else np.nan for field in column])
+
+
+def same(values, column):
+    """Whether two columns are the same bits, but for the sign of nan."""
+    return np.array_equal(np.asarray(values, dtype=float), numbers(column), equal_nan=True)

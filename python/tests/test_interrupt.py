@@ -1,0 +1,49 @@
+"""Ctrl-C ends long work within a second."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+WORK = {
+    "a run": "rb.Block(eta=80, xi_v=0.0).run(theta=0.2, on_separation='fly', duration=5e5, step=1.0, tolerance=1e-13)",
+    "a spectrum": "rb.spectrum(p=np.linspace(1, 4, 1_000_000), pulse=pulse)",
+    "a sweep": "rb.sweep({'study': {'design': 'grid'}, 'parameters': {'pulse': {'shape': 'OneSine', 'amplitude': 6.0}, "
+    "'dimensionless.p': {'from': 1.0, 'to': 4.0, 'count': 1000000}}})",
+    "a search": "rb.search_overturning(rb.Block(), pulse=pulse, points=1_000_000)",
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT for another process")
+@pytest.mark.parametrize("work", WORK)
+def test_ctrl_c_ends_the_work(work):
+    program = f"""
+import numpy as np, rocking_block as rb
+pulse = rb.Pulse("one-sine", 6.0, 1.25)
+print("ready", flush=True)
+try:
+    {WORK[work]}
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        # A sweep first sees that all of its combinations make blocks, which takes a moment.
+        time.sleep(1.5)
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        sent = time.monotonic()
+        assert process.stdout.readline() == "interrupted\n"
+        process.wait(10)
+        assert time.monotonic() - sent < 1.0
+    assert process.returncode == 0
+
+
+def test_a_bar_shows_how_far_the_work_is(capsys):
+    pytest.importorskip("tqdm")
+    import rocking_block as rb
+
+    rb.spectrum(p=[1.0 + 0.001 * i for i in range(1500)], pulse=rb.Pulse("one-sine", 6.0, 1.25), progress=True)
+    assert "/1500" in capsys.readouterr().err

@@ -1,0 +1,198 @@
+"""Blocks, records and pulses as values; what is refused, and in which words."""
+
+import copy
+import multiprocessing
+import pickle
+
+import numpy as np
+import pytest
+
+import rocking_block as rb
+
+VALUES = [
+    rb.Block(alpha=0.2, p=1.5, eta=60, xi_v=0.1),
+    rb.Block(width=0.8, height=3.2, K=1e7, C=4e4, mass=4000, epsilon=0.3),
+    rb.Block(alpha=0.2, foundation="rigid", restitution_factor=0.9),
+    rb.Record([0.0, 1.0, -1.0], 0.01, "name", 2.0),
+    rb.Pulse("C2", 3.0, 1.2, 0.5),
+]
+
+
+@pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
+def test_values_are_copied_pickled_and_compared(value):
+    for other in (pickle.loads(pickle.dumps(value)), copy.copy(value), copy.deepcopy(value)):
+        assert type(other) is type(value)
+        assert other == value and hash(other) == hash(value) and repr(other) == repr(value)
+    assert sum(value == other for other in VALUES) == 1
+    assert value != 1
+
+
+@pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
+def test_values_cannot_be_changed(value):
+    for name in ("alpha", "dt", "shape", "something"):
+        with pytest.raises(AttributeError):
+            setattr(value, name, 1.0)
+    record = VALUES[3]
+    with pytest.raises(ValueError, match="read-only"):
+        record.acceleration[0] = 1.0
+
+
+def peak(block):
+    return block.run(pulse=rb.Pulse("one-sine", 6.0, 1.25)).peak.theta
+
+
+def test_blocks_go_to_other_processes():
+    blocks = rb.blocks(p=[1.0, 1.3])
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        assert pool.map(peak, blocks) == [peak(block) for block in blocks]
+
+
+def test_results_are_pickled():
+    run = rb.Block().run(theta=0.1, duration=1.0)
+    other = pickle.loads(pickle.dumps(run))
+    assert np.array_equal(other.theta, run.theta) and other.events == run.events and other.peak == run.peak
+    table = rb.spectrum(p=[1, 2], pulse=rb.Pulse("one-sine", 6.0, 1.25))
+    other = pickle.loads(pickle.dumps(table))
+    assert list(other) == list(table) and other.units == table.units and other.shape == table.shape
+
+
+def test_a_block_amounts_to_what_the_paper_says():
+    block = rb.Block(alpha=0.25, p=1.0, eta=40, xi_v=0.1, epsilon=0.4)
+    R0 = 0.75 * 9.81
+    assert np.isclose(block.R0, R0, rtol=1e-15)
+    assert np.isclose(block.K, 1000 * 40**2 / 2, rtol=1e-15)
+    assert np.isclose(block.C, 0.1 * 1000 * 40, rtol=1e-15)
+    assert np.isclose(block.delta_s, 9.81 / 40**2, rtol=1e-15)
+    assert np.isclose(block.I0, 1000 * R0**2 / 3, rtol=1e-15)
+    assert np.isclose(block.e_max, 1 - 1.5 * np.sin(0.25) ** 2, rtol=1e-15)
+    assert np.isclose(block.e, (1 + 3 * 0.4 + 0.6 * 3 * np.cos(0.5)) / 4, rtol=1e-15)
+    assert np.isclose(block.theta_separation, np.arcsin(4 / (3 * 40**2 * np.sin(0.25))), rtol=1e-14)
+    same = rb.Block(width=block.width, height=block.height, K=block.K, C=block.C, epsilon=0.4)
+    assert np.allclose([same.alpha, same.p, same.eta, same.xi_v], [0.25, 1.0, 40, 0.1], rtol=1e-14)
+    rigid = block.replace(foundation="rigid")
+    assert np.isnan([rigid.eta, rigid.xi_v, rigid.K, rigid.C]).all() and rigid.e == block.e
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"alpha": -1}, "alpha = -1 is not valid; expected 0 < alpha < pi/2 rad"),
+        ({"epsilon": 2}, "epsilon = 2 is not valid; expected 0 <= epsilon <= 1"),
+        ({"p": np.nan}, "p = NaN is not valid; expected a finite number > 0"),
+        ({"foundation": "sand"}, 'foundation = "sand"; expected one of "viscoelastic", "rigid"'),
+        ({"foundation": "rigid", "eta": 40}, "eta has no effect on a rigid base"),
+        ({"restitution_factor": 1}, 'restitution_factor has no effect on viscoelastic supports; expected foundation="rigid"'),
+        ({"width": 1}, "width without height; expected both"),
+        ({"width": 1, "height": 2}, 'width without K and C; expected both, or foundation="rigid"'),
+        ({"width": 1, "alpha": 0.2}, "alpha has no effect with width"),
+        ({"K": 1e6}, "K has no effect without width"),
+    ],
+)
+def test_a_block_that_is_none_is_refused(parameters, message):
+    with pytest.raises(ValueError) as refused:
+        rb.Block(**parameters)
+    assert str(refused.value) == message
+
+
+BLOCK = rb.Block()
+PULSE = rb.Pulse("one-sine", 6.0, 1.25)
+RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: BLOCK.run(), "nothing moves the block; expected a record, a pulse or a beginning"),
+        (lambda: BLOCK.run(RECORD, scale=np.inf), "scale = inf; expected a finite factor"),
+        (lambda: BLOCK.run(theta=2.0), "theta = 2; expected a rotation within ±1.57 rad"),
+        (lambda: BLOCK.run(RECORD, tolerance=0.0), "tolerance = 0; expected a number > 0"),
+        (lambda: BLOCK.run(RECORD, duration=-1.0), "duration = -1; expected a time > 0 s"),
+        (lambda: BLOCK.run(RECORD, step=0.0), "step = 0; expected a time > 0 s"),
+        (lambda: BLOCK.run(RECORD, step=1e-9, duration=1.0),
+         "1 s in steps of 0.000000001 s are 1000000000 rows; expected fewer than 1e8"),
+        (lambda: BLOCK.run(RECORD, on_separation="float"),
+         'on_separation = "float"; expected one of "terminate", "hold", "fly"'),
+        (lambda: BLOCK.run(pulse=rb.Pulse("C1", period=1.0)),
+         "amplitude is missing; expected that of the pulse, a_p [m/s2]"),
+        (lambda: rb.Pulse("square", 1.0), 'shape = "square"; expected one of "one-sine", "one-cosine", "C1", "C2"'),
+        (lambda: rb.Pulse("C1", 1.0, period=0.0), "period = 0; expected a time > 0 s"),
+        (lambda: rb.Record([1.0], 0.01), "acceleration has 1 samples; expected at least two"),
+        (lambda: rb.Record([1.0, np.nan], 0.01), "acceleration[1] = NaN; expected a finite number"),
+        (lambda: rb.Record(np.zeros((2, 2)), 0.01), "acceleration has shape (2, 2); expected one dimension, of samples"),
+        (lambda: rb.Record([0.0, 1.0], 0.0), "dt = 0; expected a time > 0 s"),
+        (lambda: rb.spectrum(p=1.0), "nothing moves the ground; expected records or a pulse"),
+        (lambda: rb.spectrum(p=[1.0, -1.0], pulse=PULSE), "p = -1 is not valid; expected a finite number > 0"),
+        (lambda: rb.spectrum(p=1.0, eta=[40, 60], xi_v=[0.1, 0.2, 0.3], pulse=PULSE),
+         "shapes do not broadcast: eta (2,), xi_v (3,)"),
+        (lambda: rb.spectrum(p=1.0, eta=40, foundation="rigid", pulse=PULSE), "eta has no effect on a rigid base"),
+        (lambda: rb.spectrum(p=1.0, scale=2.0, pulse=PULSE), "scale has no effect without records"),
+        (lambda: rb.spectrum(p=1.0, records=[RECORD] * 2, vertical=[RECORD] * 3),
+         "found 3 vertical and 2 horizontal records; expected as many"),
+        (lambda: rb.spectrum(p=1.0, records=[]), "records = []; expected at least one"),
+        (lambda: rb.spectrum(p=1.0, pulse=PULSE, step=1e-9), "step = 0.000000001; expected a time of at least 1e-6 s"),
+        (lambda: rb.search_overturning(BLOCK), "expected either a pulse or a record, whose strength is searched for"),
+        (lambda: rb.search_overturning(BLOCK, pulse=PULSE, start=2.0, stop=1.0), "stop = 1; expected more than start = 2"),
+        (lambda: rb.search_damping(BLOCK.replace(foundation="rigid")),
+         "a rigid base has no damping; expected a block on viscoelastic supports"),
+        (lambda: rb.sweep({"study": {"design": "grid"}, "parameters": {"epsilon": [0.1, 2.0]}}),
+         "epsilon = 2; expected 0 to 1"),
+        (lambda: rb.sweep({"study": {"design": 1j}}),
+         "design = 1j in the study; expected numbers, texts, lists or dictionaries"),
+    ],
+)
+def test_what_is_not_valid_is_refused(call, message):
+    with pytest.raises(ValueError) as refused:
+        call()
+    assert str(refused.value) == message
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(FileNotFoundError, match="missing.AT2: cannot be read"):
+        rb.read_record(tmp_path / "missing.AT2")
+    with pytest.raises(OSError, match="cannot be read"):
+        rb.read_record(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        rb.sweep(tmp_path / "missing.toml")
+    file = tmp_path / "two.csv"
+    file.write_text("0.1\n0.2\n0.3\n")
+    with pytest.raises(ValueError, match="expected dt "):
+        rb.read_record(file, unit="g")
+    with pytest.raises(ValueError, match=r'found unit "furlong", expected one of g, m/s2'):
+        rb.read_record(file, dt=0.01, unit="furlong")
+    with pytest.raises(ValueError, match="channel has no effect without a COSMOS or CSMIP file"):
+        rb.read_record(file, dt=0.01, unit="g", channel=1)
+    read = rb.read_record(file, dt=0.01, unit="g", g=10.0)
+    assert np.array_equal(read.acceleration, 10.0 * np.array([0.1, 0.2, 0.3])) and read.dt == 0.01
+
+
+def test_arguments_broadcast():
+    made = rb.spectrum(p=[[1.0, 2.0, 3.0]], eta=[[40], [80]], xi_v=[0.1, 0.4], pulse=PULSE)
+    assert made.shape == (2, 2, 1, 3)
+    assert made["eta"].reshape(made.shape)[1, 0, 0, 2] == 80 and made["xi_v"].reshape(made.shape)[1, 0, 0, 2] == 0.1
+    assert rb.spectrum(p=1.0, pulse=PULSE).shape == ()
+    assert rb.spectrum(p=[1.0], records=[RECORD, RECORD], vertical=[RECORD, RECORD], scale=[1, 2, 3]).shape == (2, 3, 1)
+    blocks = rb.blocks(alpha=[[0.1], [0.2]], p=[1.0, 2.0, 3.0], foundation=["viscoelastic", "rigid", "rigid"])
+    assert [(block.alpha, block.p, block.foundation) for block in blocks[2:5]] == [
+        (0.1, 3.0, "rigid"), (0.2, 1.0, "viscoelastic"), (0.2, 2.0, "rigid")]
+    table = rb.outcomes(blocks, pulse=PULSE)
+    assert table["foundation"].tolist() == ["viscoelastic", "rigid", "rigid"] * 2
+    assert np.isnan(table["eta"][1]) and table["eta"][0] == 40
+
+
+def test_a_run_that_fails_is_named():
+    wild = rb.Record(np.array([0.0, 1e300, -1e300, 1e300]), 0.01)
+    with pytest.raises(ValueError, match="the motion is not finite after t = "):
+        BLOCK.run(wild, on_separation="fly")
+    with pytest.warns(RuntimeWarning, match=r"2 of 2 runs failed, the first in row 0: the motion is not finite"):
+        table = rb.spectrum(p=[1.0, 2.0], records=wild)
+    assert set(table["outcome"]) == {"failed"}
+
+
+def test_a_record_has_its_measures():
+    """A sine of one period of 2 s and amplitude 3: PGA 3, PGV = 2 · 3/π by the trapezoidal rule to 1e-5."""
+    t = np.arange(0, 2.0005, 0.001)
+    record = rb.Record(3 * np.sin(np.pi * t), 0.001)
+    assert np.isclose(record.pga, 3.0, rtol=1e-6) and np.isclose(record.pgv, 6 / np.pi, rtol=1e-5)
+    assert np.isclose(record.sa(0.005), 3.0, rtol=1e-3)
+    assert np.array_equal(record.t, 0.001 * np.arange(2001)) and record.duration == 2000 * 0.001
+    assert record.scaled(-2).pga == 2 * record.pga
