@@ -1,12 +1,13 @@
 //! Parameters over grids or samples × records × scale factors → what each block does, a row each.
 
+use crate::block::Block;
 use crate::excitation::PulseShape;
 use crate::model::values::Values;
 use crate::model::variables::Variable;
 use crate::records::ground::Ground;
 use crate::simulation::OnSeparation;
 use crate::study::history::Run;
-use crate::study::intensity::{pga, pgv, spectral_acceleration};
+use crate::study::intensity::{Measure, pga};
 use crate::study::outcome::Outcome;
 use crate::study::parameters::Parameter;
 use crate::study::resumable::Head;
@@ -67,19 +68,27 @@ pub struct Motion {
     pub names: [String; 2],
     /// The records, unscaled.
     pub ground: Ground,
-    /// PGA (m/s²), PGV (m/s) of the horizontal record, PGA of the vertical one, and Sa (m/s²) of the horizontal one at
-    /// each period; nothing where there is no record.
-    pub intensities: Vec<Option<f64>>,
+    /// Measures of the horizontal record, unscaled, taken once for all blocks; no value where there is none.
+    intensities: Vec<(Measure, Option<f64>)>,
+    /// PGA of the vertical record (m/s²).
+    vertical_pga: Option<f64>,
 }
 
 impl Motion {
-    /// A motion with its intensities at scale 1.
-    pub fn new(names: [String; 2], ground: Ground, periods: &[f64]) -> Motion {
-        let horizontal = ground.horizontal.as_ref();
-        let mut intensities = vec![horizontal.map(pga), horizontal.map(pgv), ground.vertical.as_ref().map(pga)];
-        intensities
-            .extend(periods.iter().map(|&period| horizontal.map(|record| spectral_acceleration(record, period))));
-        Motion { names, ground, intensities }
+    /// A motion and these measures of it, those of a record alone; `gravity` (m/s²) is that of the Arias intensity.
+    pub fn new(names: [String; 2], ground: Ground, measures: &[Measure], gravity: f64) -> Motion {
+        let of = |measure: Measure| ground.horizontal.as_ref().and_then(|record| measure.of(record, gravity));
+        let intensities = measures.iter().map(|&measure| (measure, of(measure))).collect();
+        let vertical_pga = ground.vertical.as_ref().map(pga);
+        Motion { names, ground, intensities, vertical_pga }
+    }
+
+    /// A measure of the horizontal record times `scale`, beside this block if it is one of those; nothing if it has none,
+    /// or was not taken.
+    pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {
+        let (of_record, factor) = measure.beside(block);
+        let (_, value) = self.intensities.iter().find(|(taken, _)| *taken == of_record)?;
+        value.map(|value| value * factor * scale.abs().powi(measure.power().into()))
     }
 }
 
@@ -96,8 +105,8 @@ pub struct Sweep {
     pub motions: Vec<Motion>,
     /// Factors on the records, at least one.
     pub scales: Vec<f64>,
-    /// Periods of Sa (s).
-    pub periods: Vec<f64>,
+    /// Measures of the records that stand in the table.
+    pub measures: Vec<Measure>,
     /// What happens at complete separation, where the study does not name `on_separation`.
     pub on_separation: OnSeparation,
     /// Relative tolerance of the integration.
@@ -202,9 +211,8 @@ impl Study for Sweep {
             study.push(format!("{}: {}", names.join(" + "), ground.fingerprint()));
         }
         let mut columns: Vec<String> = self.factors.iter().map(|factor| factor.parameter.heading()).collect();
-        let motion = ["record", "vertical", "scale [1]", "PGA [m/s2]", "PGV [m/s]", "PGA.vertical [m/s2]"];
-        columns.extend(motion.map(String::from));
-        columns.extend(self.periods.iter().map(|period| format!("Sa({period} s) [m/s2]")));
+        columns.extend(["record", "vertical", "scale [1]", "PGA.vertical [m/s2]"].map(String::from));
+        columns.extend(self.measures.iter().map(|measure| measure.heading()));
         columns.extend(Outcome::COLUMNS.map(String::from));
         Head { study, columns }
     }
@@ -220,9 +228,10 @@ impl Study for Sweep {
         fields.extend(motion.names.iter().cloned());
         let has_record = motion.ground.time_step().is_some();
         fields.push(if has_record { scale.to_string() } else { String::new() });
-        let scaled = |intensity: &Option<f64>| intensity.map(|x| (x * scale.abs()).to_string()).unwrap_or_default();
-        fields.extend(motion.intensities.iter().map(scaled));
         let run = self.run(number);
+        let shown = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+        fields.push(shown(motion.vertical_pga.map(|pga| pga * scale.abs())));
+        fields.extend(self.measures.iter().map(|&measure| shown(motion.intensity(measure, scale, &run.block))));
         let outcome = run.outcome();
         fields.extend(outcome.fields(run.block.alpha));
         StudyRow { fields, failure: outcome.failure }

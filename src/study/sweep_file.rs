@@ -9,6 +9,7 @@ use crate::model::values::Values;
 use crate::model::variables::{Kind, Variable};
 use crate::simulation::{OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
+use crate::study::intensity::{self, Measure};
 use crate::study::parameters::Parameter;
 use crate::study::sampling::LatinHypercube;
 use crate::study::study_file::{Placed, Section, Source, StudyFileError, number};
@@ -43,11 +44,12 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let periods = study
         .numbers(
             "periods",
-            |x| (0.001..=1000.0).contains(&x),
+            |x| intensity::PERIODS.contains(&x),
             "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
         )?
         .unwrap_or_default();
-    let motions = sweep_records::read(&root, source, folder, &periods, || gravity(&given, source))?;
+    let of_record = Measure::of_record(&periods);
+    let motions = sweep_records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
     let scales = study.numbers("scales", |x| x != 0.0, "a list of factors that are not 0, as in [0.5, 1.0]")?;
     let without = motions.iter().all(|motion| motion.ground.time_step().is_none());
     for key in ["scales", "periods"] {
@@ -69,7 +71,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         design,
         motions,
         scales: scales.unwrap_or_else(|| vec![1.0]),
-        periods,
+        measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
         tolerance: tolerance.unwrap_or(Settings::default().tolerance),
         on_separation: OnSeparation::Fly,
         duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,

@@ -7,6 +7,7 @@ use toml::de::DeValue;
 use crate::records::ground::Ground;
 use crate::records::{self, Column, ReadOptions, Record, Setting};
 use crate::study::ground_files::{Name, Said};
+use crate::study::intensity::Measure;
 use crate::study::study_file::{Section, Source, StudyFileError};
 use crate::study::sweep::Motion;
 
@@ -28,17 +29,17 @@ const KEYS: [&str; 14] = [
     "vertical_time_column",
 ];
 
-/// The ground motions, or the one that is none. Paths and patterns start from `folder`; `gravity` (m/s²) is asked for if
-/// there are records.
+/// The ground motions with these measures, or the one that is none. Paths and patterns start from `folder`; `gravity`
+/// (m/s²) is asked for if there are records.
 pub(super) fn read(
     root: &Section,
     source: Source,
     folder: &Path,
-    periods: &[f64],
+    measures: &[Measure],
     gravity: impl FnOnce() -> Result<f64, StudyFileError>,
 ) -> Result<Vec<Motion>, StudyFileError> {
     let Some(value) = root.get("records") else {
-        return Ok(vec![Motion::new(Default::default(), Ground::default(), periods)]);
+        return Ok(vec![Motion::new(Default::default(), Ground::default(), &[], f64::NAN)]);
     };
     let list = value.get_ref().as_array().filter(|list| !list.is_empty());
     let list = list.ok_or_else(|| root.wrong("records", value, "[[records]], a table for each ground motion"))?;
@@ -55,7 +56,7 @@ pub(super) fn read(
             let place = section.get(&key).map_or(value.span(), |value| value.span());
             return Err(source.wrong(&place, format!("{key} has no effect without {needed}")));
         }
-        motions.extend(found.into_iter().map(|(names, ground)| Motion::new(names, ground, periods)));
+        motions.extend(found.into_iter().map(|(names, ground)| Motion::new(names, ground, measures, gravity)));
     }
     Ok(motions)
 }

@@ -1,6 +1,7 @@
 //! `rocking record`.
 
 use rocking_block::records::{Format, ReadOptions, Record, read};
+use rocking_block::study::intensity::Measure;
 
 use crate::{RECORD, made, refusal};
 
@@ -19,6 +20,26 @@ fn a_table_holds_the_record() {
     // Rows of the times k dt, as they are elsewhere.
     let row = to_stdout.lines().nth(1000).unwrap();
     assert_eq!(row.split(',').next().unwrap().parse(), Ok(999.0 * original.time_step));
+}
+
+/// Every measure is told, the spectral ones at the periods asked for, and in full in JSON.
+#[test]
+fn measures_are_told_in_words_and_in_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["record", RECORD, "--periods", "0.5,2"];
+    let words = made(folder.path(), &arguments);
+    let json = made(folder.path(), &[&arguments[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let record = read(RECORD.as_ref(), &ReadOptions::default()).unwrap();
+    for measure in Measure::of_record(&[0.5, 2.0]) {
+        let exact = measure.of(&record, 9.81).unwrap();
+        assert_eq!(json["records"][0][measure.to_string()].as_f64(), Some(exact), "{measure}");
+        let line = words.lines().find_map(|line| line.strip_prefix(&format!("{measure} "))).unwrap();
+        let told: f64 = line.split_whitespace().next().unwrap().parse().unwrap();
+        assert!((told / exact - 1.0).abs() < 1e-5, "{measure}: {line}");
+    }
+    let told = refusal(folder.path(), &["record", RECORD, "--periods", "0.5,0"]);
+    assert!(told.contains("--periods") && told.contains("0.001 to 1000 s"), "{told}");
 }
 
 /// The numbers of records/README.md and of the header; the velocity by the midpoint of `a dt` in small steps.
@@ -53,7 +74,7 @@ fn several_records_are_told_and_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let other = RECORD.replace("np01002p_4225a_a", "0111a");
     let told = made(folder.path(), &["record", RECORD, &other, "--g", "9.80665"]);
-    assert_eq!(told.matches("PGA").count(), 2, "{told}");
+    assert_eq!(told.matches("\nPGA ").count(), 2, "{told}");
     let told = refusal(folder.path(), &["record", RECORD, &other, "--csv", "r.csv"]);
     assert_eq!(told, "--csv with 2 records; expected one");
     let told = refusal(folder.path(), &["record", RECORD, "--channel", "2"]);

@@ -16,6 +16,13 @@ def fmu():
 
 
 @pytest.fixture(scope="session")
+def program():
+    path = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
+    assert path.exists(), f"{path} is missing: cargo build --release makes it"
+    return str(path)
+
+
+@pytest.fixture(scope="session")
 def reference():
     return ROOT / "tests/reference"
 

@@ -8,7 +8,7 @@ use rocking_block::records::ground::Ground;
 use rocking_block::records::{ReadOptions, Unit, read};
 use rocking_block::simulation::{Initial, Settings};
 use rocking_block::study::history::Run;
-use rocking_block::study::intensity::spectral_acceleration;
+use rocking_block::study::intensity::{Measure, spectral_acceleration};
 
 use crate::{Table, files, made, refused, resumes_to_the_same_bytes, rocking};
 
@@ -141,6 +141,20 @@ fn a_grid_holds_the_single_runs() {
             table.get(row, "PGV [m/s]")
         );
         assert_eq!(table.get(row, "PGA.vertical [m/s2]").is_empty(), !vertical);
+        // Arias grows with the square; durations and periods do not change.
+        for measure in Measure::of_record(&[0.3, 1.0]) {
+            let unscaled = measure.of(&h, 9.81).unwrap();
+            let exact = unscaled * scale.abs().powi(measure.power().into());
+            assert_eq!(table.number(row, &measure.heading()), exact, "{measure}");
+        }
+        let relative = [
+            ("PGA/(g tan alpha) [1]", pga * scale.abs() / (9.81 * 0.3_f64.tan())),
+            ("p PGV/(g tan alpha) [1]", p * table.number(row, "PGV [m/s]") / (9.81 * 0.3_f64.tan())),
+            ("p T_m [1]", p * table.number(row, "T_m [s]")),
+        ];
+        for (column, exact) in relative {
+            assert!((table.number(row, column) / exact - 1.0).abs() < 1e-14, "{column}: {}", table.get(row, column));
+        }
     }
     // Both early ends come out, and some block rocks on.
     for end in ["completed", "separated", "overturned"] {
