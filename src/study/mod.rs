@@ -7,11 +7,13 @@ pub mod coming_down;
 pub mod figures;
 #[cfg(feature = "program")]
 mod formula;
+pub mod fragility;
 pub mod ground_files;
 pub mod history;
 pub mod intensity;
 #[cfg(feature = "program")]
 mod look;
+pub mod normal;
 pub mod outcome;
 pub mod parameters;
 #[cfg(feature = "program")]

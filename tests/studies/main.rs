@@ -5,6 +5,7 @@
 mod coming_down;
 mod figures;
 mod findings;
+mod fragility;
 mod search;
 #[path = "../common/skipped.rs"]
 mod skipped;

@@ -1,0 +1,139 @@
+//! A fitted curve → what else the data allow: intervals and bands of the profile likelihood.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::numerics::roots::sign_change;
+use crate::study::fragility::regression::{Design, Fit, maximize};
+use crate::study::fragility::{Data, FitError, Observation};
+use crate::study::normal;
+
+/// An interval; an end that the data do not bound is missing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+impl Interval {
+    /// Whether a value lies in it.
+    pub fn contains(&self, value: f64) -> bool {
+        self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
+    }
+}
+
+/// The likelihood of a curve of one measure with one of its features fixed and the other chosen for the best.
+///
+/// The interval of a feature holds the values at which twice the logarithm of the ratio to the greatest likelihood is at most
+/// the quantile of χ² with one degree of freedom. It does not change with the unit or the logarithm of a feature, and needs
+/// no symmetry. It takes the observations to be independent, which rows of the same record are not: see
+/// [`bootstrap`](crate::study::fragility::bootstrap).
+pub struct Profile<'a> {
+    observations: &'a [Observation],
+    /// Logarithms of the measure.
+    x: Vec<f64>,
+    fit: &'a Fit,
+    /// What twice the log-likelihood may fall by.
+    fall: f64,
+}
+
+impl<'a> Profile<'a> {
+    /// The profile of a curve that was fitted to these data, of one measure; `confidence` is above 0 and below 1.
+    ///
+    /// # Errors
+    /// [`FitError::Measures`] for a surface.
+    pub fn new(data: &'a Data, fit: &'a Fit, confidence: f64) -> Result<Profile<'a>, FitError> {
+        if data.measures() != 1 {
+            return Err(FitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
+        }
+        let deviate = normal::quantile(0.5 + 0.5 * confidence);
+        let x = data.observations().iter().map(|row| libm::log(row.measures[0])).collect();
+        Ok(Profile { observations: data.observations(), x, fit, fall: deviate * deviate })
+    }
+
+    /// Interval of the median, in the unit of the measure. Where the probability need not depend on the measure at all, it has
+    /// no bounds.
+    pub fn median(&self) -> Interval {
+        let [a, b] = self.coefficients();
+        let [[var_a, cov], [_, var_b]] = self.covariance();
+        let log_median = -a / b;
+        // Of −a/b, by the first derivatives.
+        let deviation = (var_a + 2.0 * log_median * cov + log_median * log_median * var_b).sqrt() / b.abs();
+        let excess = |log_median: f64| self.excess(|x| (x - log_median, 0.0));
+        self.interval(log_median, deviation, excess).map(libm::exp)
+    }
+
+    /// Interval of the dispersion β. Where the slope may be zero, β has no upper bound; if the data allow both signs of it,
+    /// only the bounds of its own sign are told.
+    pub fn dispersion(&self) -> Interval {
+        let [_, b] = self.coefficients();
+        let slopes = self.interval(b, self.covariance()[1][1].sqrt(), |b| self.excess(|x| (1.0, b * x)));
+        let same_sign = |slope: Option<f64>| slope.filter(|slope| slope * b > 0.0).map(|slope| 1.0 / slope);
+        Interval { low: same_sign(slopes.high), high: same_sign(slopes.low) }
+    }
+
+    /// Interval of the probability at a measure above zero: a band, point by point.
+    pub fn probability(&self, measure: f64) -> Interval {
+        let ([a, b], x0) = (self.coefficients(), libm::log(measure));
+        let [[var_a, cov], [_, var_b]] = self.covariance();
+        let deviation = (var_a + 2.0 * x0 * cov + x0 * x0 * var_b).sqrt();
+        let excess = |predictor: f64| self.excess(|x| (x - x0, predictor));
+        let found = self.interval(a + b * x0, deviation, excess).map(|predictor| self.fit.link.probability(predictor));
+        Interval { low: found.low.or(Some(0.0)), high: found.high.or(Some(1.0)) }
+    }
+
+    fn coefficients(&self) -> [f64; 2] {
+        [self.fit.coefficients[0], self.fit.coefficients[1]]
+    }
+
+    fn covariance(&self) -> [[f64; 2]; 2] {
+        let row = |i: usize| [self.fit.covariance[i][0], self.fit.covariance[i][1]];
+        [row(0), row(1)]
+    }
+
+    /// By how much twice the log-likelihood falls more than it may, with the predictor `offset + x c` for the best c; `of` has
+    /// x and offset for a logarithm of the measure.
+    fn excess(&self, of: impl Fn(f64) -> (f64, f64)) -> f64 {
+        let (x, offset): (Vec<f64>, Vec<f64>) = self.x.iter().map(|&x| of(x)).unzip();
+        let rows = self.x.len();
+        let (x, offset) = (DMatrix::from_vec(rows, 1, x), DVector::from_vec(offset));
+        match maximize(&Design { observations: self.observations, x, offset }, self.fit.link) {
+            Ok(maximum) => 2.0 * (self.fit.log_likelihood - maximum.log_likelihood) - self.fall,
+            // So far out that no digit of the likelihood is left.
+            Err(_) => f64::INFINITY,
+        }
+    }
+
+    /// Where an excess is zero on both sides of an estimate, from a standard deviation on outwards.
+    fn interval(&self, estimate: f64, deviation: f64, excess: impl Fn(f64) -> f64) -> Interval {
+        /// Farther than 2⁴⁰ standard deviations there is no bound.
+        const DOUBLINGS: i32 = 40;
+        let end = |sign: f64| {
+            let mut near = (estimate, -self.fall);
+            for doubling in 0..DOUBLINGS {
+                let value = estimate + sign * deviation * f64::from(2).powi(doubling);
+                let far = (value, excess(value));
+                if far.1 > 0.0 {
+                    // The root is looked for from the estimate outwards.
+                    let place = |t: f64| near.0 + t * (far.0 - near.0);
+                    return Some(place(sign_change(0.0, 1.0, -near.1, -far.1.min(1e9), |t| {
+                        -excess(place(t)).min(1e9)
+                    })));
+                }
+                near = far;
+            }
+            None
+        };
+        if !(deviation > 0.0 && deviation.is_finite()) {
+            return Interval { low: None, high: None };
+        }
+        Interval { low: end(-1.0), high: end(1.0) }
+    }
+}
+
+impl Interval {
+    fn map(self, of: impl Fn(f64) -> f64) -> Interval {
+        Interval { low: self.low.map(&of), high: self.high.map(&of) }
+    }
+}
