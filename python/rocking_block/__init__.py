@@ -10,9 +10,10 @@ SI units, angles in radians; rotation, horizontal motion and forces are positive
     table = rb.spectrum(alpha=0.2, p=np.geomspace(0.5, 5, 400), eta=[40, 80], xi_v=0.1, records=[record])
 """
 
-from rocking_block._engine import __version__
 from rocking_block._block import Block
+from rocking_block._engine import __version__
 from rocking_block._fmu import fmu_path
+from rocking_block._fragility import Fragility, fragility, intensity
 from rocking_block._pulse import Pulse
 from rocking_block._record import Record, read_record
 from rocking_block._run import Counts, Energy, Event, Peak, Run
@@ -25,6 +26,7 @@ __all__ = [
     "Counts",
     "Energy",
     "Event",
+    "Fragility",
     "Peak",
     "Pulse",
     "Record",
@@ -33,6 +35,8 @@ __all__ = [
     "Table",
     "blocks",
     "fmu_path",
+    "fragility",
+    "intensity",
     "outcomes",
     "read_record",
     "search_damping",

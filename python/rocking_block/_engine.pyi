@@ -12,7 +12,7 @@ __version__: str
 
 _Floats = npt.NDArray[np.float64]
 _Tick = Callable[[int, int], object]
-_Motion = tuple[Record | None, Record | None, float]
+_Pair = tuple[Record | None, Record | None]
 _Answer = tuple[float | None, list[tuple[float, float, str]], float]
 
 @disjoint_base
@@ -118,8 +118,40 @@ class Record:
     def pga(self) -> float: ...
     @property
     def pgv(self) -> float: ...
-    def sa(self, period: float) -> float: ...
 
+@disjoint_base
+class Fragility:
+    def __new__(
+        cls,
+        measures: _Floats,
+        exceeded: npt.NDArray[np.bool_],
+        link: str,
+        ci: float,
+        groups: Sequence[int] | None,
+        samples: int,
+        seed: int,
+        tick: _Tick,
+    ) -> Self: ...
+    @property
+    def median(self) -> float: ...
+    @property
+    def beta(self) -> float: ...
+    @property
+    def median_ci(self) -> tuple[float, float]: ...
+    @property
+    def beta_ci(self) -> tuple[float, float]: ...
+    @property
+    def log_likelihood(self) -> float: ...
+    @property
+    def coefficients(self) -> tuple[float, float]: ...
+    @property
+    def auc(self) -> float: ...
+    @property
+    def brier(self) -> float: ...
+    def probabilities(self, measures: _Floats) -> _Floats: ...
+    def intervals(self, measures: _Floats) -> list[_Floats]: ...
+
+def intensity(record: Record, periods: Sequence[float], g: float) -> list[tuple[str, float]]: ...
 def read_record(
     path: str | PathLike[str],
     *,
@@ -146,12 +178,15 @@ def history(
 ) -> dict[str, Any]: ...
 def outcomes(
     blocks: Blocks,
-    motions: Sequence[_Motion],
+    pairs: Sequence[_Pair],
+    scales: Sequence[float],
+    periods: Sequence[float],
+    g: float,
     pulse: object | None,
     options: dict[str, Any],
     threads: int | None,
     tick: _Tick,
-) -> tuple[dict[str, Any], str | None]: ...
+) -> tuple[dict[str, Any], list[tuple[str, str]], str | None]: ...
 def sweep(
     name: str | None,
     text: str,

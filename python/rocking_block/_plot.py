@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
+    from rocking_block._fragility import Fragility
     from rocking_block._run import Run
 
 _BLUE, _ORANGE, _INK, _BAND = "#1f5fa8", "#c8641e", "#404040", "0.93"
@@ -38,4 +39,28 @@ def run(run: "Run") -> Figure:
     ground.set(ylabel="ground [m/s²]", xlabel="time [s]")
     ground.set_xlim(t[0], t[-1])
     rotation.set_title(f"{run.outcome}: |θ|/α = {run.peak.theta / block.alpha:.3f}, {run.counts.impacts} impacts", loc="left")
+    return figure
+
+
+def fragility(fit: "Fragility") -> Figure:
+    """The curve and its band; runs as marks at 0 and 1, and the share of those that exceed in ten classes of equal size."""
+    figure = Figure(figsize=(7, 4.5), layout="constrained")
+    axes = figure.subplots()
+    low, high = fit.measures.min(), fit.measures.max()
+    x = np.geomspace(low, high, 200)
+    axes.fill_between(x, *fit.band(x), color=_BLUE, alpha=0.18, lw=0, label=f"{100 * fit.ci:g} % confidence")
+    axes.plot(x, fit.curve(x), color=_BLUE, lw=1.8, label=f"median {fit.median:.3g}, β = {fit.beta:.2f}")
+    order = np.argsort(fit.measures)
+    classes = [rows for rows in np.array_split(order, min(10, len(order) // 5 or 1)) if rows.size]
+    middle = [np.exp(np.mean(np.log(fit.measures[rows]))) for rows in classes]
+    share = [np.mean(fit.exceeded[rows]) for rows in classes]
+    axes.plot(middle, share, "o", color=_INK, ms=5, mfc="white", label=f"share of {len(classes[0])} runs")
+    axes.plot(fit.measures, fit.exceeded, "|", color=_INK, ms=7, alpha=0.35)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("{x:g}")
+    axes.tick_params(axis="x", which="minor", labelsize="small")
+    what = f"|θ|/α > {fit.limit:g}" if isinstance(fit.limit, float | int) else fit.limit
+    axes.set(xlabel=f"{fit.im} [{fit.unit}]", ylabel=f"probability: {what}", ylim=(-0.04, 1.04), xlim=(low, high))
+    axes.legend(loc="upper left", frameon=False)
     return figure

@@ -21,8 +21,6 @@ Records = Record | str | os.PathLike[str] | Sequence[Record | str | os.PathLike[
 
 _UNITS = {
     "scale": "1",
-    "PGA": "m/s2",
-    "PGV": "m/s",
     "PGA.vertical": "m/s2",
     "alpha": "rad",
     "p": "rad/s",
@@ -60,6 +58,7 @@ def spectrum(
     records: Records | None = None,
     vertical: Records | None = None,
     scale: npt.ArrayLike = 1.0,
+    periods: Sequence[float] = (),
     pulse: Pulse | None = None,
     tolerance: float = 1e-8,
     on_separation: OnSeparation = "fly",
@@ -89,6 +88,8 @@ def spectrum(
         Horizontal and vertical records, as many of both if there are both. Files are read by `read_record`.
     scale : array_like, up to one dimension
         Factors on the records [1].
+    periods : sequence of float
+        Periods [s] of Sa and Sv among the records' intensity measures in the table, which are those of `intensity`.
     pulse : Pulse, optional
         A pulse, alone or added to each record.
     tolerance, on_overturning, lift_off
@@ -159,7 +160,7 @@ def spectrum(
         g,
     )
     options = _options(tolerance, on_separation, on_overturning, lift_off, duration, step)
-    return _outcomes(many, (*shape, *sizes.shape), records, vertical, scale, pulse, g, options, threads, progress)
+    return _outcomes(many, (*shape, *sizes.shape), records, vertical, scale, periods, pulse, g, options, threads, progress)
 
 
 def blocks(**parameters: npt.ArrayLike) -> list[Block]:
@@ -188,6 +189,7 @@ def outcomes(
     *,
     vertical: Records | None = None,
     scale: npt.ArrayLike = 1.0,
+    periods: Sequence[float] = (),
     pulse: Pulse | None = None,
     tolerance: float = 1e-8,
     on_separation: OnSeparation = "fly",
@@ -204,7 +206,8 @@ def outcomes(
     ----------
     blocks : Block or sequence of Block
         The blocks.
-    records, vertical, scale, pulse, tolerance, on_separation, on_overturning, lift_off, duration, step, threads, progress
+    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, lift_off, duration, step, threads,
+    progress
         As in `spectrum`; a file in g is read by 9.81 m/s².
 
     Returns
@@ -228,7 +231,7 @@ def outcomes(
     many = _engine.Blocks.of([blocks] if isinstance(blocks, _engine.Block) else list(blocks))
     shape = () if single else (len(many),)
     options = _options(tolerance, on_separation, on_overturning, lift_off, duration, step)
-    return _outcomes(many, shape, records, vertical, scale, pulse, 9.81, options, threads, progress)
+    return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, options, threads, progress)
 
 
 def sweep(
@@ -334,6 +337,7 @@ def _outcomes(
     records: Records | None,
     vertical: Records | None,
     scale: npt.ArrayLike,
+    periods: Sequence[float],
     pulse: Pulse | None,
     g: float,
     options: dict[str, Any],
@@ -353,38 +357,38 @@ def _outcomes(
         raise ValueError(f"scale has shape {scales.shape}; expected a factor or a list of factors")
     if not along and not up and not np.array_equal(scales, 1.0):
         raise ValueError("scale has no effect without records")
-    motions = [(horizontal, vertical, factor) for horizontal, vertical in pairs for factor in scales.ravel().tolist()]
+    if not along and len(periods) > 0:
+        raise ValueError("periods has no effect without horizontal records")
+    factors = scales.ravel().tolist()
     with ticking(progress) as tick:
-        made, failure = _engine.outcomes(many, motions, pulse, options, threads, tick)
+        made, units, failure = _engine.outcomes(many, pairs, factors, list(periods), g, pulse, options, threads, tick)
 
-    def of_motion(values: Sequence[Any]) -> npt.NDArray[Any]:
-        return np.repeat(np.array(values), len(many))
+    def of_motion(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
+        """A column of values of the records, or of the scales, the latter in turn for each record."""
+        return np.tile(np.repeat(np.array(values), len(many) * count), number * len(factors) // (len(values) * count))
 
     columns: dict[str, npt.ArrayLike] = {}
     if along:
-        columns["record"] = of_motion([record.name if record else "" for record, _, _ in motions])
+        columns["record"] = of_motion([record.name for record in along], len(factors))
     if up:
-        columns["vertical"] = of_motion([record.name if record else "" for _, record, _ in motions])
+        columns["vertical"] = of_motion([record.name for record in up], len(factors))
     if along or up:
-        columns["scale"] = of_motion([factor for _, _, factor in motions])
-    if along:
-        pga = {record: record.pga for record in along}
-        pgv = {record: record.pgv for record in along}
-        columns["PGA"] = of_motion([pga[record] * abs(factor) for record, _, factor in motions if record])
-        columns["PGV"] = of_motion([pgv[record] * abs(factor) for record, _, factor in motions if record])
+        columns["scale"] = of_motion(factors, 1)
     if up:
-        columns["PGA.vertical"] = of_motion([record.pga * abs(factor) for _, record, factor in motions if record])
-    columns["foundation"] = np.tile(np.array(many.foundations()), len(motions))
+        pga = of_motion([record.pga for record in up], len(factors))
+        columns["PGA.vertical"] = pga * np.abs(columns["scale"])
+    columns["foundation"] = np.tile(np.array(many.foundations()), number * len(factors))
     for name in ("alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor"):
-        columns[name] = np.tile(many.column(name), len(motions))
+        columns[name] = np.tile(many.column(name), number * len(factors))
     frequencies = np.asarray(columns["p"])
     columns["2pi/p"] = 2 * np.pi / frequencies
     if pulse is not None:
         columns["omega_p/p"] = 2 * np.pi / pulse.period / frequencies
+    columns.update({name: made[name] for name, _ in units})
     columns.update(made)
     _warn(made["outcome"], failure)
     axes = (*((number,) if isinstance(records or vertical, list | tuple) else ()), *scales.shape, *shape)
-    return Table(columns, {name: unit for name, unit in _UNITS.items() if name in columns}, axes)
+    return Table(columns, {name: unit for name, unit in (_UNITS | dict(units)).items() if name in columns}, axes)
 
 
 def _read(records: Records | None, g: float) -> list[Record]:

@@ -8,10 +8,12 @@
 //! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
 //! | `history` | a block and what moves it → columns over time |
 //! | `studies` | many blocks under many ground motions → a column each |
+//! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `search` | a range → where the outcome changes |
 //! | `work` | long work → its result, while Python shows progress and takes Ctrl-C |
 
 mod block;
+mod fragility;
 mod history;
 mod options;
 mod record;
@@ -30,11 +32,13 @@ mod _engine {
     #[pymodule_export]
     use super::block::{Block, Blocks};
     #[pymodule_export]
+    use super::fragility::Fragility;
+    #[pymodule_export]
     use super::history::history;
     #[pymodule_export]
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
     #[pymodule_export]
-    use super::record::{Record, read_record};
+    use super::record::{Record, intensity, read_record};
     #[pymodule_export]
     use super::search::{search_damping, search_overturning};
     #[pymodule_export]

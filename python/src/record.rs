@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use rocking_block::records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
 use rocking_block::study::ground::Ground;
 use rocking_block::study::ground_files::{Name, Said};
-use rocking_block::study::intensity;
+use rocking_block::study::intensity::{Measure, PERIODS, pga, pgv};
 
 use crate::block::hash;
 use crate::options::{finite, invalid};
@@ -109,19 +109,30 @@ impl Record {
 
     #[getter]
     fn pga(&self) -> f64 {
-        intensity::pga(&self.record)
+        pga(&self.record)
     }
 
     #[getter]
     fn pgv(&self) -> f64 {
-        intensity::pgv(&self.record)
+        pgv(&self.record)
     }
+}
 
-    /// Pseudo-acceleration (m/s²) at a period (s), 5 % damping.
-    fn sa(&self, py: Python, period: f64) -> PyResult<f64> {
-        finite("period", period, |x| (0.001..=1000.0).contains(&x), "a time from 0.001 to 1000 s")?;
-        Ok(py.detach(|| intensity::spectral_acceleration(&self.record, period)))
-    }
+/// The intensity measures of a record that are asked for: those without a period, and Sa and Sv at each of `periods` (s).
+pub fn measures(periods: &[f64]) -> PyResult<Vec<Measure>> {
+    periods
+        .iter()
+        .try_for_each(|&period| finite("period", period, |x| PERIODS.contains(&x), "a time from 0.001 to 1000 s"))?;
+    Ok(Measure::of_record(periods))
+}
+
+/// Name and value of each intensity measure of a record.
+#[pyfunction]
+pub fn intensity(py: Python, record: &Bound<Record>, periods: Vec<f64>, g: f64) -> PyResult<Vec<(String, f64)>> {
+    finite("g", g, |x| x > 0.0, "an acceleration > 0 m/s2")?;
+    let (record, measures) = (&record.get().record, measures(&periods)?);
+    let of = |measure: &Measure| (measure.to_string(), measure.of(record, g).unwrap_or(f64::NAN));
+    Ok(py.detach(|| measures.iter().map(of).collect()))
 }
 
 /// A column of a table, by its name or its number from 1.

@@ -10,18 +10,23 @@ use rocking_block::model::variables::Variable;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_block::study::ground::Ground;
 use rocking_block::study::history::Run;
+use rocking_block::study::intensity::Measure;
 use rocking_block::study::outcome::Outcome;
 use rocking_block::study::runner::{self, Study, StudyRow};
 use rocking_block::study::study_file::StudyFileError;
+use rocking_block::study::sweep::Motion;
 use rocking_block::study::sweep_file;
 
 use crate::block::Blocks;
-use crate::options::{PulseOptions, RunOptions, ground, invalid, word};
-use crate::record::Record;
+use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, word};
+use crate::record::{Record, measures};
 use crate::work::{Progress, wait};
 
-/// A horizontal and a vertical record, each of which may be missing, and the factor on both.
-type Motion<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>, f64);
+/// A horizontal and a vertical record, each of which may be missing.
+type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
+
+/// Columns, units of those that have one, and why the first run failed that did.
+type Outcomes<'py> = (Bound<'py, PyDict>, Vec<(String, &'static str)>, Option<String>);
 
 /// Headings, columns, and why the first run failed that did.
 type Table<'py> = (Vec<String>, Vec<Bound<'py, PyAny>>, Option<String>);
@@ -47,51 +52,72 @@ fn rows<T: Send>(
     done.map(|()| rows)
 }
 
-/// What becomes of each block under each ground motion: the columns, one row after the other block by block and then motion
-/// by motion, and why the first of the runs failed that did.
+/// What becomes of each block under each ground motion: the columns, one row after the other block by block, then scale by
+/// scale, then pair by pair.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn outcomes<'py>(
     py: Python<'py>,
     blocks: &Bound<'py, Blocks>,
-    motions: Vec<Motion<'py>>,
+    pairs: Vec<Pair<'py>>,
+    scales: Vec<f64>,
+    periods: Vec<f64>,
+    g: f64,
     pulse: Option<PulseOptions>,
     options: RunOptions,
     threads: Option<usize>,
     tick: &Bound<'py, PyAny>,
-) -> PyResult<(Bound<'py, PyDict>, Option<String>)> {
+) -> PyResult<Outcomes<'py>> {
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let settings = options.settings()?;
     options.check_times()?;
-    let grounds = motions.iter().map(|(along, up, scale)| ground(along.as_ref(), up.as_ref(), *scale));
+    let of_record = measures(&periods)?;
+    let has_record = pairs.iter().any(|(along, _)| along.is_some());
+    let shown: Vec<Measure> = match has_record {
+        true => of_record.iter().copied().chain(Measure::OF_BLOCK).collect(),
+        false => Vec::new(),
+    };
+    let grounds = pairs.iter().map(|(along, up)| ground(along.as_ref(), up.as_ref(), 1.0));
     let grounds: Vec<Ground> = grounds.collect::<PyResult<_>>()?;
+    scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
     let blocks = blocks.get().blocks.clone();
     let RunOptions { duration, step, .. } = options;
-    let count = (blocks.len() * grounds.len()) as u64;
+    let count = (blocks.len() * scales.len() * grounds.len()) as u64;
+    let columns_of = shown.clone();
     let made = wait(py, tick, move |progress| {
+        let motion = |number: u64| Motion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
+        let motions = rows(threads, grounds.len() as u64, &Progress::default(), motion)?;
         rows(threads, count, progress, |number| {
             let (motion, block) = (number as usize / blocks.len(), number as usize % blocks.len());
+            let (motion, scale, block) =
+                (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block]);
             let run = Run {
-                block: blocks[block],
+                block,
                 settings,
                 initial: Initial::default(),
                 pulse,
-                ground: grounds[motion].clone(),
+                ground: motion.ground.clone().scaled(scale),
                 duration,
                 output_step: step.unwrap_or(f64::INFINITY),
             };
-            (run.outcome(), run.block.alpha)
+            let of = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
+            (run.outcome(), block.alpha, shown.iter().map(of).collect())
         })
     })?;
-    let made = made.map_err(invalid)?;
-    let failure = made.iter().find_map(|(outcome, _)| outcome.failure.as_ref()).map(ToString::to_string);
-    Ok((columns(py, &made)?, failure))
+    let made: Vec<(Outcome, f64, Vec<f64>)> = made.map_err(invalid)?;
+    let failure = made.iter().find_map(|(outcome, ..)| outcome.failure.as_ref()).map(ToString::to_string);
+    let columns = columns(py, &made)?;
+    for (place, measure) in columns_of.iter().enumerate() {
+        columns.set_item(measure.to_string(), PyArray1::from_iter(py, made.iter().map(|row| row.2[place])))?;
+    }
+    let units = columns_of.iter().map(|measure| (measure.to_string(), measure.unit()));
+    Ok((columns, units.collect(), failure))
 }
 
 /// The columns of outcomes, each with the slenderness of its block (rad).
-fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64)]) -> PyResult<Bound<'py, PyDict>> {
+fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)]) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
-    columns.set_item("outcome", made.iter().map(|(outcome, _)| outcome.end.word()).collect::<Vec<_>>())?;
+    columns.set_item("outcome", made.iter().map(|(outcome, ..)| outcome.end.word()).collect::<Vec<_>>())?;
     type Number = fn(&Outcome, f64) -> f64;
     let numbers: [(&str, Number); 7] = [
         ("end_time", |outcome, _| outcome.end_time),
@@ -103,7 +129,7 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64)]) -> PyResult<Bound<'py,
         ("first_separation", |outcome, _| outcome.flights.first.unwrap_or(f64::NAN)),
     ];
     for (name, of) in numbers {
-        columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, alpha)| of(outcome, *alpha))))?;
+        columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, alpha, _)| of(outcome, *alpha))))?;
     }
     type Count = fn(&Outcome) -> u32;
     let counts: [(&str, Count); 3] = [
@@ -112,7 +138,7 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64)]) -> PyResult<Bound<'py,
         ("events.liftoffs", |outcome| outcome.counts.liftoffs),
     ];
     for (name, of) in counts {
-        columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, _)| i64::from(of(outcome)))))?;
+        columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, ..)| i64::from(of(outcome)))))?;
     }
     Ok(columns)
 }

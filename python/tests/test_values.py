@@ -193,6 +193,9 @@ def test_a_record_has_its_measures():
     t = np.arange(0, 2.0005, 0.001)
     record = rb.Record(3 * np.sin(np.pi * t), 0.001)
     assert np.isclose(record.pga, 3.0, rtol=1e-6) and np.isclose(record.pgv, 6 / np.pi, rtol=1e-5)
-    assert np.isclose(record.sa(0.005), 3.0, rtol=1e-3)
+    measures = rb.intensity(record, [0.005])
+    assert measures["PGA"] == record.pga and measures["PGV"] == record.pgv
+    assert np.isclose(measures["Sa(0.005 s)"], 3.0, rtol=1e-3)
+    assert np.isclose(measures["Arias"], np.pi / (2 * 9.81) * 9.0, rtol=1e-5)
     assert np.array_equal(record.t, 0.001 * np.arange(2001)) and record.duration == 2000 * 0.001
     assert record.scaled(-2).pga == 2 * record.pga

@@ -1,0 +1,100 @@
+"""Fragility curves, against statsmodels and against what was planted."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import rocking_block as rb
+
+
+def planted(rows=300, median=0.6, beta=0.4, seed=5):
+    """A table of runs whose blocks overturn by the chance of a lognormal curve; ten runs a record."""
+    random = np.random.default_rng(seed)
+    pgv = np.exp(random.normal(np.log(median), 0.6, rows))
+    overturned = np.log(pgv / median) / beta + random.normal(size=rows) > 0
+    words = np.where(overturned, "overturned", "completed")
+    rotation = np.where(overturned, 5.0, np.minimum(0.9, pgv))
+    separation = np.where(pgv > 1.0, 2.0, np.nan)
+    columns = {"record": np.arange(rows) // 10, "PGV": pgv, "outcome": words, "peak.theta/alpha": rotation,
+               "first_separation": separation}
+    return rb.Table(columns, {"PGV": "m/s"})
+
+
+@pytest.mark.parametrize("link", ["probit", "logit"])
+def test_the_curve_is_that_of_statsmodels(link):
+    discrete = pytest.importorskip("statsmodels.discrete.discrete_model")
+    table = planted()
+    fit = rb.fragility(table, im="PGV", link=link)
+    exceeded = (table["outcome"] == "overturned").astype(float)
+    design = np.column_stack([np.ones(table.rows), np.log(table["PGV"])])
+    model = {"probit": discrete.Probit, "logit": discrete.Logit}[link](exceeded, design)
+    peer = model.fit(disp=0, tol=1e-12, maxiter=200)
+    assert np.allclose(fit.coefficients, peer.params, rtol=1e-7)
+    assert np.isclose(fit.log_likelihood, peer.llf, rtol=1e-12)
+    x = np.geomspace(0.1, 3.0, 20)
+    assert np.allclose(fit.curve(x), peer.predict(np.column_stack([np.ones(20), np.log(x)])), rtol=1e-6)
+    assert np.isclose(fit.median, np.exp(-peer.params[0] / peer.params[1]), rtol=1e-7)
+
+
+@pytest.mark.parametrize("intervals", ["profile", "bootstrap"])
+def test_intervals_and_bands_lie_about_the_curve(intervals):
+    fit = rb.fragility(planted(), im="PGV", intervals=intervals, samples=200)
+    assert fit.median_ci[0] < fit.median < fit.median_ci[1] and fit.beta_ci[0] < fit.beta < fit.beta_ci[1]
+    assert fit.median_ci[0] < 0.6 < fit.median_ci[1] and fit.beta_ci[0] < 0.4 < fit.beta_ci[1]
+    x = np.array([[0.3, 0.6], [0.9, 1.2]])
+    low, high = fit.band(x)
+    assert low.shape == (2, 2) and (low < fit.curve(x)).all() and (fit.curve(x) < high).all()
+    wider = rb.fragility(planted(), im="PGV", intervals=intervals, samples=200, ci=0.99).band(x)
+    assert (wider[0] < low).all() and (wider[1] > high).all()
+    again = pickle.loads(pickle.dumps(fit))
+    assert again.median_ci == fit.median_ci and np.array_equal(again.band(x), fit.band(x)) and repr(again) == repr(fit)
+
+
+def test_limits_are_outcomes_and_rotations():
+    table = planted()
+    counts = [np.count_nonzero(rb.fragility(table, "PGV", limit).exceeded) for limit in ("overturned", 0.5)]
+    assert counts[0] == np.count_nonzero(table["outcome"] == "overturned")
+    assert counts[1] == np.count_nonzero((table["peak.theta/alpha"] > 0.5) | (table["outcome"] == "overturned"))
+    with pytest.raises(ValueError, match="found separable data: the limit is not exceeded in all rows up to"):
+        rb.fragility(table, "PGV", "separated")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"im": "PGA"}, "there is no column 'PGA'; expected one of record, PGV"),
+        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", "separated" or a rotation'),
+        ({"ci": 95}, "ci = 95; expected a confidence above 0 and below 1, as in 0.95"),
+        ({"link": "cauchit"}, 'link = "cauchit"; expected one of "probit", "logit"'),
+        ({"intervals": "wald"}, 'intervals = "wald"; expected one of "profile", "bootstrap"'),
+        ({"limit": 100.0, "table": rb.Table({"PGV": [1.0], "outcome": ["completed"], "peak.theta/alpha": [1.0]})},
+         "found one class: the limit is not exceeded in all 1 rows"),
+        ({"table": rb.Table({"PGV": [1.0, 2.0], "outcome": ["completed", "failed"]})}, "1 runs failed, the first in row 1"),
+    ],
+)
+def test_what_has_no_curve_is_refused(options, message):
+    options = {"table": planted(), "im": "PGV"} | options
+    with pytest.raises((ValueError, KeyError), match=message):
+        rb.fragility(**options)
+
+
+def test_a_curve_of_runs_becomes_a_picture(record, tmp_path):
+    blocks = rb.blocks(alpha=0.12, p=np.linspace(1.5, 4.0, 12), eta=50)
+    table = rb.outcomes(blocks, [record], scale=np.geomspace(0.5, 4.0, 8), periods=[1.0])
+    fit = rb.fragility(table, im="p PGV/(g tan alpha)")
+    assert fit.auc > 0.7 and 0 < fit.brier < 0.25
+    figure = fit.plot()
+    assert "p PGV/(g tan alpha) [1]" in figure.axes[0].get_xlabel()
+    figure.savefig(tmp_path / "curve.png")
+
+
+def test_measures_in_tables_are_those_of_the_records(record):
+    table = rb.outcomes(rb.Block(alpha=0.15, p=2.0), [record], scale=[1.0, -2.0], periods=[0.5])
+    measures = rb.intensity(record, 0.5)
+    assert set(measures) < set(table)
+    power = {"PGV/PGA": 0, "D5-95": 0, "T_m": 0, "Arias": 2}
+    for name, value in measures.items():
+        assert np.allclose(table[name], value * np.array([1.0, 2.0]) ** power.get(name, 1), rtol=1e-14), name
+    assert np.isclose(table["PGA/(g tan alpha)"][0], record.pga / (9.81 * np.tan(0.15)), rtol=1e-14)
+    assert table.units["Arias"] == "m/s" and table.units["p T_m"] == "1"
