@@ -160,13 +160,14 @@ def fragility(
     Examples
     --------
     >>> import rocking_block as rb
-    >>> rows = {"PGV": [0.2, 0.3, 0.4, 0.5, 0.6, 0.9],
-    ...         "outcome": ["completed", "completed", "overturned", "completed", "overturned", "overturned"]}
+    >>> rows = {"PGV": [0.2, 0.25, 0.3, 0.4, 0.45, 0.5, 0.6, 0.7, 0.9, 1.1], "outcome": ["completed"] * 10}
+    >>> for i in (3, 6, 7, 8, 9):
+    ...     rows["outcome"][i] = "overturned"
     >>> fit = rb.fragility(rb.Table(rows, {"PGV": "m/s"}), im="PGV")
     >>> fit
-    <Fragility of overturned over PGV: median 0.4472 m/s [0.2848, 0.6752], beta 0.249 [0.0878, 1.32], 3 of 6 runs>
+    <Fragility of overturned over PGV: median 0.4732 m/s [0.3027, 0.7396], beta 0.272 [0.0908, 1.3], 5 of 10 runs>
     >>> fit.curve([0.3, 0.6]).round(3)
-    array([0.054, 0.881])
+    array([0.047, 0.809])
     """
     outcome = table["outcome"]
     measures = np.array(table[im], dtype=np.float64)

@@ -1,15 +1,18 @@
 """Pictures, by Matplotlib."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 if TYPE_CHECKING:
     from rocking_block._fragility import Fragility
     from rocking_block._run import Run
 
 _BLUE, _ORANGE, _INK, _BAND = "#1f5fa8", "#c8641e", "#404040", "0.93"
+# A legend that hides no curve: in a line over the axes.
+_ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.98), "ncols": 3, "frameon": False}
 
 
 def run(run: "Run") -> Figure:
@@ -31,11 +34,11 @@ def run(run: "Run") -> Figure:
     reaction.plot(t, run.N_R / weight, color=_ORANGE, lw=0.8, label="right corner")
     reaction.set_ylabel("reaction N/(M g)")
     reaction.set_ylim(0.0, 1.05 * max(1.0, float(np.max(np.maximum(run.N_L, run.N_R))) / weight))
-    reaction.legend(loc="upper right", ncols=2, frameon=False)
-    ground.plot(t, run.a_gx, color=_INK, lw=0.7)
+    reaction.legend(**_ABOVE)
+    ground.plot(t, run.a_gx, color=_INK, lw=0.7, label="horizontal")
     if np.any(run.a_gz != 0.0):
         ground.plot(t, run.a_gz, color=_ORANGE, lw=0.5, label="vertical")
-        ground.legend(loc="upper right", frameon=False)
+        ground.legend(**_ABOVE)
     ground.set(ylabel="ground [m/s²]", xlabel="time [s]")
     ground.set_xlim(t[0], t[-1])
     rotation.set_title(f"{run.outcome}: |θ|/α = {run.peak.theta / block.alpha:.3f}, {run.counts.impacts} impacts", loc="left")
@@ -57,10 +60,10 @@ def fragility(fit: "Fragility") -> Figure:
     axes.plot(middle, share, "o", color=_INK, ms=5, mfc="white", label=f"share of {len(classes[0])} runs")
     axes.plot(fit.measures, fit.exceeded, "|", color=_INK, ms=7, alpha=0.35)
     axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("{x:g}")
-    axes.tick_params(axis="x", which="minor", labelsize="small")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     what = f"|θ|/α > {fit.limit:g}" if isinstance(fit.limit, float | int) else fit.limit
     axes.set(xlabel=f"{fit.im} [{fit.unit}]", ylabel=f"probability: {what}", ylim=(-0.04, 1.04), xlim=(low, high))
-    axes.legend(loc="upper left", frameon=False)
+    axes.legend(**_ABOVE)
     return figure

@@ -52,3 +52,12 @@ def numbers(column):
 def same(values, column):
     """Whether two columns are the same bits, but for the sign of nan."""
     return np.array_equal(np.asarray(values, dtype=float), numbers(column), equal_nan=True)
+
+
+def pytest_runtest_logreport(report):
+    """What is skipped is told at the end of scripts/test."""
+    path = os.environ.get("ROCKING_BLOCK_SKIPPED")
+    if report.skipped and path:
+        with open(path, "a") as file:
+            reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
+            file.write(f"{report.nodeid}: {reason.removeprefix('Skipped: ')}\n")

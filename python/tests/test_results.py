@@ -12,7 +12,7 @@ import pytest
 
 import rocking_block as rb
 
-HERE = Path(__file__).parent
+PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def test_a_run_becomes_a_frame(record):
@@ -63,7 +63,7 @@ def test_everything_public_is_documented(name):
 
 def test_the_examples_in_docstrings_hold():
     found = doctest.DocTestFinder()
-    modules = ["_block", "_fmu", "_pulse", "_record", "_run", "_search", "_studies", "_table", "_toml"]
+    modules = ["_block", "_fmu", "_fragility", "_pulse", "_record", "_run", "_search", "_studies", "_table", "_toml"]
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     for name in modules:
         for test in found.find(importlib.import_module(f"rocking_block.{name}")):
@@ -71,22 +71,21 @@ def test_the_examples_in_docstrings_hold():
     assert runner.failures == 0 and runner.tries > 30
 
 
-def check(*command):
-    result = subprocess.run([sys.executable, "-m", *map(str, command)], capture_output=True, text=True)
+def check(*command, cwd=PACKAGE):
+    result = subprocess.run([sys.executable, "-m", *command], capture_output=True, text=True, cwd=cwd)
     assert result.returncode == 0, result.stdout + result.stderr
 
 
 def test_mypy_finds_the_package_and_its_use_well_typed():
     pytest.importorskip("mypy")
-    configuration = HERE.parent / "pyproject.toml"
-    check("mypy", "--config-file", configuration, "--strict", Path(rb.__file__).parent, HERE / "usage.py")
+    check("mypy", "--strict", "rocking_block", "tests/usage.py")
 
 
 def test_pyright_finds_the_package_and_its_use_well_typed():
     pytest.importorskip("pyright")
-    check("pyright", "--pythonpath", sys.executable, Path(rb.__file__).parent, HERE / "usage.py")
+    check("pyright", "--pythonpath", sys.executable, "rocking_block", "tests/usage.py")
 
 
-def test_the_compiled_part_is_as_its_types_say():
+def test_the_compiled_part_is_as_its_types_say(tmp_path):
     pytest.importorskip("mypy")
-    check("mypy.stubtest", "--ignore-missing-stub", "rocking_block._engine")
+    check("mypy.stubtest", "--ignore-missing-stub", "rocking_block._engine", cwd=tmp_path)

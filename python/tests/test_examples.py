@@ -1,0 +1,61 @@
+"""What README and the examples say of the package holds."""
+
+import importlib.util
+import re
+import runpy
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import rocking_block as rb
+
+EXAMPLES = ROOT / "examples/python"
+sys.path.insert(0, str(EXAMPLES))
+
+
+def test_the_examples_of_the_readme(capsys, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    codes = [code for code in re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+             if "fmpy" not in code]
+    assert len(codes) == 2
+    names = {}
+    for code in codes:
+        exec(compile(code, "README.md", "exec"), names)
+    said = re.search(r"print\(run\)  # (.*)", codes[0])[1]
+    assert capsys.readouterr().out.startswith(f"{said}\n")
+    assert isinstance(names["fit"], rb.Fragility) and names["table"].shape == (20, 5, 8)
+
+
+def test_a_record_in_a_frame(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["one_record.py"])
+    runpy.run_path(str(EXAMPLES / "one_record.py"))
+    assert "<Run completed at 36.38 s, |θ|/α = 0.4984, 30 impacts, 7278 rows>" in capsys.readouterr().out
+    assert (tmp_path / "one_record.png").stat().st_size > 20_000
+
+
+def test_velocity_tells_overturning_better_than_acceleration():
+    """The claim of the examples' page, for a sixteenth of the blocks and motions."""
+    from ensemble import motions
+
+    random = np.random.default_rng(1)
+    blocks = rb.blocks(alpha=random.uniform(0.1, 0.25, 50), p=random.uniform(1.2, 3.5, 50), eta=60, epsilon=0.1)
+    table = rb.outcomes(blocks, motions()[::4])
+    assert len({record.name for record in motions()}) == 40
+    velocity, acceleration = (rb.fragility(table, im).auc for im in ("p PGV/(g tan alpha)", "PGA/(g tan alpha)"))
+    assert velocity > 0.95 and acceleration < 0.7
+
+
+def test_a_cabinet_on_an_opensees_frame():
+    if importlib.util.find_spec("openseespylinux") is None:
+        pytest.skip("openseespy has no build for this platform or is not installed")
+    # A process holds one model of OpenSees.
+    command = [sys.executable, EXAMPLES / "opensees_frame.py"]
+    out = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    ground, roof = re.findall(r"PGA (.*) m/s²: <Run (\w+)", out)
+    assert ground == ("4.45", "completed") and roof[1] == "overturned"
+    # The frame yields at 0.3 of its weight, and hardens by 3 % from there.
+    assert 0.3 * 9.81 < float(roof[0]) < 0.45 * 9.81
