@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{LiftOff, OnOverturning, OnSeparation, Settings};
-use rocking_block::study::ground::Ground;
+use rocking_block::records::ground::Ground;
 use rocking_block::study::history::{LONGEST, SHORTEST};
 
 use crate::record::Record;

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::model::variables::Variable;
 use rocking_block::simulation::{Initial, OnSeparation};
-use rocking_block::study::ground::Ground;
+use rocking_block::records::ground::Ground;
 use rocking_block::study::history::Run;
 use rocking_block::study::intensity::Measure;
 use rocking_block::study::outcome::Outcome;

@@ -3,6 +3,7 @@
 #[cfg(feature = "program")]
 mod chart;
 pub mod coming_down;
+pub mod ensemble;
 #[cfg(feature = "program")]
 pub mod figures;
 #[cfg(feature = "program")]
@@ -31,8 +32,11 @@ pub mod spectrum;
 #[cfg(feature = "program")]
 pub mod spectrum_plot;
 pub mod spectrum_statistics;
+pub mod strength;
 pub mod study_file;
 pub mod sweep;
+mod sweep_ensemble;
 pub mod sweep_file;
 mod sweep_records;
+mod sweep_strength;
 pub mod table;

@@ -17,15 +17,7 @@ pub struct LatinHypercube {
 impl LatinHypercube {
     /// So many points in so many directions.
     pub fn new(samples: u32, directions: usize, seed: u64) -> LatinHypercube {
-        let strata = (0..directions).map(|direction| {
-            let mut random = stream(seed, 2 * direction as u64);
-            let mut strata: Vec<u32> = (0..samples).collect();
-            // Fisher and Yates; the remainder of 64 bits favours no place by more than 2⁻³².
-            for i in (1..strata.len()).rev() {
-                strata.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
-            }
-            strata
-        });
+        let strata = (0..directions).map(|direction| shuffled(samples, seed, 2 * direction as u64));
         LatinHypercube { seed, strata: strata.collect() }
     }
 
@@ -39,6 +31,17 @@ impl LatinHypercube {
         let count = strata.len() as f64;
         ((f64::from(strata[sample as usize]) + place) / count).min(1.0 - 0.5 * f64::EPSILON)
     }
+}
+
+/// The numbers from 0 to below `count` in an order that follows from the seed and the stream's number.
+pub(super) fn shuffled(count: u32, seed: u64, number: u64) -> Vec<u32> {
+    let mut random = stream(seed, number);
+    let mut order: Vec<u32> = (0..count).collect();
+    // Fisher and Yates; the remainder of 64 bits favours no place by more than 2⁻³².
+    for i in (1..order.len()).rev() {
+        order.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
+    }
+    order
 }
 
 fn stream(seed: u64, number: u64) -> ChaCha8Rng {

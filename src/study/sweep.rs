@@ -1,4 +1,4 @@
-//! Parameters over grids or samples × records × scale factors → what each block does, a row each.
+//! Parameters over grids or samples × records × strengths → what each block does, a row each.
 
 use crate::block::Block;
 use crate::excitation::PulseShape;
@@ -6,13 +6,16 @@ use crate::model::values::Values;
 use crate::model::variables::Variable;
 use crate::records::ground::Ground;
 use crate::simulation::OnSeparation;
+use crate::study::ensemble::{Ensemble, Spreading, Tally};
 use crate::study::history::Run;
 use crate::study::intensity::{Measure, pga};
-use crate::study::outcome::Outcome;
+use crate::study::outcome::{End, Outcome};
 use crate::study::parameters::Parameter;
 use crate::study::resumable::Head;
 use crate::study::runner::{Study, StudyRow};
 use crate::study::sampling::LatinHypercube;
+use crate::study::search::{self, Found, Scan};
+use crate::study::strength::{Strengths, scale_to};
 
 /// A parameter and the values that it takes.
 #[derive(Clone, Debug)]
@@ -92,7 +95,7 @@ impl Motion {
     }
 }
 
-/// A sweep: each combination of parameters × each motion × each scale factor is a row.
+/// A sweep: each combination of parameters × each motion × each strength is a row.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// What the study is, a line each.
@@ -103,8 +106,10 @@ pub struct Sweep {
     pub design: Design,
     /// Ground motions, at least one, which may be none.
     pub motions: Vec<Motion>,
-    /// Factors on the records, at least one.
-    pub scales: Vec<f64>,
+    /// How strong they are.
+    pub strengths: Strengths,
+    /// What each row is repeated with, if it is.
+    pub ensemble: Option<Ensemble>,
     /// Measures of the records that stand in the table.
     pub measures: Vec<Measure>,
     /// What happens at complete separation, where the study does not name `on_separation`.
@@ -165,29 +170,66 @@ impl Sweep {
         values
     }
 
-    /// Combination, motion and scale of a row.
-    fn place(&self, row: u64) -> (Vec<f64>, &Motion, f64) {
-        let (scales, motions) = (self.scales.len() as u64, self.motions.len() as u64);
-        let motion = &self.motions[(row / scales % motions) as usize];
-        (self.combination(row / scales / motions), motion, self.scales[(row % scales) as usize])
-    }
-
-    /// The run of a row. Combinations that make no block are refused before a sweep begins.
-    pub fn run(&self, row: u64) -> Run {
-        let (combination, motion, scale) = self.place(row);
+    /// What a row is. Combinations that make no block are refused before a sweep begins.
+    fn place(&self, row: u64) -> Place<'_> {
+        let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
+        let motion = &self.motions[(row / strengths % motions) as usize];
+        let combination = self.combination(row / strengths / motions);
         let values = self.values(&combination);
         let block = values.block().unwrap_or_else(|error| unreachable!("{error}"));
-        let ground = motion.ground.clone().scaled(scale);
-        let pulse = values.pulse();
+        let scale = self.strengths.scale(row % strengths, motion, &block);
+        Place { combination, values, block, motion, scale }
+    }
+
+    /// The run of a row, without the spread of an ensemble.
+    pub fn run(&self, row: u64) -> Run {
+        let Place { values, motion, scale, .. } = self.place(row);
+        self.run_of(&values, motion, scale)
+    }
+
+    fn run_of(&self, values: &Values, motion: &Motion, scale: f64) -> Run {
         Run {
-            block,
+            block: values.block().unwrap_or_else(|error| unreachable!("{error}")),
             settings: values.settings(Some(self.tolerance)),
             initial: values.initial(),
-            pulse,
+            pulse: values.pulse(),
             duration: self.duration,
             output_step: self.step.unwrap_or(f64::INFINITY),
-            ground,
+            ground: motion.ground.clone().scaled(scale),
         }
+    }
+
+    /// What the samples of a row do.
+    fn tally(&self, ensemble: &Ensemble, row: u64, place: &Place) -> Tally {
+        let mut tally = Tally::new(ensemble.limits.len());
+        for parts in ensemble.parts(row) {
+            let (mut values, mut scale) = (place.values.clone(), place.scale);
+            for (spread, part) in ensemble.spreads.iter().zip(parts) {
+                match &spread.of {
+                    Spreading::Scale => scale = spread.value(scale, part),
+                    Spreading::Parameter(parameter) => {
+                        let variable = parameter.metadata.variable;
+                        values[variable] = spread.value(values[variable], part);
+                    }
+                }
+            }
+            let run = self.run_of(&values, place.motion, scale);
+            tally.add(&run.outcome(), run.block.alpha, &ensemble.limits);
+        }
+        tally
+    }
+
+    /// At which values of a measure the block of a row overturns.
+    fn least(&self, measure: Measure, scan: &Scan, place: &Place) -> Found<End> {
+        let end = |value: f64| {
+            let scale = scale_to(measure, value, place.motion, &place.block);
+            match self.run_of(&place.values, place.motion, scale).outcome().end {
+                // The run's end is not what is looked for.
+                End::Separated => End::Completed,
+                end => end,
+            }
+        };
+        search::changes(scan, end, |_, _| ())
     }
 
     /// Whether something moves the block in every combination: a record, a pulse, or its beginning.
@@ -202,6 +244,15 @@ impl Sweep {
     }
 }
 
+/// What a row of a sweep is.
+struct Place<'a> {
+    combination: Vec<f64>,
+    values: Values,
+    block: Block,
+    motion: &'a Motion,
+    scale: f64,
+}
+
 impl Study for Sweep {
     fn head(&self) -> Head {
         let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
@@ -213,27 +264,66 @@ impl Study for Sweep {
         let mut columns: Vec<String> = self.factors.iter().map(|factor| factor.parameter.heading()).collect();
         columns.extend(["record", "vertical", "scale [1]", "PGA.vertical [m/s2]"].map(String::from));
         columns.extend(self.measures.iter().map(|measure| measure.heading()));
-        columns.extend(Outcome::COLUMNS.map(String::from));
+        match &self.strengths {
+            Strengths::Scales(_) | Strengths::Levels(..) => columns.extend(Outcome::COLUMNS.map(String::from)),
+            Strengths::Least(measure, _) => columns.extend(least_columns(*measure)),
+        }
+        columns.extend(self.ensemble.iter().flat_map(Ensemble::columns));
         Head { study, columns }
     }
 
     fn rows(&self) -> u64 {
-        self.combinations().unwrap_or(0) * (self.motions.len() * self.scales.len()) as u64
+        self.combinations().unwrap_or(0) * self.motions.len() as u64 * self.strengths.count()
     }
 
     fn row(&self, number: u64) -> StudyRow {
-        let (combination, motion, scale) = self.place(number);
+        let place = self.place(number);
+        let Place { combination, block, motion, scale, .. } = &place;
         let mut fields: Vec<String> =
-            self.factors.iter().zip(&combination).map(|(factor, value)| factor.parameter.display(*value)).collect();
+            self.factors.iter().zip(combination).map(|(factor, value)| factor.parameter.display(*value)).collect();
         fields.extend(motion.names.iter().cloned());
         let has_record = motion.ground.time_step().is_some();
         fields.push(if has_record { scale.to_string() } else { String::new() });
-        let run = self.run(number);
         let shown = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
         fields.push(shown(motion.vertical_pga.map(|pga| pga * scale.abs())));
-        fields.extend(self.measures.iter().map(|&measure| shown(motion.intensity(measure, scale, &run.block))));
-        let outcome = run.outcome();
-        fields.extend(outcome.fields(run.block.alpha));
+        fields.extend(self.measures.iter().map(|&measure| shown(motion.intensity(measure, *scale, block))));
+        if let Strengths::Least(measure, scan) = &self.strengths {
+            fields.extend(least_fields(&self.least(*measure, scan, &place)));
+            return StudyRow { fields, failure: None };
+        }
+        let outcome = self.run_of(&place.values, motion, *scale).outcome();
+        fields.extend(outcome.fields(block.alpha));
+        fields.extend(self.ensemble.iter().flat_map(|ensemble| self.tally(ensemble, number, &place).fields()));
         StudyRow { fields, failure: outcome.failure }
     }
+}
+
+/// Names and units of the columns of a row that has the outcomes at all values of a measure.
+fn least_columns(measure: Measure) -> [String; 5] {
+    let unit = measure.unit();
+    [
+        "outcome".into(),
+        format!("least.{measure} [{unit}]"),
+        format!("always_from.{measure} [{unit}]"),
+        "overturning_ranges [1]".into(),
+        format!("overturning.{measure} [{unit}]"),
+    ]
+}
+
+/// Whether the block overturns anywhere; the least value at which it does; the one from which on it always does; how many
+/// ranges there are in which it does, and what they are.
+fn least_fields(found: &Found<End>) -> [String; 5] {
+    let stretches = found.stretches();
+    let ranges: Vec<&(f64, f64, End)> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
+    let any = |end: End| stretches.iter().any(|stretch| stretch.2 == end);
+    let outcome = [End::Failed, End::Overturned].into_iter().find(|&end| any(end)).unwrap_or(End::Completed);
+    let shown = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+    let last = stretches.last().filter(|stretch| stretch.2 == End::Overturned);
+    [
+        outcome.to_string(),
+        shown(found.least(End::Overturned)),
+        shown(last.map(|stretch| stretch.0)),
+        ranges.len().to_string(),
+        ranges.iter().map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; "),
+    ]
 }

@@ -8,13 +8,15 @@ use toml::de::{DeTable, DeValue};
 use crate::model::values::Values;
 use crate::model::variables::{Kind, Variable};
 use crate::simulation::{OnSeparation, Settings};
+use crate::study::ensemble::Spreading;
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::intensity::{self, Measure};
 use crate::study::parameters::Parameter;
 use crate::study::sampling::LatinHypercube;
+use crate::study::strength::Strengths;
 use crate::study::study_file::{Placed, Section, Source, StudyFileError, number};
-use crate::study::sweep::{Design, Factor, Levels, Sweep};
-use crate::study::sweep_records;
+use crate::study::sweep::{Design, Factor, Levels, Motion, Sweep};
+use crate::study::{sweep_ensemble, sweep_records, sweep_strength};
 
 /// More rows than anybody waits for.
 const MOST_ROWS: u64 = 1_000_000_000;
@@ -33,7 +35,8 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let document = source.parse()?;
     let (table, place) = (document.get_ref(), document.span());
     let root = Section::new(source, "the file", place, table, &["study", "parameters", "records"])?;
-    let keys = ["design", "samples", "seed", "scales", "periods", "tolerance", "duration", "step"];
+    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "ensemble"];
+    let keys = [&keys[..], &sweep_strength::KEYS].concat();
     let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
     let samples = design(&study)?;
     let given = parameters(&root, source, samples.is_some())?;
@@ -48,13 +51,25 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
         )?
         .unwrap_or_default();
-    let of_record = Measure::of_record(&periods);
+    let strengths = sweep_strength::read(&study)?;
+    let mut of_record = Measure::of_record(&periods);
+    // One at a period that the study does not name is taken too.
+    let level = strengths.measure().filter(|measure| !Measure::OF_BLOCK.contains(measure));
+    of_record.extend(level.filter(|measure| !of_record.contains(measure)));
     let motions = sweep_records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
-    let scales = study.numbers("scales", |x| x != 0.0, "a list of factors that are not 0, as in [0.5, 1.0]")?;
+    let ensemble = sweep_ensemble::read(&study, source)?;
     let without = motions.iter().all(|motion| motion.ground.time_step().is_none());
-    for key in ["scales", "periods"] {
+    for key in sweep_strength::KEYS.into_iter().chain(["periods"]) {
         if let (true, Some(value)) = (without, study.get(key)) {
             return Err(study.wrong(key, value, "[[records]], without which nothing reads it"));
+        }
+    }
+    if let (Some(ensemble), Some(value)) = (&ensemble, study.get("ensemble")) {
+        if without && ensemble.spreads.iter().any(|spread| spread.of == Spreading::Scale) {
+            return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
+        }
+        if matches!(strengths, Strengths::Least(..)) {
+            return Err(study.wrong("ensemble", value, "none beside least, of which a row is many runs already"));
         }
     }
     let tolerance = study.number("tolerance", |x| x > 0.0, "a number > 0")?;
@@ -70,14 +85,15 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         factors,
         design,
         motions,
-        scales: scales.unwrap_or_else(|| vec![1.0]),
+        strengths,
+        ensemble,
         measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
         tolerance: tolerance.unwrap_or(Settings::default().tolerance),
         on_separation: OnSeparation::Fly,
         duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= SHORTEST, "a time of at least 1e-6 s")?,
     };
-    check(&sweep, &given, source)?;
+    check(&sweep, &given, &study, source)?;
     Ok(sweep)
 }
 
@@ -115,7 +131,7 @@ fn parameters<'a>(root: &Section<'a>, source: Source, sampled: bool) -> Result<V
     let Some(value) = root.get("parameters") else { return Ok(Vec::new()) };
     let table = value.get_ref().as_table().ok_or_else(|| root.wrong("parameters", value, "a table"))?;
     let mut found = Vec::new();
-    flatten(source, "", table, &mut found)?;
+    flatten(source, "", table, &[], &mut found)?;
     found.sort_by_key(|(_, value)| value.span().start);
     let given = found.into_iter().map(|(name, value)| {
         let parameter = Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?;
@@ -125,17 +141,22 @@ fn parameters<'a>(root: &Section<'a>, source: Source, sampled: bool) -> Result<V
     given.collect()
 }
 
-/// `dimensionless.alpha` may stand in quotes, with a dot, or in a table of its group.
-fn flatten<'a>(
+/// The parameters of a table and its groups, but for keys that mean something else: `dimensionless.alpha` may stand in
+/// quotes, with a dot, or in a table of its group.
+pub(super) fn flatten<'a>(
     source: Source,
     prefix: &str,
     table: &'a DeTable<'a>,
+    others: &[&str],
     found: &mut Vec<(String, Placed<'a>)>,
 ) -> Result<(), StudyFileError> {
     for (key, value) in table {
+        if others.contains(&key.get_ref().as_ref()) {
+            continue;
+        }
         let name = format!("{prefix}{}", key.get_ref());
         match value.get_ref().as_table() {
-            Some(group) if Parameter::is_group(&name) => flatten(source, &format!("{name}."), group, found)?,
+            Some(group) if Parameter::is_group(&name) => flatten(source, &format!("{name}."), group, &[], found)?,
             _ => {
                 Parameter::named(&name).map_err(|message| source.wrong(&key.span(), message))?;
                 if found.iter().any(|(known, _)| *known == name) {
@@ -227,13 +248,14 @@ fn gravity(given: &[Given], source: Source) -> Result<f64, StudyFileError> {
 }
 
 /// What only shows when all is put together: the number of rows, parameters that nothing reads, and blocks that are none.
-fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFileError> {
+fn check(sweep: &Sweep, given: &[Given], study: &Section, source: Source) -> Result<(), StudyFileError> {
     let line = |name: &str| given.iter().find(|given| given.name == name || given.name.ends_with(&format!(".{name}")));
-    let per_combination = (sweep.motions.len() * sweep.scales.len()) as u64;
+    let place = |key: &str| study.get(key).map_or(0..0, |value| value.span());
+    let per_combination = sweep.motions.len() as u64 * sweep.strengths.count();
     let combinations = sweep.combinations();
     let rows = combinations.and_then(|count| count.checked_mul(per_combination)).filter(|rows| *rows <= MOST_ROWS);
     if rows.is_none() {
-        let message = format!("combinations × records × scales are too many rows; expected at most {MOST_ROWS}");
+        let message = format!("combinations × records × strengths are too many rows; expected at most {MOST_ROWS}");
         return Err(source.wrong(&(0..0), message));
     }
     // What each parameter needs to be read, until a combination reads it.
@@ -241,9 +263,20 @@ fn check(sweep: &Sweep, given: &[Given], source: Source) -> Result<(), StudyFile
     for number in 0..combinations.unwrap_or(0) {
         let combination = sweep.combination(number);
         let values = sweep.values(&combination);
-        if let Err(error) = values.block() {
+        let block = values.block().map_err(|error| {
             let place = line(error.name()).map_or(0..0, |given| given.value.span());
-            return Err(source.wrong(&place, error.to_string()));
+            source.wrong(&place, error.to_string())
+        })?;
+        if let Some(measure) = sweep.strengths.measure() {
+            let has_none = |motion: &&Motion| motion.intensity(measure, 1.0, &block).is_none_or(|value| value <= 0.0);
+            if let Some(motion) = sweep.motions.iter().find(has_none) {
+                let key = if study.get("levels").is_some() { "levels" } else { "least" };
+                let message = format!("the horizontal record of {} has no {measure} above 0", motion.names.join(" "));
+                return Err(source.wrong(&place(key), message));
+            }
+        }
+        if let Some(ensemble) = &sweep.ensemble {
+            sweep_ensemble::check(ensemble, &values).map_err(|message| source.wrong(&place("ensemble"), message))?;
         }
         if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {
             let message = "nothing moves the block; expected [[records]], a pulse.shape with a pulse.amplitude, \

@@ -10,6 +10,7 @@ mod search;
 #[path = "../common/skipped.rs"]
 mod skipped;
 mod spectrum;
+mod strengths;
 mod sweep;
 
 use std::path::Path;
@@ -46,7 +47,8 @@ pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
 
 /// A table without the lines that say what it is: rows by the names of their columns.
 pub struct Table {
-    headers: csv::StringRecord,
+    /// Names of its columns.
+    pub headers: csv::StringRecord,
     /// Its rows.
     pub rows: Vec<csv::StringRecord>,
 }
