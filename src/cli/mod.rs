@@ -4,6 +4,7 @@ mod accelerograms;
 mod excitation;
 mod figures;
 mod formats;
+mod fragility;
 mod given;
 mod input;
 mod output;
@@ -44,6 +45,8 @@ enum Command {
     Spectrum(Box<spectrum::Options>),
     /// Any parameters over grids or samples, many records, several scale factors: a table for fragility curves
     Sweep(sweep::Options),
+    /// Fragility curves of the table of a sweep: medians, dispersions, how well each measure tells, a picture
+    Fragility(Box<fragility::Options>),
     /// Where the outcome changes: least damping against separation, minimum overturning amplitude
     Search(Box<search::Options>),
     /// What accelerograms hold, in words or as a table of times and accelerations
@@ -101,6 +104,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Simulate(options)) => simulate::run(&options, &given),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &given),
         Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Fragility(options)) => fragility::run(&options, &given),
         Some(Command::Search(options)) => search::run(&options, &given),
         Some(Command::Record(options)) => record::run(&options),
         Some(Command::Figures(options)) => figures::run(&options),

@@ -25,6 +25,8 @@ pub const TEXT: f64 = 34.0;
 const KEY_ROW: u32 = 60;
 /// Height of a lane and of the bar in it (pixels).
 const LANE: [u32; 2] = [34, 20];
+/// Radius of a circle that marks a point (pixels).
+const CIRCLE: i32 = 12;
 /// Room at the left of a chart for labels, and at its right (pixels).
 const SIDES: [u32; 2] = [180, 40];
 /// Of the room at the left, what stays empty (pixels).
@@ -58,6 +60,10 @@ pub enum Sample {
     Band,
     /// A cross at the end of a curve.
     Cross,
+    /// A circle.
+    Circle,
+    /// Short upright lines.
+    Ticks,
     /// A part of a lane.
     Fill(Fill),
     /// A bar with a filling of this grey level.
@@ -93,6 +99,15 @@ pub fn keys(area: &Area, keys: &[(Sample, String)]) -> Drawn {
             Sample::Curve(look) => look.draw(area, &[(x, y), (x + 120, y)])?,
             Sample::Band => area.draw(&Rectangle::new(bar, BAND.filled()))?,
             Sample::Cross => area.draw(&Cross::new((x + 60, y), 16, INK.stroke_width(7)))?,
+            Sample::Circle => {
+                area.draw(&Circle::new((x + 60, y), CIRCLE, WHITE.filled()))?;
+                area.draw(&Circle::new((x + 60, y), CIRCLE, INK.stroke_width(4)))?;
+            }
+            Sample::Ticks => {
+                for tick in [x + 40, x + 52, x + 70, x + 76] {
+                    area.draw(&PathElement::new(vec![(tick, y - 12), (tick, y + 12)], INK.stroke_width(2)))?;
+                }
+            }
             Sample::Fill(fill) => fill.draw(area, bar[0], bar[1])?,
             Sample::Bar(grey) => {
                 area.draw(&Rectangle::new(bar, RGBColor(*grey, *grey, *grey).filled()))?;
@@ -183,10 +198,16 @@ pub struct Chart<'a> {
     pub y: (&'a str, Range<f64>),
     /// Range of the ordinate that is shaded.
     pub band: Option<Range<f64>>,
+    /// Shaded areas: abscissa, lower and upper ordinate of each point of one.
+    pub areas: Vec<Vec<(f64, f64, f64)>>,
     /// Filled cells.
     pub cells: Vec<Cell>,
     /// Points that are marked with a cross.
     pub crosses: Vec<(f64, f64)>,
+    /// Points that are marked with a circle.
+    pub circles: Vec<(f64, f64)>,
+    /// Points that are marked with a short upright line.
+    pub ticks: Vec<(f64, f64)>,
     /// Curves, those that lie below first.
     pub curves: Vec<Curve>,
     /// Vertical lines.
@@ -234,6 +255,11 @@ impl Chart<'_> {
             let corners = [(self.x.1.start, band.start), (self.x.1.end, band.end)];
             chart.draw_series(std::iter::once(Rectangle::new(corners, BAND.filled())))?;
         }
+        for area in &self.areas {
+            let below = area.iter().map(|(x, low, _)| (*x, *low));
+            let corners: Vec<(f64, f64)> = below.chain(area.iter().rev().map(|(x, _, high)| (*x, *high))).collect();
+            chart.draw_series(std::iter::once(Polygon::new(corners, BAND.filled())))?;
+        }
         chart.draw_series(self.cells.iter().map(|Cell { x, y, grey }| {
             Rectangle::new([(x.start, y.start), (x.end, y.end)], RGBColor(*grey, *grey, *grey).filled())
         }))?;
@@ -255,6 +281,14 @@ impl Chart<'_> {
         }
         for at in &self.crosses {
             root.draw(&Cross::new(chart.backend_coord(at), 16, INK.stroke_width(7)))?;
+        }
+        for at in &self.ticks {
+            let (x, y) = chart.backend_coord(at);
+            root.draw(&PathElement::new(vec![(x, y - 12), (x, y + 12)], INK.stroke_width(2)))?;
+        }
+        for at in &self.circles {
+            root.draw(&Circle::new(chart.backend_coord(at), CIRCLE, WHITE.filled()))?;
+            root.draw(&Circle::new(chart.backend_coord(at), CIRCLE, INK.stroke_width(4)))?;
         }
         for (at, note) in &self.notes {
             let (x, y) = chart.backend_coord(at);

@@ -9,6 +9,8 @@ pub mod figures;
 #[cfg(feature = "program")]
 mod formula;
 pub mod fragility;
+#[cfg(feature = "program")]
+pub mod fragility_plot;
 pub mod ground_files;
 pub mod history;
 pub mod intensity;

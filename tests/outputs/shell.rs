@@ -6,7 +6,8 @@ use std::process::Command;
 use crate::skipped::skip;
 use crate::{folder, made, names, refused, rocking, text};
 
-const COMMANDS: [&str; 8] = ["simulate", "spectrum", "sweep", "record", "search", "figures", "completions", "man"];
+const COMMANDS: [&str; 9] =
+    ["simulate", "spectrum", "sweep", "record", "search", "figures", "fragility", "completions", "man"];
 
 /// Whether there is a tool; the test says so where there is not.
 fn have(program: &str) -> bool {

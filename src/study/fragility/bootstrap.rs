@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::study::fragility::{Data, Fit, Interval, Link};
+use crate::study::fragility::{Data, Fit, FitError, Interval, Link};
 
 /// What the curves of resampled records have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,13 +39,19 @@ impl Bootstrap {
 /// as its record: rows of a group are not independent of each other and stay together.
 ///
 /// The same seed gives the same curves on every machine: ChaCha with 8 rounds, a stream for each sample.
-pub fn bootstrap(data: &Data, groups: &[usize], link: Link, samples: u32, seed: u64) -> Bootstrap {
+///
+/// # Errors
+/// [`FitError::OneMotion`] for fewer than two groups.
+pub fn bootstrap(data: &Data, groups: &[usize], link: Link, samples: u32, seed: u64) -> Result<Bootstrap, FitError> {
     let count = groups.iter().max().map_or(0, |last| last + 1);
     let mut members = vec![Vec::new(); count];
     for (observation, &group) in data.observations().iter().zip(groups) {
         members[group].push(observation);
     }
     let members: Vec<_> = members.into_iter().filter(|members| !members.is_empty()).collect();
+    if members.len() < 2 {
+        return Err(FitError::OneMotion { found: members.len() });
+    }
     let mut found = Bootstrap { fits: Vec::new(), without: 0 };
     for sample in 0..samples {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -58,5 +64,5 @@ pub fn bootstrap(data: &Data, groups: &[usize], link: Link, samples: u32, seed: 
             Err(_) => found.without += 1,
         }
     }
-    found
+    Ok(found)
 }

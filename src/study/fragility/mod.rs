@@ -17,18 +17,22 @@
 //! # Ok::<(), rocking_block::study::fragility::FitError>(())
 //! ```
 
+mod assessment;
 mod bootstrap;
 mod likelihood;
 mod profile;
 mod quality;
 mod regression;
 mod separation;
+mod table;
 
+pub use assessment::{Assessment, Uncertainty, sufficiency_beside};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use likelihood::Link;
 pub use profile::{Interval, Profile};
 pub use quality::{auc, brier, efficiency, sufficiency};
 pub use regression::Fit;
+pub use table::{Case, Cases, Limit, Table, TableError};
 
 use regression::{Design, maximize};
 
@@ -144,6 +148,12 @@ pub enum FitError {
         /// The others.
         others: usize,
     },
+    /// There is nothing to draw samples of.
+    #[error("found {found} ground motion; expected two or more, of which a bootstrap draws samples")]
+    OneMotion {
+        /// How many there are.
+        found: usize,
+    },
     /// The search for the greatest likelihood did not end.
     #[error("found no greatest likelihood in {iterations} iterations; the last step was {step:e}")]
     NotConverged {
@@ -164,7 +174,7 @@ impl Data {
     /// Checks the observations, all with one measure or all with two.
     ///
     /// # Errors
-    /// All of [`FitError`] but the last: the first row that is not valid, a single class, measures that do not vary, or
+    /// The first row that is not valid, a single class, measures that do not vary, or
     /// classes that do not overlap.
     pub fn new(observations: Vec<Observation>) -> Result<Data, FitError> {
         let measures = observations.first().ok_or(FitError::Empty)?.measures.len();
