@@ -12,6 +12,7 @@ from rocking_block._words import Floats, ticking
 
 if TYPE_CHECKING:
     import matplotlib.figure
+    import pandas
     from typing_extensions import Self
 
 
@@ -115,7 +116,7 @@ class Fragility(_engine.Fragility):
 
 
 def fragility(
-    table: Table,
+    table: "Table | pandas.DataFrame",
     im: str,
     limit: Literal["overturned", "separated"] | float = "overturned",
     *,
@@ -133,7 +134,7 @@ def fragility(
 
     Parameters
     ----------
-    table : Table
+    table : Table or DataFrame
         Runs with an intensity measure above zero each, of `sweep`, `outcomes` or `spectrum`.
     im : str
         Name of the column of the intensity measure, such as "PGV" or "p PGV/(g tan alpha)".
@@ -169,30 +170,31 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
-    outcome = table["outcome"]
+    outcome = np.asarray(table["outcome"])
     measures = np.array(table[im], dtype=np.float64)
     if limit == "overturned":
         exceeded = outcome == "overturned"
     elif limit == "separated":
-        exceeded = np.isfinite(table["first_separation"])
+        exceeded = np.isfinite(np.asarray(table["first_separation"], dtype=np.float64))
     elif isinstance(limit, str):
         raise ValueError(f'limit = "{limit}"; expected "overturned", "separated" or a rotation |θ|/α')
     else:
-        exceeded = (table["peak.theta/alpha"] > float(limit)) | (outcome == "overturned")
+        exceeded = (np.asarray(table["peak.theta/alpha"]) > float(limit)) | (outcome == "overturned")
     failed = np.flatnonzero(outcome == "failed")
     if failed.size:
         raise ValueError(f"{failed.size} runs failed, the first in row {failed[0]}; expected a table without them")
     if intervals == "bootstrap":
         if "record" not in table:
             raise ValueError("a bootstrap resamples records; expected a table with a column record")
-        groups: list[int] | None = np.unique(table["record"], return_inverse=True)[1].tolist()
+        groups: list[int] | None = np.unique(np.asarray(table["record"]), return_inverse=True)[1].tolist()
     elif intervals == "profile":
         groups = None
     else:
         raise ValueError(f'intervals = "{intervals}"; expected one of "profile", "bootstrap"')
     measures.setflags(write=False)
     exceeded.setflags(write=False)
-    names = (im, table.units.get(im, "1"), limit)
+    units = table.units if isinstance(table, Table) else {}
+    names = (im, units.get(im, "1"), limit)
     with ticking(progress) as tick:
         return Fragility(measures, exceeded, link, ci, groups, samples, seed, tick, names)
 

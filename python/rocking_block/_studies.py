@@ -108,7 +108,8 @@ def spectrum(
     Returns
     -------
     Table
-        A row for each record × scale × curve × size, in this order; `shape` has the axes of those that were arrays.
+        A row for each record × scale × curve × size, in this order; `shape` has the axes of those that were arrays. Records
+        without a name are called by their number, from 0.
 
     Raises
     ------
@@ -369,9 +370,9 @@ def _outcomes(
 
     columns: dict[str, npt.ArrayLike] = {}
     if along:
-        columns["record"] = of_motion([record.name for record in along], len(factors))
+        columns["record"] = of_motion(_names(along), len(factors))
     if up:
-        columns["vertical"] = of_motion([record.name for record in up], len(factors))
+        columns["vertical"] = of_motion(_names(up), len(factors))
     if along or up:
         columns["scale"] = of_motion(factors, 1)
     if up:
@@ -398,6 +399,16 @@ def _read(records: Records | None, g: float) -> list[Record]:
     if not listed:
         raise ValueError("records = []; expected at least one")
     return [record if isinstance(record, Record) else read_record(record, g=g) for record in listed]
+
+
+def _names(records: Sequence[Record]) -> list[str]:
+    """Names by which records can be told apart: those without one have their number, and of those that are called the same
+    all but the first have it besides."""
+    names: list[str] = []
+    for number, record in enumerate(records):
+        name = record.name or str(number)
+        names.append(f"{name} ({number})" if name in names else name)
+    return names
 
 
 def _warn(found: Sequence[str] | npt.NDArray[Any], failure: str | None) -> None:

@@ -7,7 +7,7 @@ use rocking_block::study::fragility::{
     Bootstrap, Data, Fit, Interval, Link, Observation, Profile, auc, bootstrap, brier,
 };
 
-use crate::options::{finite, invalid, word};
+use crate::options::{finite, invalid, whole, word};
 use crate::work::wait;
 
 /// Lower and upper end; an end that the data do not bound is that of what is possible.
@@ -35,12 +35,14 @@ impl Fragility {
         link: &str,
         ci: f64,
         groups: Option<Vec<usize>>,
-        samples: u32,
-        seed: u64,
+        samples: i64,
+        seed: i64,
         tick: &Bound<PyAny>,
     ) -> PyResult<Fragility> {
         let link = word("link", link, &[("probit", Link::Probit), ("logit", Link::Logit)])?;
         finite("ci", ci, |x| x > 0.0 && x < 1.0, "a confidence above 0 and below 1, as in 0.95")?;
+        let samples = whole("samples", samples, 2..=10_000_000)? as u32;
+        let seed = whole("seed", seed, 0..=i64::MAX)?;
         let rows = measures.as_array().into_iter().zip(exceeded.as_array());
         let data = Data::new(rows.map(|(measure, exceeded)| Observation::of(&[*measure], *exceeded)).collect())
             .map_err(invalid)?;

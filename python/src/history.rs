@@ -4,6 +4,7 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rocking_block::block::Foundation;
 use rocking_block::contact::Corner;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
@@ -54,6 +55,9 @@ pub fn history<'py>(
     options: RunOptions,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    if horizontal.is_none() && vertical.is_none() && scale != 1.0 {
+        return Err(PyValueError::new_err("scale has no effect without a record"));
+    }
     let ground = ground(horizontal, vertical, scale)?;
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let initial = beginning.initial()?;
@@ -70,7 +74,11 @@ pub fn history<'py>(
     if let Some(duration) = options.duration {
         finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
     }
-    let (block, settings) = (block.get().block, options.settings()?);
+    let on_supports = block.get().block.foundation == Foundation::Viscoelastic;
+    if !on_supports && initial.vertical.is_some() {
+        return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
+    }
+    let (block, settings) = (block.get().block, options.settings(on_supports)?);
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     let duration = run.longest_duration();
     let rows = duration / output_step;

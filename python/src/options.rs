@@ -1,11 +1,15 @@
 //! Words and numbers of Python → settings, pulses and ground motions of the engine.
 
-use pyo3::exceptions::PyValueError;
+use std::ops::RangeInclusive;
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{LiftOff, OnOverturning, OnSeparation, Settings};
 use rocking_block::records::ground::Ground;
 use rocking_block::study::history::{LONGEST, SHORTEST};
+use rocking_block::study::runner;
 
 use crate::record::Record;
 
@@ -30,6 +34,23 @@ pub fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str
     Err(PyValueError::new_err(format!("{name} = {value}; expected {expected}")))
 }
 
+/// A whole number in a range, both ends included.
+pub fn whole(name: &str, value: i64, range: RangeInclusive<i64>) -> PyResult<u64> {
+    match u64::try_from(value) {
+        Ok(found) if range.contains(&value) => Ok(found),
+        _ => {
+            let (from, to) = range.into_inner();
+            Err(PyValueError::new_err(format!("{name} = {value}; expected a whole number from {from} to {to}")))
+        }
+    }
+}
+
+/// A pool of so many threads; without a number, one for each core.
+pub fn pool(threads: Option<i64>) -> PyResult<ThreadPool> {
+    let threads = threads.map(|threads| whole("threads", threads, 1..=1024)).transpose()?;
+    runner::pool(threads.map(|threads| threads as usize)).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+}
+
 /// How a run is made: a dictionary of these names.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -45,18 +66,22 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// Settings of the engine.
-    pub fn settings(&self) -> PyResult<Settings> {
+    /// Settings of the engine; some block stands `on_supports`, or all on a rigid base.
+    pub fn settings(&self, on_supports: bool) -> PyResult<Settings> {
         let separations =
             [("terminate", OnSeparation::Terminate), ("hold", OnSeparation::Hold), ("fly", OnSeparation::Fly)];
         let overturnings = [("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
         let lift_offs = [("keep-rates", LiftOff::KeepRates), ("keep-momentum", LiftOff::KeepMomentum)];
         finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        let lift_off = word("lift_off", &self.lift_off, &lift_offs)?;
+        if !on_supports && lift_off != Settings::default().lift_off {
+            return Err(PyValueError::new_err("lift_off has no effect on a rigid base"));
+        }
         Ok(Settings {
             tolerance: self.tolerance,
             on_separation: word("on_separation", &self.on_separation, &separations)?,
             on_overturning: word("on_overturning", &self.on_overturning, &overturnings)?,
-            lift_off: word("lift_off", &self.lift_off, &lift_offs)?,
+            lift_off,
         })
     }
 

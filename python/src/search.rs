@@ -4,11 +4,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rocking_block::block::{Common, Dimensionless, Foundation};
 use rocking_block::study::outcome::End;
-use rocking_block::study::runner;
 use rocking_block::study::search::{self, Found, Scan, Shaking};
 
 use crate::block::Block;
-use crate::options::{PulseOptions, RunOptions, finite, ground, invalid};
+use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, whole};
 use crate::record::Record;
 use crate::work::wait;
 
@@ -18,9 +17,9 @@ use crate::work::wait;
 pub struct ScanOptions {
     from: Option<f64>,
     to: Option<f64>,
-    points: u64,
+    points: i64,
     resolution: f64,
-    threads: Option<usize>,
+    threads: Option<i64>,
 }
 
 impl ScanOptions {
@@ -30,11 +29,7 @@ impl ScanOptions {
         finite("start", from, |_| true, "a finite number")?;
         finite("stop", to, |x| x > from, &format!("more than start = {from}"))?;
         finite("resolution", self.resolution, |x| x > 0.0, "a number > 0")?;
-        if !(2..=10_000_000).contains(&self.points) {
-            let message = format!("points = {}; expected a whole number from 2 to 10000000", self.points);
-            return Err(PyValueError::new_err(message));
-        }
-        Ok(Scan { from, to, points: self.points, resolution: self.resolution })
+        Ok(Scan { from, to, points: whole("points", self.points, 2..=10_000_000)?, resolution: self.resolution })
     }
 }
 
@@ -68,17 +63,15 @@ pub fn search_overturning<'py>(
         }
         _ => return Err(PyValueError::new_err("expected either a pulse or a record, whose strength is searched for")),
     };
-    let (settings, threads) = (options.settings()?, scan.threads);
+    let (settings, pool) = (options.settings(block.foundation == Foundation::Viscoelastic)?, pool(scan.threads)?);
     let scan = scan.scan(search::usual_strengths(&block, pga))?;
     let found = wait(py, tick, move |progress| {
         let show = |done, total| {
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        let pool = runner::pool(threads).map_err(|error| error.to_string())?;
-        Ok::<_, String>(pool.install(|| search::overturning(&block, &shaking, settings, &scan, show)))
+        pool.install(|| search::overturning(&block, &shaking, settings, &scan, show))
     })?;
-    let found = found.map_err(invalid)?;
     Ok(answer(&found, found.least(End::Overturned)))
 }
 
@@ -105,16 +98,15 @@ pub fn search_damping<'py>(
         gravity: block.gravity,
         ..Common::default()
     };
-    let (settings, threads) = (options.settings()?, scan.threads);
+    let (settings, pool) = (options.settings(true)?, pool(scan.threads)?);
     let scan = scan.scan([0.0, 1.0])?;
     let found = wait(py, tick, move |progress| {
         let show = |done, total| {
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        let pool = runner::pool(threads).map_err(|error| error.to_string())?;
         let search = || search::damping_against_separation(&dimensionless, &common, rate, settings, &scan, show);
-        pool.install(search).map_err(|error| error.to_string())
+        pool.install(search)
     })?;
     let found = found.map_err(invalid)?;
     Ok(answer(&found, found.least_without(End::Separated)))

@@ -1,11 +1,13 @@
 //! Many blocks under many ground motions → a column each.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::ThreadPool;
+use rocking_block::block::Foundation;
 use rocking_block::model::variables::Variable;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_block::records::ground::Ground;
@@ -18,7 +20,7 @@ use rocking_block::study::sweep::Motion;
 use rocking_block::study::sweep_file;
 
 use crate::block::Blocks;
-use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, word};
+use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, word};
 use crate::record::{Record, measures};
 use crate::work::{Progress, wait};
 
@@ -33,15 +35,14 @@ type Table<'py> = (Vec<String>, Vec<Bound<'py, PyAny>>, Option<String>);
 
 /// Results of work of which nobody has lost interest, in the order of their numbers.
 fn rows<T: Send>(
-    threads: Option<usize>,
+    pool: &ThreadPool,
     count: u64,
     progress: &Progress,
     make: impl Fn(u64) -> T + Sync,
 ) -> Result<Vec<T>, String> {
-    let pool = runner::pool(threads).map_err(|error| error.to_string())?;
     let mut rows = Vec::new();
     let make = |number| (!progress.is_abandoned()).then(|| make(number));
-    let done = runner::in_order(&pool, 0..count, make, |number, row| match row {
+    let done = runner::in_order(pool, 0..count, make, |number, row| match row {
         Some(row) => {
             rows.push(row);
             progress.show(number + 1, count);
@@ -65,11 +66,13 @@ pub fn outcomes<'py>(
     g: f64,
     pulse: Option<PulseOptions>,
     options: RunOptions,
-    threads: Option<usize>,
+    threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Outcomes<'py>> {
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
-    let settings = options.settings()?;
+    let pool = pool(threads)?;
+    let on_supports = blocks.get().blocks.iter().any(|block| block.foundation == Foundation::Viscoelastic);
+    let settings = options.settings(on_supports)?;
     options.check_times()?;
     let of_record = measures(&periods)?;
     let has_record = pairs.iter().any(|(along, _)| along.is_some());
@@ -86,8 +89,8 @@ pub fn outcomes<'py>(
     let columns_of = shown.clone();
     let made = wait(py, tick, move |progress| {
         let motion = |number: u64| Motion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
-        let motions = rows(threads, grounds.len() as u64, &Progress::default(), motion)?;
-        rows(threads, count, progress, |number| {
+        let motions = rows(&pool, grounds.len() as u64, &Progress::default(), motion)?;
+        rows(&pool, count, progress, |number| {
             let (motion, block) = (number as usize / blocks.len(), number as usize % blocks.len());
             let (motion, scale, block) =
                 (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block]);
@@ -152,13 +155,15 @@ pub fn sweep<'py>(
     text: &str,
     folder: PathBuf,
     on_separation: Option<&str>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Table<'py>> {
     // Lines are told of a file; the text of a dictionary was seen by nobody.
     let told = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
     let name_shown = name.unwrap_or("the study");
-    let mut study = py.detach(|| sweep_file::read(name_shown, text, Path::new(&folder))).map_err(told)?;
+    let (file, content) = (name_shown.to_string(), text.to_string());
+    // To see that all combinations make blocks takes a while where there are many.
+    let mut study = wait(py, tick, move |_| sweep_file::read(&file, &content, &folder))?.map_err(told)?;
     if let Some(on_separation) = on_separation {
         let words = [("terminate", OnSeparation::Terminate), ("fly", OnSeparation::Fly)];
         if study.factors.iter().any(|factor| factor.parameter.metadata.variable == Variable::OnSeparation) {
@@ -167,9 +172,10 @@ pub fn sweep<'py>(
         }
         study.on_separation = word("on_separation", on_separation, &words)?;
     }
+    let pool = pool(threads)?;
     let headings = study.head().columns;
     let count = study.rows();
-    let made = wait(py, tick, move |progress| rows(threads, count, progress, |number| study.row(number)))?;
+    let made = wait(py, tick, move |progress| rows(&pool, count, progress, |number| study.row(number)))?;
     let made: Vec<StudyRow> = made.map_err(invalid)?;
     let failure = made.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
     let column = |(number, heading): (usize, &String)| {

@@ -51,6 +51,11 @@ def test_intervals_and_bands_lie_about_the_curve(intervals):
     assert again.median_ci == fit.median_ci and np.array_equal(again.band(x), fit.band(x)) and repr(again) == repr(fit)
 
 
+def test_a_frame_does_as_well():
+    table = planted()
+    assert repr(rb.fragility(table.to_frame(), "PGV")) == repr(rb.fragility(table, "PGV")).replace(" m/s", "")
+
+
 def test_limits_are_outcomes_and_rotations():
     table = planted()
     counts = [np.count_nonzero(rb.fragility(table, "PGV", limit).exceeded) for limit in ("overturned", 0.5)]
@@ -65,6 +70,7 @@ def test_limits_are_outcomes_and_rotations():
     [
         ({"im": "PGA"}, "there is no column 'PGA'; expected one of record, PGV"),
         ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", "separated" or a rotation'),
+        ({"intervals": "bootstrap", "samples": 1}, "samples = 1; expected a whole number from 2 to 10000000"),
         ({"ci": 95}, "ci = 95; expected a confidence above 0 and below 1, as in 0.95"),
         ({"link": "cauchit"}, 'link = "cauchit"; expected one of "probit", "logit"'),
         ({"intervals": "wald"}, 'intervals = "wald"; expected one of "profile", "bootstrap"'),

@@ -25,6 +25,13 @@ def test_a_run_becomes_a_frame(record):
         run.theta[0] = 1.0
 
 
+def test_each_column_has_an_attribute_that_says_what_it_is():
+    run = rb.Block().run(theta=0.1, duration=0.1)
+    for name in run.columns:
+        value = getattr(run.energy, name.removeprefix("energy.")) if name.startswith("energy.") else getattr(run, name)
+        assert np.array_equal(value, run[name]), name
+
+
 def test_a_table_becomes_a_frame_and_a_file(tmp_path):
     import pyarrow.parquet
 

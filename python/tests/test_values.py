@@ -104,6 +104,13 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
     [
         (lambda: BLOCK.run(), "nothing moves the block; expected a record, a pulse or a beginning"),
         (lambda: BLOCK.run(RECORD, scale=np.inf), "scale = inf; expected a finite factor"),
+        (lambda: BLOCK.run(pulse=PULSE, scale=2.0), "scale has no effect without a record"),
+        (lambda: BLOCK.replace(foundation="rigid").run(v=0.1), "v and v_dot have no effect on a rigid base"),
+        (lambda: BLOCK.replace(foundation="rigid").run(RECORD, lift_off="keep-momentum"),
+         "lift_off has no effect on a rigid base"),
+        (lambda: rb.spectrum(p=1.0, pulse=PULSE, threads=0), "threads = 0; expected a whole number from 1 to 1024"),
+        (lambda: rb.search_overturning(BLOCK, pulse=PULSE, points=-1),
+         "points = -1; expected a whole number from 2 to 10000000"),
         (lambda: BLOCK.run(theta=2.0), "theta = 2; expected a rotation within ±1.57 rad"),
         (lambda: BLOCK.run(RECORD, tolerance=0.0), "tolerance = 0; expected a number > 0"),
         (lambda: BLOCK.run(RECORD, duration=-1.0), "duration = -1; expected a time > 0 s"),
@@ -177,6 +184,13 @@ def test_arguments_broadcast():
     table = rb.outcomes(blocks, pulse=PULSE)
     assert table["foundation"].tolist() == ["viscoelastic", "rigid", "rigid"] * 2
     assert np.isnan(table["eta"][1]) and table["eta"][0] == 40
+
+
+def test_records_are_told_apart():
+    named = rb.Record(RECORD.acceleration, RECORD.dt, "quake")
+    table = rb.outcomes(BLOCK, [RECORD, named, RECORD, named], scale=[1, 2])
+    assert table["record"].tolist() == ["0", "0", "quake", "quake", "2", "2", "quake (3)", "quake (3)"]
+    assert table["scale"].tolist() == [1, 2] * 4
 
 
 def test_a_run_that_fails_is_named():
