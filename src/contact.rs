@@ -18,6 +18,12 @@ impl Corner {
     /// Both corners, left first.
     pub const BOTH: [Corner; 2] = [Corner::Left, Corner::Right];
 
+    /// What `f` gives for both, left first.
+    #[inline(always)]
+    pub fn each<T>(mut f: impl FnMut(Corner) -> T) -> [T; 2] {
+        [f(Corner::Left), f(Corner::Right)]
+    }
+
     /// `s` of the equations: +1 on L, −1 on R.
     #[inline]
     pub fn sign(self) -> f64 {
@@ -198,7 +204,7 @@ impl Contacts {
     /// The regime: which corners touch.
     #[inline]
     pub fn regime(&self) -> Regime {
-        Regime::of_touching(Corner::BOTH.map(|corner| self.touches(corner)))
+        Regime::of_touching(Corner::each(|corner| self.touches(corner)))
     }
 
     /// The corner that is held, if one is.

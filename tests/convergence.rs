@@ -32,9 +32,9 @@ fn run(steps: u32) -> (State, State, f64) {
     for i in 0..steps {
         let time = size * f64::from(i);
         let f = |t: f64, x: &State| rate(&block, t, x);
-        let step = Step::attempt(time, size, x, f(time, &x), f);
+        let step = Step::attempt(time, size, x, f(time, &x), &f);
         inside_time = time + size / 3.0;
-        inside = step.dense(f(time + size, &step.end), f).state(size / 3.0);
+        inside = step.dense(f(time + size, &step.end), &f).state(size / 3.0);
         x = step.end;
     }
     (x, inside, inside_time)
@@ -69,7 +69,7 @@ fn the_dense_output_is_of_order_seven() {
             let size = time / 200.0;
             let exact = (0..200).fold(start(), |x, i| {
                 let t = size * f64::from(i);
-                Step::attempt(t, size, x, f(t, &x), f).end
+                Step::attempt(t, size, x, f(t, &x), &f).end
             });
             (0.4 / f64::from(n), (inside - exact).norm())
         })
@@ -90,7 +90,7 @@ fn short_steps_are_of_order_five() {
         let weights = State::repeat(1.0);
         (0..steps).fold((start(), 0.0_f64), |(x, estimate), i| {
             let time = size * f64::from(i);
-            let step = ShortStep::attempt(time, size, x, f(time, &x), f);
+            let step = ShortStep::attempt(time, size, x, f(time, &x), &f);
             (step.end, estimate.max(step.error(f(time + size, &step.end), &weights, 0.0)))
         })
     };

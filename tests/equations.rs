@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::contact::{Contact, Contacts, Corner, Creep, Regime};
 use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::numerics::State;
+use rocking_block::numerics::{Equations, State};
 use rocking_block::system::dynamics::{Footing, Instant};
 use rocking_block::system::now::{Motion, Now, Pose};
 use rocking_block::system::surfaces::{Surface, gap_opening, pressure_if_gripped};

@@ -8,7 +8,7 @@ use nalgebra::SVector;
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::control::size_factor;
-use crate::numerics::{Quadratures, Rate, State};
+use crate::numerics::{Equations, Quadratures, Rate, State};
 
 /// An attempted step, kept whole for its dense output.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,8 @@ pub struct Step {
     pub time: f64,
     /// Its size (s).
     pub size: f64,
+    /// Time at its end (s).
+    pub end_time: f64,
     /// State at its beginning.
     pub start: State,
     /// State at its end.
@@ -30,17 +32,20 @@ pub struct Step {
 /// Number of evaluations of the right-hand side in one attempted step, the first stage aside, which is known.
 pub const EVALUATIONS_PER_STEP: u64 = 11;
 
+/// Number of evaluations for the dense output of a step.
+pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
+
 impl Step {
-    /// Takes a step of `size` from `start` with known rate there. `rate(t, x)` is the right-hand side; it is evaluated
+    /// Takes a step of `size` from `start` with known rate there. The right-hand side is evaluated
     /// [`EVALUATIONS_PER_STEP`] times, not at the end.
-    #[inline]
-    pub fn attempt(time: f64, size: f64, start: State, first: Rate, mut rate: impl FnMut(f64, &State) -> Rate) -> Step {
+    #[inline(always)]
+    pub fn attempt(time: f64, size: f64, start: State, first: Rate, equations: &impl Equations) -> Step {
         let mut k = [State::zeros(); 12];
         let mut q = [Quadratures::zeros(); 12];
         (k[0], q[0]) = (first.state, first.quadratures);
         macro_rules! stages {
             ($($i:tt)*) => {$({
-                let Rate { state, quadratures } = rate(time + NODES[$i] * size, &(start + increment!(k, $i) * size));
+                let Rate { state, quadratures } = equations.rate(time + NODES[$i] * size, &(start + increment!(k, $i) * size));
                 (k[$i], q[$i]) = (state, quadratures);
             })*};
         }
@@ -48,6 +53,7 @@ impl Step {
         Step {
             time,
             size,
+            end_time: time + size,
             start,
             end: start + increment!(k, 12) * size,
             work: increment!(q, 12) * size,
@@ -59,7 +65,7 @@ impl Step {
     /// Estimated error of the step, in units of what is allowed: a step above 1 is to be repeated.
     ///
     /// `weights` are the reciprocals of the errors allowed in each component of the state.
-    #[inline]
+    #[inline(always)]
     pub fn error(&self, weights: &State) -> f64 {
         let fifth = difference!(self.stages, 5).component_mul(weights).norm_squared();
         let third = difference!(self.stages, 3).component_mul(weights).norm_squared();
@@ -75,7 +81,7 @@ impl Step {
 
     /// The motion inside the step; evaluates `rate` three times. `end` is the rate at the end.
     #[inline(never)]
-    pub fn dense(&self, end: Rate, mut rate: impl FnMut(f64, &State) -> Rate) -> DenseOutput {
+    pub fn dense(&self, end: Rate, equations: &impl Equations) -> DenseOutput {
         let mut k = [State::zeros(); 16];
         let mut q = [Quadratures::zeros(); 16];
         k[..12].copy_from_slice(&self.stages);
@@ -84,7 +90,7 @@ impl Step {
         macro_rules! stages {
             ($($i:tt)*) => {$({
                 let x = self.start + increment!(k, $i) * self.size;
-                let Rate { state, quadratures } = rate(self.time + NODES[$i] * self.size, &x);
+                let Rate { state, quadratures } = equations.rate(self.time + NODES[$i] * self.size, &x);
                 (k[$i], q[$i]) = (state, quadratures);
             })*};
         }

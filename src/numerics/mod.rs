@@ -29,3 +29,20 @@ pub struct Rate {
     /// Rates of what is integrated along.
     pub quadratures: Quadratures,
 }
+
+/// A right-hand side.
+///
+/// Steps are one piece of machine code with it, inlined into each of their stages: its result is in registers then. A
+/// function would leave it in memory number by number, where the sums over stages, which load pairs of numbers, have to wait
+/// for it.
+pub trait Equations {
+    /// Rate of a state at a time (s).
+    fn rate(&self, time: f64, state: &State) -> Rate;
+}
+
+impl<F: Fn(f64, &State) -> Rate> Equations for F {
+    #[inline(always)]
+    fn rate(&self, time: f64, state: &State) -> Rate {
+        self(time, state)
+    }
+}

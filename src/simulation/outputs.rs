@@ -64,7 +64,7 @@ pub fn observe<T: Scalar>(
     let zero = T::from(0.0);
     let reaction = x.reaction.map(|n| n * block.mass);
     let horizontal = x.horizontal * block.mass;
-    let uplift = Corner::BOTH.map(|corner| {
+    let uplift = Corner::each(|corner| {
         let gap = x.corner[corner.index()] - tops[corner.index()];
         if regime.touches(corner) || gap.value() < 0.0 { zero } else { gap }
     });

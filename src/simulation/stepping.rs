@@ -3,14 +3,22 @@
 use crate::block::{Block, Foundation};
 use crate::contact::Regime;
 use crate::excitation::Excitation;
-use crate::numerics::dop853::{DenseOutput, EVALUATIONS_PER_STEP, Step};
-use crate::numerics::roots;
+use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::ShortStep;
+use crate::numerics::{Rate, roots};
 use crate::simulation::peaks::{Channels, Peaks};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::{Powers, State};
+use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 use crate::system::now::{Motion, Now, Pose};
-use crate::system::surfaces::{Event, Surface, surfaces};
+use crate::system::surfaces::{Event, Surface};
+
+/// A piece of time in which the excitation is smooth, from the present to a stop.
+struct Piece<'a> {
+    block: &'a Block,
+    excitation: &'a Excitation,
+    stop: f64,
+}
 
 /// What a step may be.
 struct Limits {
@@ -50,55 +58,91 @@ impl Simulation {
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let mut here = self.now(block, excitation);
-        self.counts.evaluations += 1;
-        if let Some(corner) = self.system.leaving_rigid_base(&here) {
-            here = self.apply(Surface::Reaction(corner), &here, observer)?;
-        }
-        let steady = excitation.is_constant();
+        let piece = Piece { block, excitation, stop };
+        let mut here = None;
         while self.pose.time < stop && self.ending.is_none() {
+            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, &mut here, budget, observer))?;
+        }
+        Ok(())
+    }
+
+    /// Steps under one law to the end of the piece, or to what ends the law: then it gives the block as it goes on, which
+    /// is what `known` is then.
+    #[inline(never)]
+    fn steps<'a>(
+        &mut self,
+        law: impl Law,
+        piece: &Piece<'a>,
+        known: &mut Option<Now<'a>>,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let &Piece { block, excitation, stop } = piece;
+        let mut here = match known.take() {
+            Some(now) => Now { regime: law.regime(), ..now },
+            None => {
+                self.counts.evaluations += 1;
+                let now = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
+                if let Some(corner) = self.system.leaving_rigid_base(&now) {
+                    *known = Some(self.apply(Surface::Reaction(corner), &now, observer)?);
+                    return Ok(());
+                }
+                now
+            }
+        };
+        let steady = excitation.is_constant();
+        let limits = self.limits(law, excitation.frequency());
+        loop {
             if steady && here.rests() {
                 self.rest(stop);
-                break;
+                return Ok(());
             }
-            let limits = self.limits(excitation.frequency());
             self.spend(budget, stop, limits.longest)?;
-            if let Some(there) = self.short_step(stop, &here, &limits) {
-                here = there;
-                continue;
+            let motion = Motion::under(law, block, &self.pose, excitation);
+            if self.short_step(stop, &motion, &here, &limits) {
+                return Ok(());
             }
-            let motion = Motion::from_pose(block, &self.pose, excitation);
-            let (step, mut there) = self.accepted_step(stop, &motion, &here, &limits)?;
-            let mut dense: Option<DenseOutput> = None;
-            let mut evaluations = 0;
-            let end = there.rate;
-            let mut inside = || {
-                *dense.get_or_insert_with(|| {
-                    evaluations += 3;
-                    step.dense(end, |time, state| motion.rate(time, state))
-                })
-            };
-            let event = self.first_event(&motion, &here, &there, &mut inside);
+            let step = self.accepted_step(stop, &motion, &here, &limits)?;
+            let mut there = motion.at(step.end_time, step.end);
+            if !there.state.iter().chain(there.rate.state.iter()).all(|x| x.is_finite()) {
+                return Err(SimulationError::NotFinite { time: here.time });
+            }
+            let mut inside = Inside { motion, step: &step, end: there.rate, dense: None };
+            let event = first_event(&here, &there, &mut inside);
             let (elapsed, work) = match event {
                 Some((elapsed, _)) => {
-                    let dense = inside();
-                    there = motion.at(here.time + elapsed, dense.state(elapsed));
-                    (elapsed, dense.work(elapsed))
+                    there = inside.at(elapsed);
+                    (elapsed, inside.dense().work(elapsed))
                 }
                 None => (there.time - here.time, step.work),
             };
-            self.update_peaks(&motion, &here, &there, limits.near_a_peak(elapsed), &mut inside);
-            self.counts.evaluations += evaluations;
+            self.update_peaks(&here, &there, limits.near_a_peak(elapsed), &mut inside);
+            self.counts.evaluations += inside.evaluations();
             self.go_to(&there, work);
-            here = match event {
-                Some((_, surface)) => self.apply(surface, &there, observer)?,
-                None => there,
-            };
-            if self.pose.contacts.held().is_some_and(|corner| here.bears(corner)) {
-                self.pose.contacts.let_bear();
+            if let Some((_, surface)) = event {
+                let now = self.apply(surface, &there, observer)?;
+                self.let_bear(&now);
+                *known = Some(now);
+                return Ok(());
             }
+            if self.let_bear(&there) {
+                *known = Some(there);
+                return Ok(());
+            }
+            if self.pose.time >= stop {
+                return Ok(());
+            }
+            here = there;
         }
-        Ok(())
+    }
+
+    /// Lets a corner that is held bear weight again, if it does; whether it did.
+    fn let_bear(&mut self, here: &Now) -> bool {
+        let bears = self.pose.contacts.held().is_some_and(|corner| here.bears(corner));
+        if bears {
+            self.pose.contacts.let_bear();
+        }
+        bears
     }
 
     /// A block at rest stays so while the excitation does not change; what is left of its motion goes.
@@ -132,26 +176,25 @@ impl Simulation {
         self.pose = Pose { time, state, footing, ..self.pose };
     }
 
-    /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way.
+    /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way; whether it did.
     ///
     /// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a step may make
     /// a tenth of the error of others, in the motion and in the works.
-    #[inline]
-    fn short_step<'a>(&mut self, stop: f64, here: &Now<'a>, limits: &Limits) -> Option<Now<'a>> {
+    #[inline(always)]
+    fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> bool {
         // Where a short step failed another is tried before long, since the motion may have become slower.
         const GROWTH: f64 = 1.1;
         const LEAST: f64 = 0.1;
         const SHARE: f64 = 0.1;
         let size = stop - self.pose.time;
-        if LONGEST * size > limits.longest || self.pose.contacts.held().is_some() {
-            return None;
+        if LONGEST * size > limits.longest || motion.law().held().is_some() {
+            return false;
         }
         if size > self.short_size {
             self.short_size *= GROWTH;
-            return None;
+            return false;
         }
-        let motion = Motion::from_pose(here.block, &self.pose, here.excitation);
-        let step = ShortStep::attempt(here.time, size, here.state, here.rate, |time, state| motion.rate(time, state));
+        let step = ShortStep::attempt(here.time, size, here.state, here.rate, motion);
         let there = motion.at(stop, step.end);
         self.counts.evaluations += ShortStep::EVALUATIONS + 1;
         let error = step.error(there.rate, &limits.weights, limits.work_weight) / SHARE;
@@ -159,63 +202,48 @@ impl Simulation {
         let factor = (1.0 / error.sqrt().sqrt()).max(LEAST);
         if factor < 1.0 {
             self.short_size = size * factor;
-            return None;
+            return false;
         }
-        if self.may_hold_event(here, &there) {
-            return None;
+        if may_hold_event(motion.law(), here, &there) {
+            return false;
         }
         let [start, end] = self.channels_at_ends(here, &there, limits.near_a_peak(size));
         if self.peaks.may_rise_inside(&start, &end, size) {
-            return None;
+            return false;
         }
         // After an event or a jump of the inputs the beginning is new, too.
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
         self.go_to(&there, step.work);
-        Some(there)
-    }
-
-    /// Whether a surface may be fallen through between two instants.
-    fn may_hold_event(&self, here: &Now, there: &Now) -> bool {
-        let may_fall = |surface: Surface| {
-            let rounding = surface.rounding(here.block);
-            roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)
-        };
-        self.surfaces().any(may_fall)
-    }
-
-    /// The surfaces that end the present motion.
-    fn surfaces(&self) -> impl Iterator<Item = Surface> {
-        surfaces(&self.pose.contacts, self.pose.footing.grips()).into_iter().flatten()
+        true
     }
 
     /// A step within the tolerance, from `here` towards `stop`, and the instant it leads to.
-    #[inline]
-    fn accepted_step<'a>(
+    #[inline(always)]
+    fn accepted_step<'a, L: Law>(
         &mut self,
         stop: f64,
-        motion: &Motion<'a>,
+        motion: &Motion<'a, L>,
         here: &Now<'a>,
         &Limits { weights, longest, .. }: &Limits,
-    ) -> Result<(Step, Now<'a>), SimulationError> {
+    ) -> Result<Step, SimulationError> {
         let time = here.time;
         // What the clock can resolve on the way. Near time zero it resolves far less, but such steps lead nowhere.
         let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
         let mut attempt = self.control.attempt(stop - time, longest, shortest);
         loop {
-            let step = Step::attempt(time, attempt.size, here.state, here.rate, |time, state| motion.rate(time, state));
+            let mut step = Step::attempt(time, attempt.size, here.state, here.rate, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(&weights);
             let factor = Step::size_factor(error);
             if error <= 1.0 {
                 self.control.accept(&attempt, factor, longest);
                 self.counts.steps += 1;
-                let there = motion.at(if attempt.last { stop } else { time + attempt.size }, step.end);
-                if !there.state.iter().chain(there.rate.state.iter()).all(|x| x.is_finite()) {
-                    return Err(SimulationError::NotFinite { time });
+                if attempt.last {
+                    step.end_time = stop;
                 }
-                return Ok((step, there));
+                return Ok(step);
             }
             self.counts.rejected += 1;
             attempt = self.control.reject(&attempt, factor);
@@ -236,18 +264,19 @@ impl Simulation {
     /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
     /// not more than what changes a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
-    fn limits(&self, pulse_frequency: f64) -> Limits {
-        let Block { alpha, p, b, h, i0, r0, omega_v, gravity, foundation, .. } = self.system.block;
+    #[inline(always)]
+    fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
+        let Block { alpha, p, b, h, i0, r0, omega_v, gravity, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.
-        let turning = if self.pose.footing.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
-        let (rocking, vertical) = match (foundation, self.regime()) {
+        let turning = if law.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
+        let (rocking, vertical) = match (law.foundation(), law.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
         };
         let allowed = 1.0 / (self.settings.tolerance * alpha * p);
-        let most = match foundation {
+        let most = match law.foundation() {
             Foundation::Rigid => r0 * alpha * p,
             // The reaction of one support changes by ω_v ẇ/2 or so, per mass.
             Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v),
@@ -259,57 +288,21 @@ impl Simulation {
         Limits { weights, work_weight: allowed / ((i0 + r0 * r0) * alpha * p), longest }
     }
 
-    /// The first surface through which the motion falls between two instants, and when, in seconds after the first.
-    fn first_event(
-        &self,
-        motion: &Motion,
-        here: &Now,
-        there: &Now,
-        inside: &mut impl FnMut() -> DenseOutput,
-    ) -> Option<(f64, Surface)> {
-        let mut first: Option<(f64, Surface)> = None;
-        let duration = there.time - here.time;
-        for surface in self.surfaces() {
-            let rounding = surface.rounding(here.block);
-            let (start, end) = (surface.sample(here), surface.sample(there));
-            if !roots::may_fall(start, end, rounding, duration) {
-                continue;
-            }
-            let dense = inside();
-            let fall = roots::first_fall(start, end, rounding, duration, |elapsed| {
-                surface.sample(&motion.at(here.time + elapsed, dense.state(elapsed)))
-            });
-            if let Some(elapsed) = fall
-                && first.is_none_or(|(earliest, _)| elapsed < earliest)
-            {
-                first = Some((elapsed, surface));
-            }
-        }
-        first
-    }
-
     /// Takes the step's peaks in.
-    fn update_peaks(
-        &mut self,
-        motion: &Motion,
-        here: &Now,
-        there: &Now,
-        near: f64,
-        inside: &mut impl FnMut() -> DenseOutput,
-    ) {
+    #[inline(always)]
+    fn update_peaks<L: Law>(&mut self, here: &Now, there: &Now, near: f64, inside: &mut Inside<L>) {
         let duration = there.time - here.time;
         if duration <= 0.0 {
             return;
         }
         let [start, end] = self.channels_at_ends(here, there, near);
-        self.peaks.include_step(&start, &end, duration, |after| {
-            motion.at(here.time + after, inside().state(after)).channels()
-        });
+        self.peaks.include_step(&start, &end, duration, |after| inside.at(after).channels());
     }
 
     /// What the peaks are compared with at both ends of a step. The rates of H and of the friction demand, and those of the
     /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
     /// part of that, and are zero elsewhere.
+    #[inline(always)]
     fn channels_at_ends(&self, here: &Now, there: &Now, near: f64) -> [Channels; 2] {
         let Block { mass, foundation, .. } = self.system.block;
         let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
@@ -320,7 +313,69 @@ impl Simulation {
                 || shear > near * friction_demand * mass * (left + right)
                 || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
         };
-        let all = close(here) || close(there);
-        [here, there].map(|now| if all { now.channels() } else { now.cheap_channels() })
+        if close(here) || close(there) {
+            [here.channels(), there.channels()]
+        } else {
+            [here.cheap_channels(), there.cheap_channels()]
+        }
+    }
+}
+
+/// Whether a surface may be fallen through between two instants.
+#[inline(always)]
+fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
+    let may_fall = |surface: Surface| {
+        let rounding = surface.rounding(here.block);
+        roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)
+    };
+    law.surfaces().into_iter().flatten().any(may_fall)
+}
+
+/// The first surface through which the motion falls between two instants, and when, in seconds after the first.
+#[inline(always)]
+fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<(f64, Surface)> {
+    let mut first: Option<(f64, Surface)> = None;
+    let duration = there.time - here.time;
+    for surface in inside.motion.law().surfaces().into_iter().flatten() {
+        let rounding = surface.rounding(here.block);
+        let (start, end) = (surface.sample(here), surface.sample(there));
+        if !roots::may_fall(start, end, rounding, duration) {
+            continue;
+        }
+        let fall = roots::first_fall(start, end, rounding, duration, |elapsed| surface.sample(&inside.at(elapsed)));
+        if let Some(elapsed) = fall
+            && first.is_none_or(|(earliest, _)| elapsed < earliest)
+        {
+            first = Some((elapsed, surface));
+        }
+    }
+    first
+}
+
+/// The motion inside a step; its dense output is formed when it is first asked for.
+struct Inside<'s, 'a, L> {
+    motion: Motion<'a, L>,
+    step: &'s Step,
+    /// Rate at the end of the step.
+    end: Rate,
+    dense: Option<DenseOutput>,
+}
+
+impl<'a, L: Law> Inside<'_, 'a, L> {
+    #[inline]
+    fn dense(&mut self) -> &DenseOutput {
+        self.dense.get_or_insert_with(|| self.step.dense(self.end, &self.motion))
+    }
+
+    /// The block `elapsed` seconds after the beginning of the step.
+    #[inline(never)]
+    fn at(&mut self, elapsed: f64) -> Now<'a> {
+        let state = self.dense().state(elapsed);
+        self.motion.at(self.step.time + elapsed, state)
+    }
+
+    /// Evaluations of the right-hand side that the dense output took.
+    fn evaluations(&self) -> u64 {
+        if self.dense.is_some() { EVALUATIONS_OF_DENSE_OUTPUT } else { 0 }
     }
 }

@@ -115,13 +115,15 @@ pub fn instant<T: Scalar>(
     footing: Footing<T>,
     forcing: Forcing<T>,
 ) -> Instant<T> {
-    instant_of(block, regime, state, footing, forcing, |x| x)
+    instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
 }
 
-/// What `pick` takes of [`instant`]: only that is computed, since it is inlined into the equations of each regime.
+/// What `pick` takes of [`instant`]: only that is computed, since it is inlined into the equations of each regime. Of a
+/// `foundation` (that of the block) and a `regime` that the compiler knows only their equations are left.
 #[inline(always)]
 pub fn instant_of<T: Scalar, R>(
     block: &Block,
+    foundation: Foundation,
     regime: Regime,
     state: [T; 4],
     footing: Footing<T>,
@@ -129,7 +131,7 @@ pub fn instant_of<T: Scalar, R>(
     pick: impl Fn(Instant<T>) -> R,
 ) -> R {
     let posture = Posture::new(block, state, footing);
-    match (regime, block.foundation) {
+    match (regime, foundation) {
         (Regime::FullContact, Foundation::Viscoelastic) => pick(posture.full_contact(forcing)),
         (Regime::FullContact, Foundation::Rigid) => pick(posture.at_rest(forcing)),
         (Regime::TiltingLeft, Foundation::Viscoelastic) => pick(posture.on_support(Corner::Left, forcing)),

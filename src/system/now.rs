@@ -8,9 +8,10 @@ use crate::block::Block;
 use crate::contact::Contacts;
 use crate::contact::{Corner, Regime};
 use crate::excitation::{Excitation, Forcing};
-use crate::numerics::Rate;
 use crate::numerics::roots::Sample;
-use crate::system::dynamics::{Footing, Instant, State, along, energy, instant, instant_of};
+use crate::numerics::{Equations, Rate};
+use crate::system::dynamics::{Footing, Instant, State, along, energy, instant_of};
+use crate::system::law::{AnyLaw, Law};
 use crate::system::surfaces::Surface;
 
 /// Where the block is and what it stands on: all that its motion follows from, besides the excitation.
@@ -52,10 +53,11 @@ pub struct Now<'a> {
 }
 
 /// The motion from a pose on, while the block stands on the same corners.
-pub struct Motion<'a> {
+#[derive(Clone, Copy)]
+pub struct Motion<'a, L = AnyLaw> {
     block: &'a Block,
     excitation: &'a Excitation,
-    regime: Regime,
+    law: L,
     since: f64,
     footing: Footing<f64>,
     contacts: Contacts,
@@ -65,60 +67,95 @@ impl<'a> Motion<'a> {
     /// The motion of a block from a pose on.
     #[inline]
     pub fn from_pose(block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a> {
+        Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
+    }
+}
+
+impl<'a, L: Law> Motion<'a, L> {
+    /// The same where the law of the pose is known already.
+    #[inline(always)]
+    pub fn under(law: L, block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a, L> {
         let Pose { time, contacts, footing, .. } = *pose;
-        Motion { block, excitation, regime: contacts.regime(), since: time, footing, contacts }
+        Motion { block, excitation, law, since: time, footing, contacts }
+    }
+
+    /// The law of the motion.
+    #[inline(always)]
+    pub fn law(&self) -> L {
+        self.law
     }
 
     /// All that follows from a state at a time.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, time: f64, state: State) -> Now<'a> {
+        let (foundation, regime) = (self.law.foundation(), self.law.regime());
         let forcing = self.excitation.at(time);
         let footing = self.footing_at(time);
-        let instant = instant(self.block, self.regime, state.into(), footing, forcing);
-        Now {
+        instant_of(self.block, foundation, regime, state.into(), footing, forcing, |instant| Now {
             block: self.block,
             excitation: self.excitation,
             time,
-            regime: self.regime,
+            regime,
             state,
             footing,
             forcing,
             instant,
             rate: self.rate_of(&instant, forcing),
             tops: self.tops(time),
-        }
+        })
     }
 
     /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
+    #[inline(always)]
     pub fn tops(&self, time: f64) -> [Sample; 2] {
-        Corner::BOTH.map(|corner| self.contacts.top(corner, self.block, time))
-    }
-
-    /// The right-hand side alone.
-    pub fn rate(&self, time: f64, state: &State) -> Rate {
-        let forcing = self.excitation.at(time);
-        let footing = self.footing_at(time);
-        instant_of(self.block, self.regime, (*state).into(), footing, forcing, |x| self.rate_of(&x, forcing))
+        Corner::each(|corner| match self.law.regime().touches(corner) {
+            true => Sample::default(),
+            false => self.contacts.top(corner, self.block, time),
+        })
     }
 
     #[inline(always)]
     fn rate_of(&self, x: &Instant<f64>, forcing: Forcing<f64>) -> Rate {
         Rate {
             state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
-            quadratures: x.powers(self.block, self.regime, forcing).into(),
+            quadratures: x.powers(self.block, self.law.regime(), forcing).into(),
         }
     }
 
     /// What holds the block at `time`. Where nothing does, `ü = −a_gx` is integrated in closed form.
-    #[inline]
+    #[inline(always)]
     fn footing_at(&self, time: f64) -> Footing<f64> {
         match self.footing {
-            grips @ Footing::Grips { .. } => grips,
-            Footing::Free { u, u_dot } => {
+            Footing::Free { u, u_dot } if !self.law.grips() => {
                 let (velocity, displacement) = self.excitation.horizontal_drift(self.since, time);
                 Footing::Free { u: u + u_dot * (time - self.since) - displacement, u_dot: u_dot - velocity }
             }
+            // What the law says is known to the compiler, where the footing itself may not be.
+            Footing::Grips { offset } | Footing::Free { u: offset, .. } => Footing::Grips { offset },
         }
+    }
+}
+
+impl<L: Law> Equations for Motion<'_, L> {
+    #[inline(always)]
+    fn rate(&self, time: f64, state: &State) -> Rate {
+        if L::KNOWN { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
+    }
+}
+
+impl<L: Law> Motion<'_, L> {
+    /// All laws in one function, which is too much for each stage of a step.
+    #[inline(never)]
+    fn rate_called(&self, time: f64, state: &State) -> Rate {
+        self.rate_inlined(time, state)
+    }
+
+    #[inline(always)]
+    fn rate_inlined(&self, time: f64, state: &State) -> Rate {
+        let (foundation, regime) = (self.law.foundation(), self.law.regime());
+        let forcing = self.excitation.at(time);
+        let footing = self.footing_at(time);
+        instant_of(self.block, foundation, regime, (*state).into(), footing, forcing, |x| self.rate_of(&x, forcing))
     }
 }
 

@@ -3,7 +3,6 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Foundation};
-use crate::contact::{Contact, Contacts};
 use crate::contact::{Corner, Regime};
 use crate::numerics::roots::Sample;
 use crate::system::dynamics::{Footing, Instant, instant};
@@ -70,20 +69,9 @@ pub enum Surface {
     QuarterTurn,
 }
 
-/// The surfaces that end the motion on these contacts; `grips` says whether what touches does not slide.
-#[inline]
-pub fn surfaces(contacts: &Contacts, grips: bool) -> [Option<Surface>; 4] {
-    let of = |corner| match contacts.of(corner) {
-        Contact::Bearing => Some(Surface::Reaction(corner)),
-        Contact::Held => Some(Surface::Held(corner)),
-        Contact::Lifted(_) => Some(Surface::Gap(corner)),
-    };
-    let slide = (!grips && contacts.regime() != Regime::Separated).then_some(Surface::Slide);
-    [of(Corner::Left), of(Corner::Right), Some(Surface::QuarterTurn), slide]
-}
-
 impl Surface {
     /// Value and rate at an instant.
+    #[inline(always)]
     pub fn sample(self, at: &Now) -> Sample {
         let Now { block, ref instant, .. } = *at;
         match self {
@@ -104,19 +92,7 @@ impl Surface {
             Surface::Held(corner) => {
                 Sample { value: -gap_opening(at, corner, instant.corner_dot[corner.index()]), rate: 0.0 }
             }
-            Surface::Slide => match (block.foundation, at.regime.pivot()) {
-                // It may be pressed on for a moment only, where the slide turns back.
-                (Foundation::Viscoelastic, _) => {
-                    let pressure = pressure_if_gripped(block, at.regime, &at.along(at.forcing_rate()));
-                    Sample { value: -pressure.re, rate: -pressure.eps }
-                }
-                (Foundation::Rigid, Some(corner)) => {
-                    let thrown = impact::thrown_by_grip(block, corner, &at.along(at.forcing_rate()));
-                    Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
-                }
-                // Both corners stand on the rigid base, which neither throws up: they grip.
-                (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: 0.0 },
-            },
+            Surface::Slide => slide(at),
             Surface::QuarterTurn => Sample {
                 value: FRAC_PI_2 - instant.theta.abs(),
                 rate: if instant.theta < 0.0 { instant.theta_dot } else { -instant.theta_dot },
@@ -125,6 +101,7 @@ impl Surface {
     }
 
     /// What rounding leaves of a zero of this surface.
+    #[inline]
     pub fn rounding(self, block: &Block) -> f64 {
         // Some thousand ulp of the largest term that enters.
         const ROUNDING: f64 = 1e-13;
@@ -137,6 +114,24 @@ impl Surface {
                 },
                 Surface::QuarterTurn => FRAC_PI_2,
             }
+    }
+}
+
+/// [`Surface::Slide`].
+fn slide(at: &Now) -> Sample {
+    let block = at.block;
+    match (block.foundation, at.regime.pivot()) {
+        // It may be pressed on for a moment only, where the slide turns back.
+        (Foundation::Viscoelastic, _) => {
+            let pressure = pressure_if_gripped(block, at.regime, &at.along(at.forcing_rate()));
+            Sample { value: -pressure.re, rate: -pressure.eps }
+        }
+        (Foundation::Rigid, Some(corner)) => {
+            let thrown = impact::thrown_by_grip(block, corner, &at.along(at.forcing_rate()));
+            Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
+        }
+        // Both corners stand on the rigid base, which neither throws up: they grip.
+        (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: 0.0 },
     }
 }
 
@@ -167,6 +162,7 @@ fn rigid_reaction_rate(at: &Now, corner: Corner) -> f64 {
 }
 
 /// `Ṅ_I/M = −(K v̇_I + C v̈_I)/M` of a corner on its support (m/s³).
+#[inline]
 pub fn reaction_rate(block: &Block, corner_dot: f64, corner_ddot: f64) -> f64 {
     let omega_v = block.omega_v;
     -0.5 * omega_v * omega_v * corner_dot - block.xi_v * omega_v * corner_ddot

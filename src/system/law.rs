@@ -1,0 +1,154 @@
+//! A pose → which equations of motion hold from there on, and which surfaces end them.
+
+use crate::block::{Block, Foundation};
+use crate::contact::{Corner, Regime};
+use crate::system::now::Pose;
+use crate::system::surfaces::Surface;
+
+/// Which equations of motion hold while the contacts last.
+///
+/// [`AnyLaw`] is a value that says so at run time. Most laws are types as well ([`Gripping`]): the compiler knows all of them,
+/// so that the steps under each are compiled for it alone and no stage asks for the regime.
+pub trait Law: Copy {
+    /// Whether it is a type, known to the compiler.
+    const KNOWN: bool;
+
+    /// Which corners touch.
+    fn regime(self) -> Regime;
+    /// What they touch.
+    fn foundation(self) -> Foundation;
+    /// Whether what touches does not slide.
+    fn grips(self) -> bool;
+    /// The corner that is held in contact though it bears nothing.
+    fn held(self) -> Option<Corner>;
+
+    /// What ends the contact or the gap of a corner.
+    #[inline(always)]
+    fn surface(self, corner: Corner) -> Surface {
+        if !self.regime().touches(corner) {
+            Surface::Gap(corner)
+        } else if self.held() == Some(corner) {
+            Surface::Held(corner)
+        } else {
+            Surface::Reaction(corner)
+        }
+    }
+
+    /// The surfaces that end the motion.
+    #[inline(always)]
+    fn surfaces(self) -> [Option<Surface>; 4] {
+        let slide = (!self.grips() && self.regime() != Regime::Separated).then_some(Surface::Slide);
+        let [left, right] = Corner::each(|corner| self.surface(corner));
+        [Some(left), Some(right), Some(Surface::QuarterTurn), slide]
+    }
+}
+
+/// A law that is known at run time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AnyLaw {
+    regime: Regime,
+    foundation: Foundation,
+    grips: bool,
+    held: Option<Corner>,
+}
+
+impl AnyLaw {
+    /// The law of a block in a pose.
+    #[inline]
+    pub fn of(block: &Block, pose: &Pose) -> AnyLaw {
+        let Pose { contacts, footing, .. } = pose;
+        AnyLaw {
+            regime: contacts.regime(),
+            foundation: block.foundation,
+            grips: footing.grips(),
+            held: contacts.held(),
+        }
+    }
+}
+
+impl Law for AnyLaw {
+    const KNOWN: bool = false;
+
+    #[inline(always)]
+    fn regime(self) -> Regime {
+        self.regime
+    }
+
+    #[inline(always)]
+    fn foundation(self) -> Foundation {
+        self.foundation
+    }
+
+    #[inline(always)]
+    fn grips(self) -> bool {
+        self.grips
+    }
+
+    #[inline(always)]
+    fn held(self) -> Option<Corner> {
+        self.held
+    }
+}
+
+/// The law of a block that stands on the left corner, the right one, or both, on a rigid base or on supports; what touches
+/// does not slide, and no corner is held.
+#[derive(Clone, Copy, Debug)]
+pub struct Gripping<const LEFT: bool, const RIGHT: bool, const RIGID: bool>;
+
+impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Law for Gripping<LEFT, RIGHT, RIGID> {
+    const KNOWN: bool = true;
+
+    #[inline(always)]
+    fn regime(self) -> Regime {
+        Regime::of_touching([LEFT, RIGHT])
+    }
+
+    #[inline(always)]
+    fn foundation(self) -> Foundation {
+        if RIGID { Foundation::Rigid } else { Foundation::Viscoelastic }
+    }
+
+    #[inline(always)]
+    fn grips(self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn held(self) -> Option<Corner> {
+        None
+    }
+}
+
+/// `$body` with `$law` as the type of the law `$any`, where it has one, and as the value itself otherwise.
+macro_rules! in_law {
+    ($any:expr, $law:ident => $body:expr) => {{
+        let any = $any;
+        if !any.grips() || any.held().is_some() {
+            let $law = any;
+            $body
+        } else {
+            in_law!(@ any, $law, $body;
+                (Viscoelastic, FullContact) <true, true, false>,
+                (Viscoelastic, TiltingLeft) <true, false, false>,
+                (Viscoelastic, TiltingRight) <false, true, false>,
+                (Rigid, FullContact) <true, true, true>,
+                (Rigid, TiltingLeft) <true, false, true>,
+                (Rigid, TiltingRight) <false, true, true>,
+            )
+        }
+    }};
+    (@ $any:ident, $law:ident, $body:expr;
+     $(($foundation:ident, $regime:ident) <$left:literal, $right:literal, $rigid:literal>,)*) => {
+        match ($any.foundation(), $any.regime()) {
+            $((Foundation::$foundation, Regime::$regime) => {
+                let $law = Gripping::<$left, $right, $rigid>;
+                $body
+            })*
+            (Foundation::Viscoelastic | Foundation::Rigid, Regime::Separated) => {
+                let $law = $any;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use in_law;
