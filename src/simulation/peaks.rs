@@ -73,6 +73,20 @@ impl Channels {
     }
 }
 
+/// A body for the place of each of the [`Channels::candidates`], one after the other, so that no question is asked at run time
+/// about which it is.
+macro_rules! each_candidate {
+    (|$i:ident| $body:expr) => {
+        each_candidate!(@ $i $body; 0 1 2 3 4 5 6 7 8)
+    };
+    (@ $i:ident $body:expr; $($place:literal)*) => {
+        $({
+            let $i = $place;
+            $body
+        })*
+    };
+}
+
 impl Peaks {
     /// The peak of a channel.
     #[inline(always)]
@@ -99,22 +113,29 @@ impl Peaks {
     }
 
     /// Takes in the values at one instant.
-    #[inline]
+    #[inline(always)]
     pub fn include(&mut self, channels: &Channels) {
-        channels.candidates().into_iter().for_each(|(channel, sample)| self.raise(channel, sample.value));
+        each_candidate!(|i| {
+            let (channel, sample) = channels.candidates()[i];
+            self.raise(channel, sample.value);
+        });
     }
 
     /// Whether a value may rise to a new peak between two instants, above those at both.
-    #[inline]
+    #[inline(always)]
     pub fn may_rise_inside(&self, start: &Channels, end: &Channels, duration: f64) -> bool {
-        start.candidates().into_iter().zip(end.candidates()).any(|((channel, start), (_, end))| {
+        let mut may = false;
+        each_candidate!(|i| {
+            let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             let turns = start.rate > 0.0 && end.rate < 0.0;
-            turns && upper_bound(start, end, duration) > self.of(channel)
-        })
+            may |= turns && upper_bound(start, end, duration) > self.of(channel);
+        });
+        may
     }
 
     /// Takes in what happens in a step of `duration` between two instants; `inside` gives the values at a time after
     /// the first, and is asked only where a peak may be.
+    #[inline(always)]
     pub fn include_step(
         &mut self,
         start: &Channels,
@@ -122,12 +143,13 @@ impl Peaks {
         duration: f64,
         mut inside: impl FnMut(f64) -> Channels,
     ) {
-        let ends = start.candidates().into_iter().zip(end.candidates());
-        for (i, ((channel, start), (_, end))) in ends.enumerate() {
+        let mut greatest = |i: usize, start, end| greatest(start, end, duration, |t| inside(t).candidates()[i].1);
+        each_candidate!(|i| {
+            let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             if upper_bound(start, end, duration) > self.of(channel) {
-                self.raise(channel, greatest(start, end, duration, |elapsed| inside(elapsed).candidates()[i].1));
+                self.raise(channel, greatest(i, start, end));
             }
-        }
+        });
     }
 
     /// The rate at which a peak rises: with a value that stands at it and grows.
@@ -160,12 +182,14 @@ pub fn channels(x: &Observation<Dual64>) -> Channels {
 
 impl Now<'_> {
     /// What the peaks are the greatest values of, with all rates.
+    #[inline(never)]
     pub fn channels(&self) -> Channels {
         channels(&self.observe_rates())
     }
 
     /// The same without those that take dual numbers to get their rates: zeros stand for H and the friction demand, and on
     /// the rigid base for the rates of the reactions.
+    #[inline(always)]
     pub fn cheap_channels(&self) -> Channels {
         let (block, x) = (self.block, &self.instant);
         let reaction = |corner: Corner| {
@@ -185,8 +209,8 @@ impl Now<'_> {
         };
         Channels {
             theta: Sample { value: x.theta, rate: x.theta_dot },
-            reaction: Corner::BOTH.map(reaction),
-            uplift: Corner::BOTH.map(uplift),
+            reaction: Corner::each(reaction),
+            uplift: Corner::each(uplift),
             ..Channels::default()
         }
     }
