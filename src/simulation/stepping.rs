@@ -59,37 +59,31 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let piece = Piece { block, excitation, stop };
-        let mut here = None;
+        self.counts.evaluations += 1;
+        let mut begins = true;
         while self.pose.time < stop && self.ending.is_none() {
-            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, &mut here, budget, observer))?;
+            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, begins, budget, observer))?;
+            begins = false;
         }
         Ok(())
     }
 
-    /// Steps under one law to the end of the piece, or to what ends the law: then it gives the block as it goes on, which
-    /// is what `known` is then.
+    /// Steps under one law to the end of the piece, or to what ends the law; `begins` says whether the piece does here.
     #[inline(never)]
-    fn steps<'a>(
+    fn steps(
         &mut self,
         law: impl Law,
-        piece: &Piece<'a>,
-        known: &mut Option<Now<'a>>,
+        piece: &Piece,
+        begins: bool,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let &Piece { block, excitation, stop } = piece;
-        let mut here = match known.take() {
-            Some(now) => Now { regime: law.regime(), ..now },
-            None => {
-                self.counts.evaluations += 1;
-                let now = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
-                if let Some(corner) = self.system.leaving_rigid_base(&now) {
-                    *known = Some(self.apply(Surface::Reaction(corner), &now, observer)?);
-                    return Ok(());
-                }
-                now
-            }
-        };
+        // Where an event has just looked at the block this looks again, and counts no evaluation, rather than copy what was seen.
+        let mut here = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
+        if begins && let Some(corner) = self.system.leaving_rigid_base(&here) {
+            return self.apply(Surface::Reaction(corner), &here, observer).map(|_| ());
+        }
         let steady = excitation.is_constant();
         let limits = self.limits(law, excitation.frequency());
         loop {
@@ -122,21 +116,16 @@ impl Simulation {
             if let Some((_, surface)) = event {
                 let now = self.apply(surface, &there, observer)?;
                 self.let_bear(&now);
-                *known = Some(now);
                 return Ok(());
             }
-            if self.let_bear(&there) {
-                *known = Some(there);
-                return Ok(());
-            }
-            if self.pose.time >= stop {
+            if self.let_bear(&there) || self.pose.time >= stop {
                 return Ok(());
             }
             here = there;
         }
     }
 
-    /// Lets a corner that is held bear weight again, if it does; whether it did.
+    /// Lets a corner that is held bear weight again, if it does, which is another law; whether it did.
     fn let_bear(&mut self, here: &Now) -> bool {
         let bears = self.pose.contacts.held().is_some_and(|corner| here.bears(corner));
         if bears {
