@@ -6,8 +6,8 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::simulation::{LiftOff, OnOverturning, OnSeparation, Settings};
 use rocking_block::records::ground::Ground;
+use rocking_block::simulation::{LiftOff, OnOverturning, OnSeparation, Settings};
 use rocking_block::study::history::{LONGEST, SHORTEST};
 use rocking_block::study::runner;
 

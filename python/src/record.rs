@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rocking_block::records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
 use rocking_block::records::ground::Ground;
+use rocking_block::records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
 use rocking_block::study::ground_files::{Name, Said};
 use rocking_block::study::intensity::{Measure, PERIODS, pga, pgv};
 

@@ -15,8 +15,9 @@ use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::Channels;
 use crate::simulation::{Energies, Simulation, SimulationError};
 use crate::system::dynamics::{Footing, State, energy, height_of_what_stands, instant};
+use crate::system::law::{AnyLaw, Law};
 use crate::system::now::{Motion, Now};
-use crate::system::surfaces::{Event, Surface, surfaces};
+use crate::system::surfaces::{Event, Surface};
 
 /// How many continuous states there are.
 pub const STATES: usize = 8;
@@ -133,7 +134,7 @@ impl Simulation {
     }
 
     fn all_surfaces(&self) -> [Option<Surface>; INDICATORS] {
-        surfaces(&self.pose.contacts, self.pose.footing.grips())
+        AnyLaw::of(self.block(), &self.pose).surfaces()
     }
 
     /// What becomes of the block where it is: a new smooth piece of the excitation begins, and what has fallen through a
@@ -158,7 +159,7 @@ impl Simulation {
             offsets = self.offsets(&now);
         }
         self.piece = Some(Piece { since: self.pose.time, offsets: self.offsets(&now) });
-        self.let_bear(&now.instant.reaction);
+        self.let_bear(&now);
         self.peaks.include(&now.channels());
         Ok(())
     }
@@ -176,7 +177,7 @@ impl Simulation {
             let duration = time - before;
             self.peaks.include_step(&start, &end, duration, |elapsed| start.hermite(&end, duration, elapsed));
         }
-        self.let_bear(&now.instant.reaction);
+        self.let_bear(&now);
         (time, end)
     }
 
@@ -228,14 +229,6 @@ impl Simulation {
                 _ => rounding,
             }
         })
-    }
-
-    /// A corner that is held and bears weight again is held no more.
-    fn let_bear(&mut self, reaction: &[f64; 2]) {
-        let bears = |corner| Surface::Reaction(corner).rounding(self.block());
-        if self.pose.contacts.held().is_some_and(|corner| reaction[corner.index()] > bears(corner)) {
-            self.pose.contacts.let_bear();
-        }
     }
 }
 

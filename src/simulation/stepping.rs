@@ -126,7 +126,7 @@ impl Simulation {
     }
 
     /// Lets a corner that is held bear weight again, if it does, which is another law; whether it did.
-    fn let_bear(&mut self, here: &Now) -> bool {
+    pub(super) fn let_bear(&mut self, here: &Now) -> bool {
         let bears = self.pose.contacts.held().is_some_and(|corner| here.bears(corner));
         if bears {
             self.pose.contacts.let_bear();

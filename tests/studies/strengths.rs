@@ -1,9 +1,9 @@
 //! Levels, least overturning levels and ensembles of `rocking sweep`.
 
+use rocking_block::records::ground::Ground;
 use rocking_block::records::{ReadOptions, Unit, read};
 use rocking_block::simulation::Settings;
 use rocking_block::study::ensemble::{Distribution, Spread, Spreading, Width};
-use rocking_block::records::ground::Ground;
 use rocking_block::study::intensity::pgv;
 use rocking_block::study::outcome::End;
 use rocking_block::study::search::{Scan, Shaking, overturning};
