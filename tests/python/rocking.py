@@ -29,7 +29,12 @@ def instance(fmu, start_values=None, tolerance=None, stop_time=None):
     try:
         slave.setupExperiment(tolerance=tolerance, startTime=0.0, stopTime=stop_time)
         for name, value in (start_values or {}).items():
-            setter = {"Real": slave.setReal, "Boolean": slave.setBoolean}.get(variables[name].type, slave.setInteger)
+            setter = {
+                "Real": slave.setReal,
+                "Integer": slave.setInteger,
+                "Boolean": slave.setBoolean,
+                "String": slave.setString,
+            }[variables[name].type]
             setter([references[name]], [value])
         slave.enterInitializationMode()
         slave.exitInitializationMode()
