@@ -124,11 +124,12 @@ class Fragility:
     def __new__(
         cls,
         measures: _Floats,
-        exceeded: npt.NDArray[np.bool_],
+        fractions: _Floats,
+        peaks: _Floats,
+        motions: npt.NDArray[np.int64],
         link: str,
         ci: float,
-        groups: Sequence[int] | None,
-        samples: int,
+        samples: int | None,
         seed: int,
         tick: _Tick,
     ) -> Self: ...
@@ -144,6 +145,10 @@ class Fragility:
     def log_likelihood(self) -> float: ...
     @property
     def coefficients(self) -> tuple[float, float]: ...
+    @property
+    def standard_errors(self) -> tuple[float, float]: ...
+    @property
+    def efficiency(self) -> float: ...
     @property
     def auc(self) -> float: ...
     @property

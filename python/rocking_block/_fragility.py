@@ -43,10 +43,14 @@ def intensity(record: Record, periods: npt.ArrayLike = (), *, g: float = 9.81) -
 
 
 class Fragility(_engine.Fragility):
-    """A fragility curve `P = F(a + b ln IM)` of the greatest likelihood; `fragility` makes it.
+    """A fragility curve `P = F(a + b ln IM)` of the greatest likelihood, as `rocking fragility` fits it; `fragility` makes
+    it.
 
     With the normal distribution for F (probit) it is the lognormal curve of `median` exp(−a/b) and dispersion `beta` 1/b,
-    with the logistic one (logit) it is logistic regression.
+    with the logistic one (logit) it is logistic regression. `median_ci` and `beta_ci` are their intervals, `coefficients`
+    a and b with their `standard_errors`, and `log_likelihood`, `auc` (area under the receiver operating characteristic),
+    `brier` (Brier score) and `efficiency` (scatter of the peaks about a power of the measure) say how well the measure
+    tells.
     """
 
     im: str
@@ -54,39 +58,35 @@ class Fragility(_engine.Fragility):
     unit: str
     """Its unit."""
     limit: str | float
-    """What exceeds: "overturned", "separated", or a rotation |θ|/α [1]."""
-    link: str
-    """"probit" or "logit"."""
+    """What exceeds: "overturned", or a rotation |θ|/α [1]."""
     ci: float
     """Confidence of intervals and bands."""
     measures: Floats
-    """The intensity measure of each run, shape (n,)."""
-    exceeded: npt.NDArray[np.bool_]
-    """Whether the run exceeded the limit, shape (n,)."""
+    """The intensity measure of each row that tells, shape (n,)."""
+    fractions: Floats
+    """The part of its runs that exceeded the limit, 0 or 1 for a single run, shape (n,)."""
+    failed: int
+    """Rows that were left out because their runs failed."""
+    separated: int
+    """Rows that were left out because their runs ended at complete separation, which does not tell."""
+    _given: tuple[Any, ...]
 
     def __new__(
         cls,
-        measures: Floats,
-        exceeded: npt.NDArray[np.bool_],
-        link: str,
-        ci: float,
-        groups: list[int] | None,
-        samples: int,
-        seed: int,
-        tick: Any,
-        names: tuple[str, str, str | float],
+        rows: tuple[Floats, Floats, Floats, npt.NDArray[np.int64]],
+        how: tuple[str, float, int | None, int],
+        what: tuple[str, str, str | float, int, int],
+        tick: Any = lambda done, total: None,
     ) -> "Self":
-        fit = super().__new__(cls, measures, exceeded, link, ci, groups, samples, seed, tick)
-        fit.measures, fit.exceeded, fit.link, fit.ci = measures, exceeded, link, ci
-        fit.im, fit.unit, fit.limit = names
-        fit._resampling = (groups, samples, seed)
+        fit = super().__new__(cls, *rows, *how, tick)
+        fit.measures, fit.fractions = rows[:2]
+        fit.ci = how[1]
+        fit.im, fit.unit, fit.limit, fit.failed, fit.separated = what
+        fit._given = (rows, how, what)
         return fit
 
-    def __getnewargs__(self) -> tuple[Any, ...]:
-        names = (self.im, self.unit, self.limit)
-        return (self.measures, self.exceeded, self.link, self.ci, *self._resampling, _no_tick, names)
-
-    _resampling: tuple[list[int] | None, int, int]
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), self._given)
 
     def curve(self, x: npt.ArrayLike) -> Floats:
         """Probability that the limit is exceeded, at measures `x` > 0 of any shape [1]."""
@@ -111,14 +111,14 @@ class Fragility(_engine.Fragility):
         return (
             f"<Fragility of {self.limit} over {self.im}: median {self.median:.4g}{unit} "
             f"[{median[0]:.4g}, {median[1]:.4g}], beta {self.beta:.3g} [{beta[0]:.3g}, {beta[1]:.3g}], "
-            f"{np.count_nonzero(self.exceeded)} of {len(self.exceeded)} runs>"
+            f"{np.sum(self.fractions):.4g} of {len(self.fractions)} runs>"
         )
 
 
 def fragility(
     table: "Table | pandas.DataFrame",
     im: str,
-    limit: Literal["overturned", "separated"] | float = "overturned",
+    limit: Literal["overturned"] | float = "overturned",
     *,
     ci: float = 0.95,
     link: Literal["probit", "logit"] = "probit",
@@ -135,12 +135,13 @@ def fragility(
     Parameters
     ----------
     table : Table or DataFrame
-        Runs with an intensity measure above zero each, of `sweep`, `outcomes` or `spectrum`.
+        Runs, of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities. Left out are rows
+        without the measure, and those that do not tell: failed runs, and runs that ended at complete separation before they
+        had exceeded the limit.
     im : str
         Name of the column of the intensity measure, such as "PGV" or "p PGV/(g tan alpha)".
-    limit : {"overturned", "separated"} or float
-        What exceeds: a block that overturned, one that left its supports at least once, or one that rotated further than
-        this |θ|/α [1] or overturned.
+    limit : "overturned" or float
+        What exceeds: a block that overturned, or one that rotated further than this |θ|/α [1] or overturned.
     ci : float
         Confidence of intervals and bands, above 0 and below 1.
     link : {"probit", "logit"}
@@ -161,7 +162,8 @@ def fragility(
     Examples
     --------
     >>> import rocking_block as rb
-    >>> rows = {"PGV": [0.2, 0.25, 0.3, 0.4, 0.45, 0.5, 0.6, 0.7, 0.9, 1.1], "outcome": ["completed"] * 10}
+    >>> rows = {"PGV": [0.2, 0.25, 0.3, 0.4, 0.45, 0.5, 0.6, 0.7, 0.9, 1.1], "outcome": ["completed"] * 10,
+    ...         "peak.theta/alpha": [0.5] * 10}
     >>> for i in (3, 6, 7, 8, 9):
     ...     rows["outcome"][i] = "overturned"
     >>> fit = rb.fragility(rb.Table(rows, {"PGV": "m/s"}), im="PGV")
@@ -170,34 +172,36 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
-    outcome = np.asarray(table["outcome"])
-    measures = np.array(table[im], dtype=np.float64)
-    if limit == "overturned":
-        exceeded = outcome == "overturned"
-    elif limit == "separated":
-        exceeded = np.isfinite(np.asarray(table["first_separation"], dtype=np.float64))
-    elif isinstance(limit, str):
-        raise ValueError(f'limit = "{limit}"; expected "overturned", "separated" or a rotation |θ|/α')
-    else:
-        exceeded = (np.asarray(table["peak.theta/alpha"]) > float(limit)) | (outcome == "overturned")
-    failed = np.flatnonzero(outcome == "failed")
-    if failed.size:
-        raise ValueError(f"{failed.size} runs failed, the first in row {failed[0]}; expected a table without them")
-    if intervals == "bootstrap":
-        if "record" not in table:
-            raise ValueError("a bootstrap resamples records; expected a table with a column record")
-        groups: list[int] | None = np.unique(np.asarray(table["record"]), return_inverse=True)[1].tolist()
-    elif intervals == "profile":
-        groups = None
-    else:
+    if isinstance(limit, str) and limit != "overturned":
+        raise ValueError(f'limit = "{limit}"; expected "overturned" or a rotation |θ|/α')
+    if intervals not in ("profile", "bootstrap"):
         raise ValueError(f'intervals = "{intervals}"; expected one of "profile", "bootstrap"')
-    measures.setflags(write=False)
-    exceeded.setflags(write=False)
-    units = table.units if isinstance(table, Table) else {}
-    names = (im, units.get(im, "1"), limit)
+    outcome = np.asarray(table["outcome"])
+    peak = np.asarray(table["peak.theta/alpha"], dtype=np.float64)
+    exceeded = outcome == "overturned"
+    if not isinstance(limit, str):
+        exceeded |= peak > limit
+    fraction = exceeded.astype(np.float64)
+    separated = (outcome == "separated") & ~exceeded
+    failed = outcome == "failed"
+    if "ensemble.samples" in table:
+        # Of an ensemble the samples count, not the run in its middle; there is nothing where all of them failed.
+        name = "P(overturned)" if isinstance(limit, str) else f"P(theta/alpha>{limit:g})"
+        fraction = np.asarray(table[name], dtype=np.float64)
+        separated, failed = np.zeros_like(exceeded), np.isnan(fraction)
+    tells = ~separated & ~failed
+    peak = np.where((outcome == "completed") & (peak > 0.0), peak, np.nan)
+    names = [np.asarray(table[column], dtype=str).tolist() for column in ("record", "vertical") if column in table]
+    # Numbers in the order of their first appearance, on which the samples of a bootstrap depend.
+    numbers: dict[tuple[str, ...], int] = {}
+    keys = zip(*names, strict=True) if names else [()] * len(outcome)
+    motions = np.array([numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64)
+    measures = np.asarray(table[im], dtype=np.float64)
+    rows = (measures[tells], fraction[tells], peak[tells], motions[tells])
+    for column in rows:
+        column.setflags(write=False)
+    unit = table.units.get(im, "1") if isinstance(table, Table) else "1"
+    what = (im, unit, limit, int(failed.sum()), int(separated.sum()))
+    how = (link, ci, samples if intervals == "bootstrap" else None, seed)
     with ticking(progress) as tick:
-        return Fragility(measures, exceeded, link, ci, groups, samples, seed, tick, names)
-
-
-def _no_tick(done: int, total: int) -> None:
-    """What a curve that comes back from a file shows of its progress."""
+        return Fragility(rows, how, what, tick)

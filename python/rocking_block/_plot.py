@@ -56,9 +56,9 @@ def fragility(fit: "Fragility") -> Figure:
     order = np.argsort(fit.measures)
     classes = [rows for rows in np.array_split(order, min(10, len(order) // 5 or 1)) if rows.size]
     middle = [np.exp(np.mean(np.log(fit.measures[rows]))) for rows in classes]
-    share = [np.mean(fit.exceeded[rows]) for rows in classes]
+    share = [np.mean(fit.fractions[rows]) for rows in classes]
     axes.plot(middle, share, "o", color=_INK, ms=5, mfc="white", label=f"share of {len(classes[0])} runs")
-    axes.plot(fit.measures, fit.exceeded, "|", color=_INK, ms=7, alpha=0.35)
+    axes.plot(fit.measures, fit.fractions, "|", color=_INK, ms=7, alpha=0.35)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")

@@ -1,9 +1,10 @@
 """Where the program and the records are, and how the program's tables are read."""
 
-import csv
+import json
 import os
 import subprocess
 import sys
+from csv import reader
 from pathlib import Path
 
 import numpy as np
@@ -22,13 +23,17 @@ def rocking(tmp_path_factory):
     program = Path(os.environ.get("ROCKING", ROOT / "target/release/rocking"))
     assert program.exists(), f"{program} is missing: cargo build --release makes it"
 
-    def run(*options):
-        path = tmp_path_factory.mktemp("rocking") / "table.csv"
-        subprocess.run([program, *map(str, options), "--csv", path, "--quiet"][: None if options[0] == "simulate" else -1],
-                       check=True, capture_output=True, text=True)
-        rows = list(csv.reader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+    def run(*options, csv=None):
+        path = csv or tmp_path_factory.mktemp("rocking") / "table.csv"
+        subprocess.run([program, *map(str, options), "--csv", path], check=True, capture_output=True, text=True)
+        rows = list(reader(line for line in path.read_text().splitlines() if not line.startswith("#")))
         return {name: list(column) for name, column in zip(rows[0], zip(*rows[1:]))}
 
+    def json_of(*options):
+        command = [program, *map(str, options), "--json"]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+    run.json = json_of
     run.program = program
     return run
 

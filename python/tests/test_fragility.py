@@ -58,25 +58,58 @@ def test_a_frame_does_as_well():
 
 def test_limits_are_outcomes_and_rotations():
     table = planted()
-    counts = [np.count_nonzero(rb.fragility(table, "PGV", limit).exceeded) for limit in ("overturned", 0.5)]
+    counts = [rb.fragility(table, "PGV", limit).fractions.sum() for limit in ("overturned", 0.5)]
     assert counts[0] == np.count_nonzero(table["outcome"] == "overturned")
     assert counts[1] == np.count_nonzero((table["peak.theta/alpha"] > 0.5) | (table["outcome"] == "overturned"))
-    with pytest.raises(ValueError, match="found separable data: the limit is not exceeded in all rows up to"):
-        rb.fragility(table, "PGV", "separated")
+
+
+def test_rows_that_do_not_tell_are_left_out_and_counted():
+    table = planted()
+    columns = {name: table[name].copy() for name in table}
+    columns["outcome"] = columns["outcome"].astype("<U10")
+    columns["outcome"][[3, 7]], columns["outcome"][11] = "failed", "separated"
+    kept = np.isin(np.arange(table.rows), [3, 7, 11], invert=True)
+    fit = rb.fragility(rb.Table(columns), "PGV")
+    assert (fit.failed, fit.separated, len(fit.measures)) == (2, 1, table.rows - 3)
+    assert fit.coefficients == rb.fragility(rb.Table({name: table[name][kept] for name in table}), "PGV").coefficients
+
+
+def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
+    """Of single runs and of ensembles, with intervals of both kinds."""
+    study = {
+        "study": {"design": "grid", "scales": [0.5, 1.0, 2.0, 4.0], "ensemble": {"scale": 0.2, "samples": 8, "limits": [0.5]}},
+        "parameters": {"dimensionless": {"alpha": [0.12, 0.2], "p": {"from": 1.5, "to": 4.0, "count": 4}}},
+        "records": [path, path.with_name("0111a.smc")],
+    }
+    from rocking_block import _toml
+
+    (tmp_path / "study.toml").write_text(_toml.text(study))
+    rocking("sweep", tmp_path / "study.toml", csv=tmp_path / "table.csv")
+    table = rb.sweep(study)
+    for limit, said in (("overturned", "overturned"), (0.5, "theta/alpha>0.5")):
+        for intervals, more in (("profile", []), ("bootstrap", ["--bootstrap", "50"])):
+            fit = rb.fragility(table, "PGV", limit, intervals=intervals, samples=50)
+            found = rocking.json("fragility", tmp_path / "table.csv", "--im", "PGV", "--limit", said, *more)
+            (curve,) = found["measures"]
+            found = [curve[name] for name in ("median", "beta", "intercept", "slope", "AUC", "Brier", "efficiency")]
+            assert [fit.median, fit.beta, *fit.coefficients, fit.auc, fit.brier, fit.efficiency] == found
+            assert list(fit.standard_errors) == curve["standard_errors"]
+            assert list(fit.median_ci) == curve["median_interval"] and list(fit.beta_ci) == curve["beta_interval"]
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"im": "PGA"}, "there is no column 'PGA'; expected one of record, PGV"),
-        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", "separated" or a rotation'),
-        ({"intervals": "bootstrap", "samples": 1}, "samples = 1; expected a whole number from 2 to 10000000"),
-        ({"ci": 95}, "ci = 95; expected a confidence above 0 and below 1, as in 0.95"),
+        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned" or a rotation'),
+        ({"intervals": "bootstrap", "samples": 1}, "samples = 1; expected a whole number from 2 to 1000000"),
+        ({"ci": 95}, "ci = 95; expected a number above 0 and below 1"),
         ({"link": "cauchit"}, 'link = "cauchit"; expected one of "probit", "logit"'),
         ({"intervals": "wald"}, 'intervals = "wald"; expected one of "profile", "bootstrap"'),
         ({"limit": 100.0, "table": rb.Table({"PGV": [1.0], "outcome": ["completed"], "peak.theta/alpha": [1.0]})},
          "found one class: the limit is not exceeded in all 1 rows"),
-        ({"table": rb.Table({"PGV": [1.0, 2.0], "outcome": ["completed", "failed"]})}, "1 runs failed, the first in row 1"),
+        ({"table": rb.Table({"PGV": [1.0, 0.0], "outcome": ["completed", "overturned"], "peak.theta/alpha": [0.1, 9.0]})},
+         "found the measure 0 in row 1; expected a number above 0"),
     ],
 )
 def test_what_has_no_curve_is_refused(options, message):
