@@ -186,8 +186,8 @@ def fragility(
     failed = outcome == "failed"
     if "ensemble.samples" in table:
         # Of an ensemble the samples count, not the run in its middle; there is nothing where all of them failed.
-        name = "P(overturned)" if isinstance(limit, str) else f"P(theta/alpha>{limit:g})"
-        fraction = np.asarray(table[name], dtype=np.float64)
+        exceeds = limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
+        fraction = np.asarray(table[f"P({exceeds})"], dtype=np.float64)
         separated, failed = np.zeros_like(exceeded), np.isnan(fraction)
     tells = ~separated & ~failed
     peak = np.where((outcome == "completed") & (peak > 0.0), peak, np.nan)

@@ -79,6 +79,17 @@ class Table(Mapping[str, npt.NDArray[Any]]):
     def __len__(self) -> int:
         return len(self._columns)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether all columns, units and the shape are the same; nan is the same as nan."""
+        if not isinstance(other, Table):
+            return NotImplemented
+        kept = list(self) == list(other) and self._units == other._units and self._shape == other._shape
+        return kept and all(
+            np.array_equal(column, other[name], equal_nan=column.dtype.kind == "f") for name, column in self.items()
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
     def to_frame(self) -> "pandas.DataFrame":
         """The table as a pandas DataFrame."""
         import pandas

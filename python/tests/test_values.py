@@ -3,9 +3,11 @@
 import copy
 import multiprocessing
 import pickle
+import re
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 import rocking_block as rb
 
@@ -52,8 +54,13 @@ def test_results_are_pickled():
     other = pickle.loads(pickle.dumps(run))
     assert np.array_equal(other.theta, run.theta) and other.events == run.events and other.peak == run.peak
     table = rb.spectrum(p=[1, 2], pulse=rb.Pulse("one-sine", 6.0, 1.25))
-    other = pickle.loads(pickle.dumps(table))
-    assert list(other) == list(table) and other.units == table.units and other.shape == table.shape
+    assert pickle.loads(pickle.dumps(table)) == table
+    assert table != rb.spectrum(p=[1, 3], pulse=rb.Pulse("one-sine", 6.0, 1.25)) and table != 1
+
+
+def test_the_version_is_that_of_the_project():
+    (version,) = re.findall(r'^version = "(.*)"$', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
+    assert rb.__version__ == version
 
 
 def test_a_block_amounts_to_what_the_paper_says():
