@@ -34,6 +34,14 @@ impl Strengths {
         }
     }
 
+    /// The measure of one of the rows of a ground motion, where it is given: to the last digit, which the factor need not meet.
+    pub(super) fn level(&self, number: u64) -> Option<(Measure, f64)> {
+        match self {
+            Strengths::Levels(measure, values) => Some((*measure, values[number as usize])),
+            Strengths::Scales(_) | Strengths::Least(..) => None,
+        }
+    }
+
     /// Factor on the records of one of the rows of a ground motion; 1 where a row has them all.
     pub(super) fn scale(&self, number: u64, motion: &Motion, block: &Block) -> f64 {
         match self {

@@ -178,7 +178,7 @@ impl Sweep {
         let values = self.values(&combination);
         let block = values.block().unwrap_or_else(|error| unreachable!("{error}"));
         let scale = self.strengths.scale(row % strengths, motion, &block);
-        Place { combination, values, block, motion, scale }
+        Place { combination, values, block, motion, scale, level: self.strengths.level(row % strengths) }
     }
 
     /// The run of a row, without the spread of an ensemble.
@@ -251,6 +251,16 @@ struct Place<'a> {
     block: Block,
     motion: &'a Motion,
     scale: f64,
+    /// The measure that is given in place of the factor, and its value.
+    level: Option<(Measure, f64)>,
+}
+
+impl Place<'_> {
+    /// A measure of the scaled record.
+    fn intensity(&self, measure: Measure) -> Option<f64> {
+        let given = self.level.filter(|(given, _)| *given == measure).map(|(_, value)| value);
+        given.or_else(|| self.motion.intensity(measure, self.scale, &self.block))
+    }
 }
 
 impl Study for Sweep {
@@ -286,7 +296,7 @@ impl Study for Sweep {
         fields.push(if has_record { scale.to_string() } else { String::new() });
         let shown = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
         fields.push(shown(motion.vertical_pga.map(|pga| pga * scale.abs())));
-        fields.extend(self.measures.iter().map(|&measure| shown(motion.intensity(measure, *scale, block))));
+        fields.extend(self.measures.iter().map(|&measure| shown(place.intensity(measure))));
         if let Strengths::Least(measure, scan) = &self.strengths {
             fields.extend(least_fields(&self.least(*measure, scan, &place)));
             return StudyRow { fields, failure: None };
