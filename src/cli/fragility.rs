@@ -1,21 +1,21 @@
 //! `rocking fragility`: the table of a sweep → fragility curves.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{Parser, ValueEnum};
-use serde::Serialize;
 
 use crate::cli::excitation::finite;
 use crate::cli::formats::PictureOptions;
+use crate::cli::fragility_report::{Curves, Measure, Rows, SurfaceResult};
 use crate::cli::given::Given;
 use crate::cli::input;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::report::{ReportOptions, Written};
-use crate::study::fragility::{Assessment, Cases, Interval, Limit, Link, Table, Uncertainty, sufficiency_beside};
+use crate::study::fragility::{Assessment, Ida, Limit, Link, Surface, Table, Uncertainty, sufficiency_beside};
 use crate::study::fragility_plot;
+use crate::study::picture::PictureFormat;
 
 /// Options of `rocking fragility`.
 #[derive(Parser)]
@@ -45,9 +45,15 @@ pub struct Options {
     /// From which the samples follow
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// A second measure: the surface of both
+    #[arg(long, value_name = "COLUMN")]
+    surface: Option<String>,
     /// Columns beside which it is told whether each measure is sufficient
     #[arg(long, value_name = "COLUMN")]
     beside: Vec<String>,
+    /// Picture of the peaks over the levels of the measure, of a sweep with levels, SVG or PNG by its ending
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    ida: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
@@ -71,16 +77,21 @@ impl From<LinkName> for Link {
 
 /// Does what the options say.
 pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
-    let Options { im, limit, ci, bootstrap, seed, beside, .. } = options;
+    let Options { im, limit, ci, bootstrap, seed, beside, ida, .. } = options;
     let plot = options.picture.plot.as_deref();
     given.only_if(plot.is_some(), &["plot-format"], "without --plot")?;
     given.only_if(bootstrap.is_some(), &["seed"], "without --bootstrap")?;
     finite("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
-    anyhow::ensure!(plot.is_none() || im.len() == 1, "--plot with {} measures; expected one --im", im.len());
+    for option in ["plot", "surface", "ida"].into_iter().filter(|option| given.has(option)) {
+        anyhow::ensure!(im.len() == 1, "--{option} with {} measures; expected one --im", im.len());
+    }
     let format = options.picture.format()?;
-    let outputs: Vec<Named> = plot.iter().map(|path| Named::new("--plot", path)).collect();
+    let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
+    let outputs = [("--plot", plot), ("--ida", ida.as_deref())];
+    let outputs: Vec<Named> = outputs.iter().filter_map(|(option, path)| Some(Named::new(option, (*path)?))).collect();
     check_distinct(&[Named::new("the table", &options.table)], &outputs)?;
     let picture = plot.map(Pending::new).transpose()?;
+    let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
     let (name, text) = input::text(&options.table)?;
     let mut table = Table::read(&name, text.as_bytes())?;
     for condition in &options.conditions {
@@ -96,8 +107,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     };
     let uncertainty = bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, *seed));
     let link = options.link.into();
-    let mut measures = Vec::new();
-    let mut written = Vec::new();
+    let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
     for measure in im {
         let heading = table.heading(measure)?;
         let at = || format!("{name}: {measure}");
@@ -108,12 +118,28 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
         };
         let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
-        if let Some(format) = format {
-            written.push(format.encode(&fragility_plot::curve(&assessment, heading, *limit, *ci)?)?);
+        if let Some(other) = &options.surface {
+            let found = Surface::new(&found.cases, &values, &column(other)?, link);
+            let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
+            let headings = [heading, table.heading(other)?];
+            if format.is_some() {
+                svg = Some(fragility_plot::surface(&found.data, &found.fit, headings, *limit)?);
+            }
+            surface = Some(SurfaceResult::of(headings, &found));
+        } else if format.is_some() {
+            svg = Some(fragility_plot::curve(&assessment, heading, *limit, *ci)?);
         }
         measures.push(Measure::of(heading, &assessment, sufficiency));
     }
-    Pending::write(picture.into_iter().zip(written).collect())?;
+    let mut pictures = Vec::new();
+    if let (Some(file), Some(format), Some(svg)) = (picture, format, svg) {
+        pictures.push((file, format.encode(&svg)?));
+    }
+    if let (Some(file), Some(format)) = (ida_picture, ida_format) {
+        let curves = Ida::read(&table, &im[0])?;
+        pictures.push((file, format.encode(&fragility_plot::ida(&curves, table.heading(&im[0])?)?)?));
+    }
+    Pending::write(pictures)?;
     let result = Curves {
         table: name,
         limit: limit.to_string(),
@@ -121,147 +147,8 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
         confidence: *ci,
         rows: Rows::of(&table, &found),
         measures,
+        surface,
     };
-    let written = Written::new([("plot", plot)]);
+    let written = Written::new([("plot", plot), ("ida", ida.as_deref())]);
     options.report.print("fragility", &written, &[], &(result.words() + &written.lines()), &result)
-}
-
-/// What was found; SI units.
-#[derive(Serialize)]
-struct Curves {
-    table: String,
-    limit: String,
-    link: String,
-    confidence: f64,
-    rows: Rows,
-    measures: Vec<Measure>,
-}
-
-/// Rows of the table that count.
-#[derive(Serialize)]
-struct Rows {
-    all: usize,
-    /// Those that tell whether the limit is exceeded.
-    told: usize,
-    /// In how many of these it is: for ensembles, the sum of their probabilities.
-    exceeded: f64,
-    /// Those whose runs failed.
-    failed: usize,
-    /// Those whose runs ended at complete separation before the limit was exceeded.
-    separated: usize,
-}
-
-impl Rows {
-    fn of(table: &Table, Cases { cases, failed, separated }: &Cases) -> Rows {
-        let exceeded = cases.iter().map(|case| case.fraction).sum();
-        Rows { all: table.rows(), told: cases.len(), exceeded, failed: *failed, separated: *separated }
-    }
-}
-
-/// The curve of a measure.
-#[derive(Serialize)]
-struct Measure {
-    im: String,
-    rows: usize,
-    median: f64,
-    median_interval: [Option<f64>; 2],
-    beta: f64,
-    beta_interval: [Option<f64>; 2],
-    /// Of the natural logarithm of the measure.
-    intercept: f64,
-    slope: f64,
-    standard_errors: Vec<f64>,
-    log_likelihood: f64,
-    null_log_likelihood: f64,
-    #[serde(rename = "AUC")]
-    auc: f64,
-    #[serde(rename = "Brier")]
-    brier: f64,
-    efficiency: Option<f64>,
-    /// Probability of the data, or of stranger ones, if the measure is sufficient beside each of these.
-    sufficiency: BTreeMap<String, f64>,
-    /// Samples of the bootstrap without a curve.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    without_curve: Option<usize>,
-}
-
-impl Measure {
-    fn of(heading: &str, found: &Assessment, sufficiency: BTreeMap<String, f64>) -> Measure {
-        let Assessment { data, fit, median, dispersion, auc, brier, efficiency, .. } = found;
-        let ends = |Interval { low, high }: &Interval| [*low, *high];
-        Measure {
-            im: heading.into(),
-            rows: data.observations().len(),
-            median: fit.median(),
-            median_interval: ends(median),
-            beta: fit.dispersion(),
-            beta_interval: ends(dispersion),
-            intercept: fit.coefficients[0],
-            slope: fit.coefficients[1],
-            standard_errors: fit.standard_errors(),
-            log_likelihood: fit.log_likelihood,
-            null_log_likelihood: fit.null_log_likelihood,
-            auc: *auc,
-            brier: *brier,
-            efficiency: *efficiency,
-            sufficiency,
-            without_curve: found.without_curve(),
-        }
-    }
-
-    /// What stands in the table for a person.
-    fn fields(&self) -> Vec<String> {
-        let end = |end: Option<f64>| end.map_or("?".into(), |end| format!("{end:.4}"));
-        let with = |value: f64, [low, high]: [Option<f64>; 2]| format!("{value:.4} ({} to {})", end(low), end(high));
-        let mut fields = vec![
-            self.im.clone(),
-            with(self.median, self.median_interval),
-            with(self.beta, self.beta_interval),
-            format!("{:.3}", self.auc),
-            format!("{:.4}", self.brier),
-            self.efficiency.map_or("none".into(), |efficiency| format!("{efficiency:.3}")),
-            self.rows.to_string(),
-        ];
-        fields.extend(self.sufficiency.values().map(|p| format!("{p:.2e}")));
-        fields
-    }
-}
-
-impl Curves {
-    fn words(&self) -> String {
-        let Rows { all, told, exceeded, failed, separated } = self.rows;
-        let left_out = [(failed, "failed"), (separated, "ended at separation")];
-        let left_out = left_out.iter().filter(|(count, _)| *count > 0);
-        let left_out: String = left_out.map(|(count, why)| format!(", {count} {why}")).collect();
-        let mut words = format!(
-            "table         {}: {all} rows{left_out}\n\
-             limit         {}: exceeded in {} of {told} rows\n\
-             curve         {}, intervals of {} %\n",
-            self.table,
-            self.limit,
-            // A sum of probabilities has more digits than anybody needs.
-            (exceeded * 10.0).round() / 10.0,
-            self.link,
-            100.0 * self.confidence
-        );
-        let mut rows =
-            vec![["measure", "median", "beta", "AUC", "Brier", "efficiency", "rows"].map(String::from).to_vec()];
-        rows[0].extend(self.measures[0].sufficiency.keys().map(|other| format!("p beside {other}")));
-        rows.extend(self.measures.iter().map(Measure::fields));
-        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
-        for row in &rows {
-            let line: String = row.iter().zip(&widths).map(|(field, width)| format!("{field:<width$}  ")).collect();
-            // Writing to a String never fails.
-            let _ = writeln!(words, "{}", line.trim_end());
-        }
-        let without: usize = self.measures.iter().filter_map(|measure| measure.without_curve).sum();
-        if without > 0 {
-            let _ = writeln!(
-                words,
-                "bootstrap     {without} samples have no curve: their data are separable or of one class"
-            );
-        }
-        words
-    }
 }

@@ -5,6 +5,7 @@ mod excitation;
 mod figures;
 mod formats;
 mod fragility;
+mod fragility_report;
 mod given;
 mod input;
 mod output;

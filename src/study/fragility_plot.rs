@@ -1,8 +1,11 @@
-//! A fragility curve and its data → a drawing.
+//! Fragility curves and surfaces, curves of incremental dynamic analysis → drawings.
 
-use crate::study::chart::{Chart, Curve, Sample, drawing, keys, keys_height, range, text};
-use crate::study::fragility::{Assessment, Limit, Link, Observation};
+use std::ops::Range;
+
+use crate::study::chart::{Cell, Chart, Curve, Sample, drawing, keys, keys_height, range, text};
+use crate::study::fragility::{Assessment, Data, Fit, Ida, Limit, Link, Observation, Response};
 use crate::study::look::Look;
+use crate::study::normal;
 use crate::study::picture::PictureError;
 use crate::study::plot::short;
 
@@ -18,7 +21,7 @@ const MOST_BINS: usize = 12;
 const LEAST_OF_A_BIN: usize = 5;
 
 /// Draws a curve with its band, the fractions of rows that exceed the limit in groups of as many, with their counts, and each
-/// row as a tick, under the chart if it does not exceed the limit and over it if it does. `heading` is name and unit of the
+/// row as a tick. `heading` is name and unit of the
 /// measure.
 pub fn curve(found: &Assessment, heading: &str, limit: Limit, confidence: f64) -> Result<String, PictureError> {
     let observations = found.data.observations();
@@ -30,51 +33,186 @@ pub fn curve(found: &Assessment, heading: &str, limit: Limit, confidence: f64) -
     let band = at.iter().zip(found.band(&at));
     let band = band.map(|(&measure, interval)| (measure, interval.low.unwrap_or(0.0), interval.high.unwrap_or(1.0)));
     let bins = bins(observations);
-    // A row of which a part exceeds the limit is a point of its own.
-    let (parts, whole): (Vec<&Observation>, Vec<&Observation>) =
-        observations.iter().partition(|row| 0.0 < row.fraction && row.fraction < 1.0);
-    let tick = |row: &&Observation| (row.measures[0], if row.fraction == 1.0 { 1.06 } else { -0.06 });
+    // Rows of the same level stand side by side.
+    let tick = |(number, row): (usize, &Observation)| {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let aside = (GOLDEN * number as f64).fract() - 0.5;
+        let y = match row.fraction {
+            0.0 => -0.06,
+            1.0 => 1.06,
+            part => part,
+        };
+        (row.measures[0] + 1.5 * step * aside, y)
+    };
     let legend = [
         (Sample::Curve(Look::BLACK), name(found).into()),
         (Sample::Band, format!("{} % confidence", short(100.0 * confidence))),
         (Sample::Circle, "fraction of a group of rows, with their number".into()),
-        (Sample::Ticks, "rows that exceed the limit (above) and that do not (below)".into()),
-        (Sample::Cross, "rows of which a part does".into()),
+        (
+            Sample::Ticks,
+            "each row: above the chart if it exceeds the limit, below if not, between if a part does".into(),
+        ),
     ];
-    let legend = &legend[..if parts.is_empty() { 4 } else { 5 }];
-    let (measure, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
-    let unit = if unit == "1" { String::new() } else { format!(" {}", unit.replace('2', "²")) };
-    let axis = measure.replace("alpha", "α") + &unit.replacen(' ', " (", 1) + if unit.is_empty() { "" } else { ")" };
-    let ordinate = match limit {
-        Limit::Overturned => "probability of overturning".to_string(),
-        Limit::Rotation(limit) => format!("probability of |θ|/α > {}", short(limit)),
-    };
+    let (axis, unit) = axis(heading);
+    let ordinate = probability_of(limit);
     let chart = Chart {
         x: (&axis, x),
         y: (&ordinate, -0.1..1.1),
         areas: vec![band.collect()],
         curves: vec![Curve { look: Look::BLACK, pieces: vec![line], ends: false }],
-        crosses: parts.iter().map(|row| (row.measures[0], row.fraction)).collect(),
-        ticks: whole.iter().map(tick).collect(),
+        ticks: observations.iter().enumerate().map(tick).collect(),
         notes: bins.iter().map(|bin| ((bin.measure + 0.9 * step, bin.fraction + 0.03), bin.rows.to_string())).collect(),
         circles: bins.iter().map(|bin| (bin.measure, bin.fraction)).collect(),
         ..Chart::default()
     };
+    let title = format!(
+        "median {:.3}{unit}, β = {:.3}; AUC {:.3}, Brier score {:.3}; {} rows",
+        found.fit.median(),
+        found.fit.dispersion(),
+        found.auc,
+        found.brier,
+        observations.len()
+    );
+    page(&title, &legend, &chart)
+}
+
+/// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles. A curve goes to the
+/// right edge where its block overturns at the next level, and comes back where it stands again.
+pub fn ida(found: &Ida, heading: &str) -> Result<String, PictureError> {
+    let stands = |response: &Response| match *response {
+        Response::Stands(peak) => Some(peak),
+        Response::Overturns | Response::Unknown => None,
+    };
+    let peaks = found.curves.iter().flatten().filter_map(stands);
+    let (x, y) = (range(peaks), range(found.levels.iter().copied()));
+    let pieces = |responses: &[Response]| {
+        // At rest without shaking.
+        let mut pieces = vec![vec![(0.0, 0.0)]];
+        for (response, &level) in responses.iter().zip(&found.levels) {
+            let open = pieces.len() - 1;
+            match *response {
+                Response::Stands(peak) => pieces[open].push((peak, level)),
+                Response::Overturns => {
+                    if let Some(&(_, before)) = pieces[open].last() {
+                        pieces[open].push((x.end, before + 0.5 * (level - before)));
+                        pieces.push(Vec::new());
+                    }
+                }
+                Response::Unknown => pieces.push(Vec::new()),
+            }
+        }
+        pieces
+    };
+    let curve = |look: Look, responses: &[Response]| Curve { look, pieces: pieces(responses), ends: false };
+    let single = found.curves.iter().map(|responses| curve(Look::FAINT, responses));
+    let fractiles = [(Look::DASHED, 0.16), (Look::BLACK, 0.5), (Look::DASHED, 0.84)];
+    let fractiles = fractiles.map(|(look, part)| curve(look, &found.fractile(part)));
+    let (axis, _) = axis(heading);
+    let chart = Chart {
+        x: ("peak |θ|/α", x.clone()),
+        y: (&axis, y),
+        curves: single.chain(fractiles).collect(),
+        ..Chart::default()
+    };
+    let legend = [
+        (Sample::Curve(Look::FAINT), "one block and ground motion; to the right edge where it overturns".to_string()),
+        (Sample::Curve(Look::BLACK), "median".into()),
+        (Sample::Curve(Look::DASHED), "16 % and 84 %".into()),
+    ];
+    let title = format!(
+        "{} curves, {} levels; overturning counts as more than any peak",
+        found.curves.len(),
+        found.levels.len()
+    );
+    page(&title, &legend, &chart)
+}
+
+/// Draws the probability of a surface of two measures in grey, with the lines on which it is 10, 50 and 90 %, and the rows.
+pub fn surface(data: &Data, fit: &Fit, headings: [&str; 2], limit: Limit) -> Result<String, PictureError> {
+    const CELLS: u32 = 80;
+    let observations = data.observations();
+    let [x, y] = [0, 1].map(|measure| range(observations.iter().map(|row| row.measures[measure])));
+    let part = |range: &Range<f64>, cell: u32| range.end * f64::from(cell) / f64::from(CELLS);
+    let cell = |number: u32| {
+        let sides = [(&x, number % CELLS), (&y, number / CELLS)].map(|(range, i)| part(range, i)..part(range, i + 1));
+        let middle = [0, 1].map(|side: usize| 0.5 * (sides[side].start + sides[side].end));
+        let [x, y] = sides;
+        // Dark enough for what is drawn over it to be seen.
+        Cell { x, y, grey: 255 - (130.0 * fit.probability(&middle)).round() as u8 }
+    };
+    let line = |deviate: f64| {
+        let [a, b, c] = [0, 1, 2].map(|i| fit.coefficients[i]);
+        // a + b ln x + c ln y = deviate, along the axis that crosses it.
+        let points = (1..=4 * CELLS).map(|i| {
+            let along = f64::from(i) / f64::from(4 * CELLS);
+            if b.abs() < c.abs() {
+                let at = along * x.end;
+                (at, libm::exp((deviate - a - b * libm::log(at)) / c))
+            } else {
+                let at = along * y.end;
+                (libm::exp((deviate - a - c * libm::log(at)) / b), at)
+            }
+        });
+        points.filter(|(at_x, at_y)| *at_x <= x.end && *at_y <= y.end).collect::<Vec<_>>()
+    };
+    let deviates = match fit.link {
+        Link::Probit => [0.1, 0.5, 0.9].map(normal::quantile),
+        Link::Logit => [0.1_f64, 0.5, 0.9].map(|part| libm::log(part / (1.0 - part))),
+    };
+    let looks = [Look::DASHED, Look::BLACK, Look::DASHED];
+    let curves =
+        deviates.into_iter().zip(looks).map(|(deviate, look)| Curve { look, pieces: vec![line(deviate)], ends: false });
+    let of = |exceeds: bool| {
+        observations
+            .iter()
+            .filter(move |row| (row.fraction >= 0.5) == exceeds)
+            .map(|row| (row.measures[0], row.measures[1]))
+    };
+    let [(axis_x, _), (axis_y, _)] = headings.map(axis);
+    let chart = Chart {
+        x: (&axis_x, x.clone()),
+        y: (&axis_y, y.clone()),
+        cells: (0..CELLS * CELLS).map(cell).collect(),
+        curves: curves.collect(),
+        crosses: of(true).collect(),
+        circles: of(false).collect(),
+        ..Chart::default()
+    };
+    let legend = [
+        (Sample::Curve(Look::BLACK), "50 %".to_string()),
+        (Sample::Curve(Look::DASHED), "10 % and 90 %".into()),
+        (Sample::Cross, "rows of which half or more exceed the limit".into()),
+        (Sample::Circle, "the others".into()),
+    ];
+    page(&format!("{}, {} rows", probability_of(limit), observations.len()), &legend, &chart)
+}
+
+/// Draws a chart under its title and its keys.
+fn page(title: &str, legend: &[(Sample, String)], chart: &Chart) -> Result<String, PictureError> {
     drawing(HEAD + keys_height(legend) + CHART, |root| {
         let (head, rest) = root.split_vertically(HEAD);
-        let title = format!(
-            "median {:.3}{unit}, β = {:.3}; AUC {:.3}, Brier score {:.3}; {} rows",
-            found.fit.median(),
-            found.fit.dispersion(),
-            found.auc,
-            found.brier,
-            observations.len()
-        );
-        head.draw_text(&title, &text(38.0), (180, 40))?;
+        head.draw_text(title, &text(38.0), (180, 40))?;
         let (head, body) = rest.split_vertically(keys_height(legend));
         keys(&head, legend)?;
         chart.draw(root, &body)
     })
+}
+
+/// The name of an axis and a blank with the unit, if it has one, of a heading such as `PGV [m/s]`.
+fn axis(heading: &str) -> (String, String) {
+    let (measure, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
+    let (measure, unit) = (measure.replace("alpha", "α"), unit.replace('2', "²"));
+    match unit.as_str() {
+        "1" => (measure, String::new()),
+        _ => (format!("{measure} ({unit})"), format!(" {unit}")),
+    }
+}
+
+fn probability_of(limit: Limit) -> String {
+    match limit {
+        Limit::Overturned => "probability of overturning".into(),
+        Limit::Rotation(limit) => format!("probability of |θ|/α > {}", short(limit)),
+    }
 }
 
 fn name(found: &Assessment) -> &'static str {

@@ -43,6 +43,8 @@ impl Look {
     pub const BLACK: Look = Look { width: 6, grey: 0, dashes: &[], marker: None };
     /// A dark, narrow line without gaps.
     pub const THIN: Look = Look { width: 3, grey: 0, dashes: &[], marker: None };
+    /// A narrow, light line without gaps, one of many.
+    pub const FAINT: Look = Look { width: 3, grey: 150, dashes: &[], marker: None };
     /// A dark, dashed line.
     pub const DASHED: Look = Look { width: 5, grey: 0, dashes: &[22.0, 12.0], marker: None };
     /// A dark, dotted line.

@@ -253,3 +253,40 @@ fn what_tells_nothing_is_refused_in_a_line() {
     refused(folder.path(), &["fragility", "alone.csv", "--im", "PGV", "--bootstrap", "9"], &["found 1 ground motion"]);
     assert!(!folder.path().join("x.svg").exists());
 }
+
+/// Peaks that grow with the level, and overturning of every other record from 0.8 m/s on: fractiles are drawn, and a
+/// surface of the level and a second measure.
+#[test]
+fn curves_over_levels_and_surfaces_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text =
+        String::from("row,p [rad/s],record,vertical,scale [1],PGV [m/s],T_m [s],outcome,peak.theta/alpha [1]\n");
+    let mut uniform = uniform(1);
+    for row in 0..100 {
+        let (record, level) = (row / 10, 0.2 * f64::from(row % 10 + 1));
+        let outcome = if level > 0.7 && record % 2 == 0 && uniform() < 0.8 { "overturned" } else { "completed" };
+        let period = 0.4 + 0.1 * f64::from(record) + 0.2 * uniform();
+        text += &format!("{row},2,r{record},,1,{level},{period},{outcome},{}\n", 0.3 * level);
+    }
+    std::fs::write(folder.path().join("t.csv"), text.as_bytes()).unwrap();
+    let common = ["fragility", "t.csv", "--im", "PGV"];
+    let more = ["--ida", "ida.svg", "--surface", "T_m", "--plot", "surface.svg"];
+    let told = made(folder.path(), &[&common[..], &more].concat());
+    assert!(told.contains("surface       of 100 rows: ("), "{told}");
+    let found = |name: &str| labels(&std::fs::read_to_string(folder.path().join(name)).unwrap());
+    for (name, label) in [
+        ("ida.svg", "10 curves, 10 levels; overturning counts as more than any peak"),
+        ("ida.svg", "peak |θ|/α"),
+        ("ida.svg", "PGV (m/s)"),
+        ("surface.svg", "Tm (s)"),
+        ("surface.svg", "probability of overturning, 100 rows"),
+    ] {
+        assert!(found(name).iter().any(|known| known == label), "{label}: {:?}", found(name));
+    }
+    let scales = text.replacen("2,r3,,1,0.2,", "2,r3,,1,0.21,", 1);
+    std::fs::write(folder.path().join("scales.csv"), scales).unwrap();
+    let words = ["scales.csv: the curves have different levels of PGV; expected a sweep with levels"];
+    refused(folder.path(), &["fragility", "scales.csv", "--im", "PGV", "--ida", "x.svg"], &words);
+    refused(folder.path(), &[&common[..], &["--im", "T_m", "--surface", "p"]].concat(), &["--surface with 2 measures"]);
+    assert!(!folder.path().join("x.svg").exists());
+}

@@ -103,6 +103,40 @@ impl Assessment {
     }
 }
 
+/// A surface of two measures.
+pub struct Surface {
+    /// The cases that have both.
+    pub data: Data,
+    /// The surface.
+    pub fit: Fit,
+    /// Area under the receiver operating characteristic.
+    pub auc: f64,
+    /// Brier score.
+    pub brier: f64,
+}
+
+impl Surface {
+    /// Fits a surface; the measures are those of each case, nothing where there is none.
+    ///
+    /// # Errors
+    /// Those of [`Data::new`] and [`Data::fit`].
+    pub fn new(
+        cases: &[Case],
+        measures: &[Option<f64>],
+        others: &[Option<f64>],
+        link: Link,
+    ) -> Result<Surface, FitError> {
+        let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
+            Some(Observation::with_probability(&[(*measure)?, (*other)?], case.fraction))
+        });
+        let data = Data::new(both.collect())?;
+        let fit = data.fit(link)?;
+        let probabilities = fit.probabilities(data.observations());
+        let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
+        Ok(Surface { data, fit, auc, brier })
+    }
+}
+
 /// The [`sufficiency`] of a measure beside another one, of the cases that have both.
 ///
 /// # Errors

@@ -19,6 +19,7 @@
 
 mod assessment;
 mod bootstrap;
+mod ida;
 mod likelihood;
 mod profile;
 mod quality;
@@ -26,8 +27,9 @@ mod regression;
 mod separation;
 mod table;
 
-pub use assessment::{Assessment, Uncertainty, sufficiency_beside};
+pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
 pub use bootstrap::{Bootstrap, bootstrap};
+pub use ida::{Ida, Response};
 pub use likelihood::Link;
 pub use profile::{Interval, Profile};
 pub use quality::{auc, brier, efficiency, sufficiency};

@@ -6,7 +6,8 @@ use crate::study::fragility::{Data, FitError, Link, Observation};
 /// greater score than one in which it is not, ties counting half. ½ is chance. A row of which a part exceeded counts in
 /// both classes, by its parts.
 ///
-/// `scores` has a finite number for each observation; any that grows with the probability will do.
+/// `scores` has a finite number for each observation; any that grows with the probability will do. What differs by rounding is
+/// a tie.
 pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
     let mut rows: Vec<(f64, [f64; 2])> = observations
         .iter()
@@ -14,8 +15,10 @@ pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
         .map(|(row, &score)| (score, [row.weight * (1.0 - row.fraction), row.weight * row.fraction]))
         .collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Of the same number by another way.
+    let is_tie = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
     let (mut below, mut ordered, mut total) = (0.0, 0.0, [0.0; 2]);
-    for alike in rows.chunk_by(|a, b| a.0 == b.0) {
+    for alike in rows.chunk_by(|a, b| is_tie(a.0, b.0)) {
         let sum = alike.iter().fold([0.0; 2], |sum, (_, parts)| [sum[0] + parts[0], sum[1] + parts[1]]);
         ordered += sum[1] * (below + 0.5 * sum[0]);
         below += sum[0];

@@ -74,6 +74,16 @@ pub enum TableError {
         /// What would do.
         expected: String,
     },
+    /// Levels differ.
+    #[error(
+        "{file}: the curves have different levels of {im}; expected a sweep with levels = {{ im = \"{im}\", values = [...] }}"
+    )]
+    Levels {
+        /// The table.
+        file: String,
+        /// Name of the measure.
+        im: String,
+    },
     /// No row has the value that was asked for.
     #[error("{file}: no row has {column} = {value}")]
     NoRow {
@@ -177,22 +187,19 @@ impl Table {
     /// # Errors
     /// The table has no outcomes, or one that is none.
     pub fn cases(&self, limit: Limit) -> Result<Cases, TableError> {
-        let (outcomes, peaks) = (self.place("outcome")?, self.numbers("peak.theta/alpha")?);
-        let probabilities = match self.numbers(&format!("P({limit})")) {
-            Ok(probabilities) => probabilities,
-            Err(error) if self.place("ensemble.samples").is_ok() => return Err(error),
-            Err(_) => vec![None; self.rows.len()],
-        };
+        let (ends, peaks) = (self.ends()?, self.numbers("peak.theta/alpha")?);
         let is_ensemble = self.place("ensemble.samples").is_ok();
+        let probabilities = match is_ensemble {
+            true => self.numbers(&format!("P({limit})"))?,
+            false => vec![None; self.rows.len()],
+        };
         let mut found = Cases::default();
         let mut motions = BTreeMap::new();
         let names = ["record", "vertical"].map(|name| self.place(name).ok());
-        for (row, (peak, probability)) in peaks.into_iter().zip(probabilities).enumerate() {
+        for (row, ((end, peak), probability)) in ends.into_iter().zip(peaks).zip(probabilities).enumerate() {
             let known: String = names.iter().flatten().map(|&place| format!("{}\n", &self.rows[row][place])).collect();
             let next = motions.len();
             let motion = *motions.entry(known).or_insert(next);
-            let end: End =
-                self.rows[row][outcomes].parse().map_err(|error: String| self.wrong(row, outcomes, &error))?;
             let exceeds = match limit {
                 Limit::Overturned => end == End::Overturned,
                 Limit::Rotation(limit) => end == End::Overturned || peak.is_some_and(|peak| peak > limit),
@@ -216,6 +223,31 @@ impl Table {
             }
         }
         Ok(found)
+    }
+
+    /// How the run of each row ended.
+    pub(super) fn ends(&self) -> Result<Vec<End>, TableError> {
+        let place = self.place("outcome")?;
+        let end = |row: usize| self.rows[row][place].parse().map_err(|error: String| self.wrong(row, place, &error));
+        (0..self.rows.len()).map(end).collect()
+    }
+
+    /// The fields of each row between its number and a column: what block and ground motion it is of.
+    pub(super) fn before(&self, column: &str) -> Result<Vec<String>, TableError> {
+        let place = self.place(column)?;
+        let fields =
+            |row: &csv::StringRecord| row.iter().take(place).skip(1).map(|field| format!("{field}\n")).collect();
+        Ok(self.rows.iter().map(fields).collect())
+    }
+
+    /// An error at a row that has no level of a measure.
+    pub(super) fn no_level(&self, row: usize, im: &str) -> TableError {
+        self.place(im).map_or_else(|error| error, |place| self.wrong(row, place, "a level"))
+    }
+
+    /// An error where levels differ.
+    pub(super) fn no_levels(&self, im: &str) -> TableError {
+        TableError::Levels { file: self.file.clone(), im: im.into() }
     }
 
     fn place(&self, name: &str) -> Result<usize, TableError> {
