@@ -1,0 +1,336 @@
+#!/usr/bin/env python3
+"""Held against shaking-table tests: does a free-standing rock overturn?
+
+    python validation/shaking_table.py --fit FOLDER --test FOLDER [--json]
+    python validation/shaking_table.py --fit FOLDER --cross-validate motions
+
+A folder holds `tests.csv`, `motions.npz` and `rocks.json`. What is fitted is fitted on the first folder only, and judged on
+the second; tests without a motion are left out. Needs the Python package `rocking_block` and NumPy.
+
+The rules, stated before any outcome was looked at:
+
+- Geometry: the rectangular block that has the rock's height of the centre of mass and moment of inertia, and as much energy
+  to lose on its weakest way over: alpha = sqrt(2 U/h). The naive rule, the critical tilt in the direction of shaking, is
+  shown beside it.
+- Model: Housner's block on a rigid base, with his restitution, in the plane of shaking, without sliding.
+- Unit of prediction: an ensemble. The table's motion is scaled by the midpoints of equally likely parts of a lognormal
+  distribution of 10 %; the probability of overturning is (overturned + 1/2)/(samples + 1).
+- The fit, where there is one: the slenderness of the greatest likelihood on the grid below.
+"""
+
+import argparse
+import csv
+import json
+import math
+import sys
+from pathlib import Path
+from statistics import NormalDist
+
+import numpy as np
+import rocking_block as rb
+
+GRAVITY = 9.81
+SPREAD = 0.10
+ALPHAS = np.geomspace(0.08, 0.26, 12)
+ROCKS = {"SP1": "sp1", "SP2": "sp2"}
+
+
+class Folder:
+    """Tests with their motions, and the rocks."""
+
+    def __init__(self, path):
+        path = Path(path)
+        self.rocks = json.loads((path / "rocks.json").read_text())
+        motions = np.load(path / "motions.npz")
+        with open(path / "tests.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.rows = [row for row in rows if f"f_{int(row['test']):03d}" in motions]
+        if not self.rows:
+            sys.exit(f"{path}: no test of tests.csv has a motion in motions.npz")
+        self.left_out = len(rows) - len(self.rows)
+        self.records = [rb.Record(motions[f"f_{int(row['test']):03d}"].astype(float), 0.005) for row in self.rows]
+
+    def column(self, name):
+        return np.array([float(row[name]) for row in self.rows])
+
+    def overturned(self, rock):
+        return self.column(ROCKS[rock]) == 1.0
+
+    def motions(self):
+        return np.array([row["motion"] for row in self.rows])
+
+
+def probabilities(folder, rock, alpha, samples, **options):
+    """Of overturning, for each test: an ensemble over the scale of the motion."""
+    height, inertia = folder.rocks[rock]["h"], folder.rocks[rock]["i_y"]
+    radius = height / math.cos(alpha)
+    scales = [math.exp(SPREAD * NormalDist().inv_cdf((i + 0.5) / samples)) for i in range(samples)]
+    table = rb.spectrum(
+        p=math.sqrt(GRAVITY * radius / (inertia + radius**2)),
+        alpha=alpha,
+        gamma=radius**2 / inertia,
+        g=GRAVITY,
+        records=folder.records,
+        scale=scales,
+        tolerance=1e-6,
+        progress=False,
+        **({"foundation": "rigid"} | options),
+    )
+    overturned = (table["outcome"] == "overturned").reshape(len(folder.records), samples)
+    return (overturned.sum(axis=1) + 0.5) / (samples + 1)
+
+
+def rule(folder, rock):
+    """Slenderness of the block with the same energy barrier."""
+    return math.sqrt(2 * folder.rocks[rock]["weakest_way"]["rise"] / folder.rocks[rock]["h"])
+
+
+def naive(folder, rock):
+    """The critical tilt in the direction of shaking."""
+    return folder.rocks[rock]["arm +x"]["theta_c"]
+
+
+def log_likelihood(happened, probability):
+    return float(np.log(np.where(happened, probability, 1 - probability)).sum())
+
+
+def logistic(predictors, happened):
+    """Coefficients of the greatest likelihood, the first one the constant. A weak ridge keeps separable data finite."""
+    x = np.column_stack([np.ones(len(happened)), *predictors])
+    beta = np.zeros(x.shape[1])
+    for _ in range(100):
+        mean = 1 / (1 + np.exp(-x @ beta))
+        hessian = (x * (mean * (1 - mean))[:, None]).T @ x + 1e-6 * np.eye(len(beta))
+        step = np.linalg.solve(hessian, x.T @ (happened - mean) - 1e-6 * beta)
+        beta += step
+        if np.abs(step).max() < 1e-10:
+            break
+    return beta
+
+
+def applied(beta, predictors):
+    return 1 / (1 + np.exp(-(beta[0] + sum(b * x for b, x in zip(beta[1:], predictors)))))
+
+
+def threshold(values, happened):
+    """The value that divides best: at or above it, overturned."""
+    candidates = np.unique(values)
+    right = [np.mean((values >= candidate) == happened) for candidate in candidates]
+    return float(candidates[int(np.argmax(right))])
+
+
+def auc(happened, score):
+    """Probability that a test that overturned has the higher score; ties count half."""
+    high, low = score[happened][:, None], score[~happened][None, :]
+    return float(np.mean((high > low) + 0.5 * (high == low))) if high.size and low.size else math.nan
+
+
+def reliability(happened, probability):
+    """Mean prediction, frequency and number of tests in five bins."""
+    bins = np.minimum((probability * 5).astype(int), 4)
+    rows = [(probability[bins == i], happened[bins == i]) for i in range(5)]
+    return [(float(p.mean()), float(h.mean()), len(p)) for p, h in rows if len(p)]
+
+
+def judged(happened, probability):
+    said = probability > 0.5
+    both = np.sum(said & happened)
+    return {
+        "accuracy": float(np.mean(said == happened)),
+        "precision": float(both / said.sum()) if said.any() else math.nan,
+        "recall": float(both / happened.sum()) if happened.any() else math.nan,
+        "AUC": auc(happened, probability),
+        "Brier": float(np.mean((probability - happened) ** 2)),
+    }
+
+
+def mcnemar(happened, first, second):
+    """Tests that only the first or only the second tells right, and the exact two-sided probability of that by chance."""
+    a, b = (first > 0.5) == happened, (second > 0.5) == happened
+    only_a, only_b = int(np.sum(a & ~b)), int(np.sum(b & ~a))
+    n, k = only_a + only_b, min(only_a, only_b)
+    tail = sum(math.comb(n, i) for i in range(k + 1)) / 2**n if n else 1.0
+    return only_a, only_b, min(1.0, 2 * tail)
+
+
+def logit(probability):
+    return np.log(probability / (1 - probability))
+
+
+def assess(rock, fit, test, made):
+    """All predictions for one rock. `made` gives probabilities by folder and slenderness."""
+    happened = test.overturned(rock)
+    fitted_to = fit.overturned(rock)
+    likelihoods = [log_likelihood(fitted_to, made(fit, alpha)) for alpha in ALPHAS]
+    best = float(ALPHAS[int(np.argmax(likelihoods))])
+    intensity = lambda folder: [np.log(folder.column("pga")), np.log(folder.column("pgv"))]
+    predictions = {
+        f"this model, alpha = {rule(test, rock):.3f} (equal barrier)": made(test, rule(test, rock)),
+        f"this model, alpha = {best:.3f} (fitted)": made(test, best),
+        f"this model, alpha = {naive(test, rock):.3f} (naive)": made(test, naive(test, rock)),
+        "always stays": np.zeros(len(happened)),
+    }
+    for name in ("pga", "pgv"):
+        limit = threshold(fit.column(name), fitted_to)
+        predictions[f"{name.upper()} threshold"] = np.where(test.column(name) >= limit, 1.0, 0.0)
+    beta = logistic(intensity(fit), fitted_to)
+    predictions["logistic, ln PGA, ln PGV"] = applied(beta, intensity(test))
+    beta = logistic([*intensity(fit), logit(made(fit, best))], fitted_to)
+    with_ours = [*intensity(test), logit(made(test, best))]
+    predictions["logistic with this model"] = applied(beta, with_ours)
+    for name in test.rows[0]:
+        if name.startswith(f"dem_{ROCKS[rock]}_"):
+            predictions[f"discrete elements {name.split('_', 2)[2]}"] = test.column(name)
+    ours = list(predictions)[1]
+    others = [name for name in predictions if "this model" not in name]
+    best_other = max(others, key=lambda name: judged(happened, predictions[name])["accuracy"])
+    only_ours, only_other, chance = mcnemar(happened, predictions[ours], predictions[best_other])
+    return {
+        "tests": len(happened),
+        "overturned": int(happened.sum()),
+        "alpha": {"rule": rule(test, rock), "fitted": best, "naive": naive(test, rock)},
+        "predictions": {name: judged(happened, p) for name, p in predictions.items()},
+        "reliability": reliability(happened, predictions[ours]),
+        "McNemar": {"against": best_other, "only ours right": only_ours, "only other right": only_other, "p": chance},
+        "scores": {name: [happened.tolist(), p.tolist()] for name, p in list(predictions.items())[:2]},
+    }
+
+
+def kept(samples):
+    """Probabilities by rock, folder and slenderness, made once."""
+    memory = {}
+
+    def make(rock):
+        def of(folder, alpha):
+            key = (rock, id(folder), round(alpha, 9))
+            if key not in memory:
+                memory[key] = probabilities(folder, rock, alpha, samples)
+            return memory[key]
+
+        return of
+
+    return make
+
+
+def cross_validated(folder, samples, by, seed=1):
+    """Accuracy and AUC of the model with fitted slenderness on halves that were not fitted: of tests, or of motions with all
+    their scales."""
+    make, generator, results = kept(samples), np.random.default_rng(seed), {}
+    groups = folder.motions() if by == "motions" else np.arange(len(folder.rows)).astype(str)
+    names = np.unique(groups)
+    for rock in ROCKS:
+        happened, of = folder.overturned(rock), make(rock)
+        grid = np.array([of(folder, alpha) for alpha in ALPHAS])
+        x = [np.log(folder.column("pga")), np.log(folder.column("pgv"))]
+        found = {"this model": [], "logistic": [], "logistic with this model": []}
+        slenderness = []
+        for _ in range(50):
+            half = np.isin(groups, generator.permutation(names)[: len(names) // 2])
+            for fit in (half, ~half):
+                likelihoods = [log_likelihood(happened[fit], row[fit]) for row in grid]
+                ours = grid[int(np.argmax(likelihoods))]
+                slenderness.append(float(ALPHAS[int(np.argmax(likelihoods))]))
+                both = [*x, logit(ours)]
+                for name, probability in (
+                    ("this model", ours),
+                    ("logistic", applied(logistic([p[fit] for p in x], happened[fit]), x)),
+                    ("logistic with this model", applied(logistic([p[fit] for p in both], happened[fit]), both)),
+                ):
+                    judge = judged(happened[~fit], probability[~fit])
+                    found[name].append((judge["accuracy"], judge["AUC"], judge["Brier"]))
+        results[rock] = {
+            name: dict(zip(("accuracy", "AUC", "Brier"), np.mean(rows, axis=0).tolist())) for name, rows in found.items()
+        } | {"alpha": [float(np.quantile(slenderness, q)) for q in (0.05, 0.5, 0.95)]}
+    return results
+
+
+def show(results):
+    for rock, found in results.items():
+        print(f"\n{rock}: {found['tests']} tests, {found['overturned']} overturned")
+        print(f"  {'':44}accuracy  precision  recall    AUC  Brier")
+        for name, judge in found["predictions"].items():
+            numbers = (judge["accuracy"], judge["precision"], judge["recall"], judge["AUC"], judge["Brier"])
+            print(f"  {name:44}" + "{:8.3f}{:11.3f}{:8.3f}{:7.3f}{:7.3f}".format(*numbers))
+        print("  reliability of the fitted model: predicted, happened, tests")
+        for predicted, frequency, count in found["reliability"]:
+            print(f"    {predicted:6.2f} {frequency:6.2f} {count:6d}")
+        test = found["McNemar"]
+        print(
+            f"  McNemar against {test['against']}: {test['only ours right']} tests only the model tells right, "
+            f"{test['only other right']} only the other (p = {test['p']:.2f})"
+        )
+
+
+def draw(results, path):
+    """ROC curves and reliability of the model without and with a fit, for both rocks."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.0), layout="constrained")
+    styles = {"SP1": ("#0072b2", "o"), "SP2": ("#d55e00", "s")}
+    for rock, found in results.items():
+        colour, marker = styles[rock]
+        for (name, (happened, score)), line in zip(found["scores"].items(), ("--", "-")):
+            happened, score = np.array(happened), np.array(score)
+            levels = np.concatenate([[np.inf], np.unique(score)[::-1]])
+            hits = [np.mean(score[happened] >= level) for level in levels]
+            alarms = [np.mean(score[~happened] >= level) for level in levels]
+            kind = "equal barrier" if line == "--" else "fitted"
+            axes[0].plot(alarms, hits, line, color=colour, label=f"{rock}, {kind}: AUC {auc(happened, score):.2f}")
+        predicted, frequency, count = map(np.array, zip(*found["reliability"]))
+        error = 1.96 * np.sqrt(np.maximum(frequency * (1 - frequency), 0.25 / (count + 4)) / count)
+        axes[1].errorbar(predicted, frequency, error, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, fitted")
+    axes[0].set(xlabel="false alarms (1)", ylabel="overturnings told (1)", title="ROC", xlim=(0, 1), ylim=(0, 1.02))
+    axes[1].plot([0, 1], [0, 1], color="0.6", linewidth=1)
+    axes[1].set(xlabel="predicted probability (1)", ylabel="overturned (1)", title="Reliability, 95 % bars")
+    axes[1].set(xlim=(0, 1), ylim=(-0.02, 1.02))
+    for axis in axes:
+        axis.legend(frameon=False, loc="lower right")
+    figure.savefig(path, dpi=160)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fit", required=True, metavar="FOLDER", help="what is fitted, is fitted to these tests")
+    parser.add_argument("--test", metavar="FOLDER", help="the tests on which everything is judged")
+    parser.add_argument("--cross-validate", choices=["motions", "tests"], help="halves of --fit instead of --test")
+    parser.add_argument("--samples", type=int, default=9, help="runs of an ensemble (default: %(default)s)")
+    parser.add_argument("--plot", metavar="FILE", help="ROC and reliability as a picture (needs matplotlib)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    if (arguments.test is None) == (arguments.cross_validate is None):
+        parser.error("expected either --test or --cross-validate")
+    fit = Folder(arguments.fit)
+    if arguments.cross_validate:
+        results = cross_validated(fit, arguments.samples, arguments.cross_validate)
+        if arguments.json:
+            return print(json.dumps(results))
+        print(f"means of 50 random divisions of the {arguments.cross_validate}, each half fitted and judged on the other")
+        for rock, found in results.items():
+            low, middle, high = found.pop("alpha")
+            print(f"\n{rock}: fitted alpha {middle:.3f} ({low:.3f} to {high:.3f})")
+            print(f"  {'':28}accuracy    AUC  Brier")
+            for name, judge in found.items():
+                print(f"  {name:28}{judge['accuracy']:8.3f}{judge['AUC']:7.3f}{judge['Brier']:7.3f}")
+        return None
+    same = Path(arguments.fit).resolve() == Path(arguments.test).resolve()
+    test = fit if same else Folder(arguments.test)
+    make = kept(arguments.samples)
+    results = {rock: assess(rock, fit, test, make(rock)) for rock in ROCKS}
+    if arguments.plot:
+        draw(results, arguments.plot)
+    if arguments.json:
+        for found in results.values():
+            found.pop("scores")
+        return print(json.dumps(results | {"fitted and judged on the same tests": same}))
+    print(f"fitted to {len(fit.rows)} tests, judged on {len(test.rows)} ({test.left_out} without a motion left out)")
+    if same:
+        print("the same tests: what is fitted was fitted to what it is judged on")
+    show(results)
+    return None
+
+
+if __name__ == "__main__":
+    main()
