@@ -14,6 +14,7 @@
 //! | [`numerics`] | a right-hand side → steps, their errors, roots: knows nothing of blocks |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
 //! | [`model`] | the variables of modelDescription.xml ↔ block, pulse, outputs: no C, no version of FMI |
+//! | [`fmi`] | pointers of C → slices; panics and faults → a status and a message: what all versions of FMI share |
 //! | [`fmi2`] | the model behind the C interface of FMI 2.0 |
 //! | [`study`] | runs → histories, spectra, sweeps, searches, the paper's figures, tables, pictures |
 //! | [`cli`] | the command line |
@@ -35,6 +36,8 @@ pub mod numerics;
 pub mod simulation;
 
 pub mod model;
+
+pub mod fmi;
 
 pub mod fmi2;
 

@@ -1,5 +1,6 @@
 //! Which call is legal in which state: the tables of 3.2.3 and 4.2.4 of the standard (2.0.4), in one place.
 
+use crate::fmi;
 use crate::model::life_cycle::Phase;
 use crate::model::unit::Interface;
 
@@ -94,9 +95,12 @@ calls! {
 const OF_CO_SIMULATION: u16 = COMPLETE | FAILED;
 const OF_MODEL_EXCHANGE: u16 = EVENT | CONTINUOUS;
 
-impl Call {
-    /// Whether the state allows the call; if not, a sentence that says what would.
-    pub fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String> {
+impl fmi::Call for Call {
+    fn name(self) -> &'static str {
+        self.name()
+    }
+
+    fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String> {
         let phases = self.phases();
         if phases & phase.bit() != 0 && self.interface().is_none_or(|needed| needed == interface) {
             return Ok(());
@@ -120,7 +124,9 @@ impl Call {
             }
         })
     }
+}
 
+impl Call {
     /// The interface to which the call belongs, if it is not of both.
     fn interface(self) -> Option<Interface> {
         match self {

@@ -85,7 +85,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     unsafe {
         call(component, Call::SetupExperiment, |instance| {
             let tolerance = is_true(tolerance_defined).then_some(tolerance);
-            instance.setup_experiment(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
+            instance.plan(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
         })
     }
 }

@@ -4,6 +4,8 @@
 
 use libc::{c_char, c_int, c_uint, c_void, size_t};
 
+pub use crate::fmi::Status;
+
 /// An instance, as the importer sees it.
 pub type fmi2Component = *mut c_void;
 /// What the importer gets back with each message.
@@ -40,29 +42,6 @@ pub const FMI2_FALSE: fmi2Boolean = 0;
 pub const FMI2_MODEL_EXCHANGE: fmi2Type = 0;
 /// `fmi2CoSimulation` of `fmi2Type`.
 pub const FMI2_CO_SIMULATION: fmi2Type = 1;
-
-/// What a call answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(i32)]
-pub enum Status {
-    /// Done.
-    Ok = 0,
-    /// Done, and something is to be looked at.
-    Warning = 1,
-    /// Not done, or not to the end; the instance can be read.
-    Discard = 2,
-    /// Refused or failed.
-    Error = 3,
-    /// The instance is unusable.
-    Fatal = 4,
-}
-
-impl Status {
-    /// The number of the standard.
-    pub fn code(self) -> fmi2Status {
-        self as fmi2Status
-    }
-}
 
 /// Kinds of status that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,7 @@
 use std::ffi::{CStr, CString};
 use std::fmt::Write;
 
-use crate::fmi2::boundary::Messenger;
-use crate::fmi2::types::Status;
+use crate::fmi::Status;
 
 /// Category of a message; the names are those of modelDescription.xml.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,17 +49,23 @@ impl Category {
     }
 }
 
+/// The importer's logger.
+pub trait Messenger {
+    /// Hands a message over.
+    fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr);
+}
+
 /// Where messages of an instance go.
 #[derive(Debug)]
-pub struct Log {
-    messenger: Messenger,
+pub struct Log<M> {
+    messenger: M,
     instance: CString,
     wanted: [bool; Category::ALL.len()],
 }
 
-impl Log {
+impl<M: Messenger> Log<M> {
     /// A log through the importer's logger. Warnings and errors are logged in any case, the rest if `logging`.
-    pub fn new(messenger: Messenger, instance: CString, logging: bool) -> Log {
+    pub fn new(messenger: M, instance: CString, logging: bool) -> Log<M> {
         let mut log = Log { messenger, instance, wanted: [true; Category::ALL.len()] };
         log.choose(logging, None);
         log

@@ -1,0 +1,570 @@
+//! Pointers from C → references, slices and strings; panics and faults → a status and a message. For all versions of FMI.
+//!
+//! All that the exported functions do with pointers is here, or in the `boundary` of their version. What the standards (2.0.4,
+//! of whose sections the numbers are where none is named, and 3.0.1) have the importer answer for:
+//!
+//! - an instance is used between its instantiation and its being freed only (2.1.5; 3.0.1, 2.3.1);
+//! - arrays hold as many elements as their counts say (2.1.7; 3.0.1, 2.2.6), texts end with 0 (2.1.2; 3.0.1, 2.2.1), and
+//!   both stay as they are during a call;
+//! - a state that is handed over was made by this FMU and not freed (2.1.8; 3.0.1, 2.2.7).
+//!
+//! What is not left to the importer:
+//!
+//! - **Calls within a call.** The logger may call functions of its own instance, and so may another thread. While a call
+//!   is under way, any other on the same instance gets the status for an error, without a message, and changes nothing; a call that
+//!   frees the instance does nothing. Only between the pieces of a step, where FMI 3.0 lets the importer look in, calls
+//!   are taken; see [`Turn`] and [`call_in_pieces`].
+//! - **Memory that was never written.** Results go into [`Room`]s, of which nothing is read.
+//! - **Arrays that overlap,** such as a direction and its sensitivities in one array: all is read before anything is
+//!   written.
+//! - **Panics** are caught here, and the instance refuses every call from then on.
+//!
+//! **Exceptions** must not leave a callback: C has none. One that does (of C++, say, or a panic of a Rust host) is no
+//! undefined behaviour, since callbacks are called as `extern "C-unwind"` and unwinding is caught here: it ends the process with a
+//! message, or where this library and the host share a Rust runtime, the instance. A `longjmp` out of a callback is undefined
+//! behaviour and forbidden: it would skip what the frames in between have to put back.
+
+use std::borrow::Cow;
+use std::ffi::{CStr, c_char, c_void};
+use std::marker::PhantomData;
+use std::mem::MaybeUninit;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use libc::size_t;
+
+use crate::fmi::instance::{Answer, Instance};
+use crate::fmi::{Call, Status, Version};
+use crate::model::fault::Fault;
+use crate::model::unit::Unit;
+
+/// No call is under way.
+const FREE: u8 = 0;
+/// A call has the instance.
+const BUSY: u8 = 1;
+/// A step is under way, and has let go of the instance while the importer looks in.
+const LENT: u8 = 2;
+
+/// What the importer's handle points to.
+struct Outer<V: Version> {
+    /// [`FREE`], [`BUSY`] or [`LENT`]. The only part that two calls may look at at once.
+    turn: AtomicU8,
+    instance: Instance<V>,
+}
+
+/// The right to use an instance, for one call at a time.
+struct Turn<'a> {
+    turn: &'a AtomicU8,
+    /// What it is when this call has ended.
+    after: u8,
+}
+
+impl Turn<'_> {
+    /// `None` while another call has it, or if it is in none of these states.
+    fn take<'a>(turn: &'a AtomicU8, from: &[u8]) -> Option<Turn<'a>> {
+        let taken = |&after: &u8| turn.compare_exchange(after, BUSY, Ordering::Acquire, Ordering::Relaxed).ok();
+        from.iter().find_map(taken).map(|after| Turn { turn, after })
+    }
+
+    /// Runs `act` while other calls may have the instance. One that is still under way in another thread afterwards, which
+    /// no standard allows, is waited for.
+    fn lend<R>(&self, act: impl FnOnce() -> R) -> R {
+        self.turn.store(LENT, Ordering::Release);
+        let result = act();
+        while self.turn.compare_exchange(LENT, BUSY, Ordering::Acquire, Ordering::Relaxed).is_err() {
+            std::hint::spin_loop();
+        }
+        result
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        self.turn.store(self.after, Ordering::Release);
+    }
+}
+
+/// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
+///
+/// # Safety
+/// `handle` is null or comes from [`create`] for the same version and was not freed.
+pub unsafe fn call<V: Version>(
+    handle: *mut c_void,
+    call: V::Call,
+    act: impl FnOnce(&mut Instance<V>) -> Answer,
+) -> Status {
+    let outer = handle.cast::<Outer<V>>();
+    if outer.is_null() {
+        return Status::Error;
+    }
+    // SAFETY: not null, so by contract an instance that lives (standard, 2.1.5). The reference is to `turn` alone, which is
+    // shared by all calls and never borrowed in another way.
+    let turn = unsafe { &(*outer).turn };
+    let Some(_turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
+    // SAFETY: as before, and until `_turn` is dropped no other call comes as far as here, nor does `free`, so that
+    // this is the only reference to the part `instance` (standard, 2.1: one instance need not be safe for threads).
+    let instance = unsafe { &mut (*outer).instance };
+    guarded(instance, call, act)
+}
+
+/// Runs a call in pieces, as [`call`] does each. `piece` ends the call, or asks for something that `between` gives it; during
+/// `between` the instance is not borrowed, and other calls on it are taken if its state allows them.
+///
+/// # Safety
+/// As for [`call`].
+pub unsafe fn call_in_pieces<V: Version, Asked, Given>(
+    handle: *mut c_void,
+    call: V::Call,
+    mut piece: impl FnMut(&mut Instance<V>, Option<Given>) -> Result<ControlFlow<Status, Asked>, Fault>,
+    between: impl Fn(Asked) -> Given,
+) -> Status {
+    let outer = handle.cast::<Outer<V>>();
+    if outer.is_null() {
+        return Status::Error;
+    }
+    // SAFETY: as in `call`.
+    let turn = unsafe { &(*outer).turn };
+    let Some(turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
+    let mut given = None;
+    let mut admitted = false;
+    loop {
+        let mut asked = None;
+        // SAFETY: as in `call`; while the turn is lent below, this reference is gone.
+        let instance = unsafe { &mut (*outer).instance };
+        let act = |instance: &mut Instance<V>| {
+            Ok(match piece(instance, given.take())? {
+                ControlFlow::Break(status) => status,
+                ControlFlow::Continue(asks) => {
+                    asked = Some(asks);
+                    Status::Ok
+                }
+            })
+        };
+        // The state is that of the importer's look from the second piece on.
+        let status = if admitted { guarded_always(instance, call, act) } else { guarded(instance, call, act) };
+        admitted = true;
+        let Some(asked) = asked else { return status };
+        match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(asked)))) {
+            Ok(answer) => given = Some(answer),
+            Err(panic) => {
+                let failed = |_: &mut Instance<V>| -> Answer { std::panic::resume_unwind(panic) };
+                // SAFETY: as above.
+                return guarded_always(unsafe { &mut (*outer).instance }, call, failed);
+            }
+        }
+    }
+}
+
+/// Runs `act` if the state allows the call, and lets no panic out.
+pub(crate) fn guarded<V: Version>(
+    instance: &mut Instance<V>,
+    call: V::Call,
+    act: impl FnOnce(&mut Instance<V>) -> Answer,
+) -> Status {
+    guarded_always(instance, call, |instance| {
+        instance.admit(call)?;
+        act(instance)
+    })
+}
+
+/// Runs `act` and lets no panic out.
+fn guarded_always<V: Version>(
+    instance: &mut Instance<V>,
+    call: V::Call,
+    act: impl FnOnce(&mut Instance<V>) -> Answer,
+) -> Status {
+    if instance.is_fatal() {
+        return Status::Fatal;
+    }
+    let (status, message) = match catch_unwind(AssertUnwindSafe(|| act(instance))) {
+        Ok(Ok(status)) => return status,
+        Ok(Err(Fault(message))) => (Status::Error, message),
+        Err(panic) => {
+            instance.unit.fail_fatally();
+            (Status::Fatal, format!("internal error: {}", panic_reason(panic.as_ref())))
+        }
+    };
+    let told = catch_unwind(AssertUnwindSafe(|| {
+        instance.log.status(status, &format!("{}: {message}", call.name()));
+    }));
+    match told {
+        Ok(()) => status,
+        // The logger panicked.
+        Err(_) => {
+            instance.unit.fail_fatally();
+            Status::Fatal
+        }
+    }
+}
+
+fn panic_reason(panic: &(dyn std::any::Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no reason given")
+}
+
+/// Makes an instance's handle, or null if there is none or a panic was caught.
+pub fn create<V: Version>(make: impl FnOnce() -> Option<Instance<V>>) -> *mut c_void {
+    let created = catch_unwind(AssertUnwindSafe(|| {
+        make().map(|instance| Box::new(Outer { turn: AtomicU8::new(FREE), instance }))
+    }));
+    match created {
+        Ok(Some(outer)) => Box::into_raw(outer).cast(),
+        Ok(None) | Err(_) => std::ptr::null_mut(),
+    }
+}
+
+/// Frees an instance: nothing for null, and nothing from within a call on the instance, which goes on using it.
+///
+/// # Safety
+/// As for [`call`]; unless a call is under way the instance is gone afterwards.
+pub unsafe fn free<V: Version>(handle: *mut c_void) {
+    let outer = handle.cast::<Outer<V>>();
+    if outer.is_null() {
+        return;
+    }
+    // SAFETY: not null, so by contract an instance that lives (standard, 2.1.5); as in `call`, of `turn` alone.
+    let Some(turn) = Turn::take(unsafe { &(*outer).turn }, &[FREE]) else { return };
+    // The turn is not given back: it goes with the instance.
+    std::mem::forget(turn);
+    // SAFETY: `create` made it from a box, no call is under way, and by contract none follows (standard, 2.1.5).
+    drop(unsafe { Box::from_raw(outer) });
+}
+
+/// Refuses what cannot be an array of `count` elements.
+fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {
+    if pointer.is_null() {
+        return Err(Fault::new(format!("{name} is NULL; expected {count} elements")));
+    }
+    if !pointer.is_aligned() {
+        let multiple = align_of::<T>();
+        return Err(Fault::new(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
+    }
+    if count > isize::MAX as usize / size_of::<T>() {
+        return Err(Fault::new(format!("{name} has {count} elements; expected what fits into memory")));
+    }
+    Ok(())
+}
+
+/// An array that is only read.
+///
+/// # Safety
+/// `pointer` is null or points to `count` elements that nothing changes meanwhile (standard, 2.1.7).
+pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Result<&'a [T], Fault> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    usable(name, pointer, count)?;
+    // SAFETY: not null, aligned and of a length that exists; by contract as many elements as it says (standard, 2.1.7).
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// Room for results in the importer's memory. Nothing is read of it: the importer need not have written it.
+pub struct Room<'a, T> {
+    pointer: *mut T,
+    count: usize,
+    memory: PhantomData<&'a mut [MaybeUninit<T>]>,
+}
+
+/// An array that is only written.
+///
+/// # Safety
+/// `pointer` is null or points to room for `count` elements that nothing else touches meanwhile (standard, 2.1.7), but for
+/// arrays that are read by [`Room::read_beside`].
+pub unsafe fn room<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<Room<'a, T>, Fault> {
+    if count > 0 {
+        usable(name, pointer, count)?;
+    }
+    Ok(Room { pointer, count, memory: PhantomData })
+}
+
+impl<'a, T> Room<'a, T> {
+    /// An array that is read while this room is written: itself, or a copy of it where the two share memory.
+    ///
+    /// # Safety
+    /// As for [`read`].
+    pub unsafe fn read_beside<U: Copy>(
+        &self,
+        name: &str,
+        pointer: *const U,
+        count: size_t,
+    ) -> Result<Cow<'a, [U]>, Fault> {
+        // SAFETY: by contract; where it shares memory with this room the slice is gone before anything is written.
+        let array = unsafe { read(name, pointer, count) }?;
+        let (here, there) = (self.pointer.addr(), array.as_ptr().addr());
+        let apart = here + self.count * size_of::<T>() <= there || there + size_of_val(array) <= here;
+        Ok(if apart || self.count == 0 { Cow::Borrowed(array) } else { Cow::Owned(array.to_vec()) })
+    }
+
+    /// The elements.
+    pub fn places(&mut self) -> &mut [MaybeUninit<T>] {
+        if self.count == 0 {
+            return &mut [];
+        }
+        // SAFETY: not null, aligned and of a length that exists (see `room`); by its contract room for as many elements
+        // (standard, 2.1.7), of which nothing is assumed, and by that of `read_beside` no slice shares it.
+        unsafe { std::slice::from_raw_parts_mut(self.pointer.cast(), self.count) }
+    }
+
+    /// Writes the one element of a room for one.
+    pub fn put(mut self, value: T) {
+        if let [place] = self.places() {
+            place.write(value);
+        }
+    }
+}
+
+impl Room<'_, u8> {
+    /// Copies bytes to the beginning of the room.
+    pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let (found, needed) = (self.count, bytes.len());
+        let places = self.places().get_mut(..needed);
+        let places = places.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state takes {needed}")))?;
+        places.write_copy_of_slice(bytes);
+        Ok(())
+    }
+}
+
+/// A single place for a result.
+///
+/// # Safety
+/// As for [`room()`], with one element.
+pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<Room<'a, T>, Fault> {
+    if pointer.is_null() {
+        return Err(Fault::new(format!("{name} is NULL; expected a place for the result")));
+    }
+    // SAFETY: by contract.
+    unsafe { room(name, pointer, 1) }
+}
+
+/// A text of C.
+///
+/// # Safety
+/// `pointer` is null or points to a text that ends with 0 (standard, 2.1.2) and that nothing changes meanwhile.
+pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
+    // SAFETY: not null here, and by contract a text that ends with 0 (standard, 2.1.2).
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}
+
+/// The texts of an array.
+///
+/// # Safety
+/// As for [`read`], and each element is null or points to a text that ends with 0 (standard, 2.1.2) and stays meanwhile.
+pub unsafe fn texts<'a>(name: &str, pointer: *const *const c_char, count: size_t) -> Result<Vec<&'a str>, Fault> {
+    // SAFETY: by contract an array of as many pointers (standard, 2.1.5).
+    let pointers = unsafe { read(name, pointer, count) }?;
+    pointers
+        .iter()
+        .map(|&pointer| {
+            // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2).
+            let text =
+                unsafe { text(pointer) }.ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))?;
+            text.to_str().map_err(|_| Fault::new(format!("{name} holds {text:?}; expected UTF-8")))
+        })
+        .collect()
+}
+
+/// Saves the state: a new one, or the present one written over the state that `*state` points to.
+///
+/// # Safety
+/// `state` is null or points to null or to a state of this FMU that was not freed (standard, 2.1.8).
+pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_void) -> Answer {
+    // SAFETY: by contract a place that nothing else touches meanwhile (standard, 2.1.8).
+    let place = unsafe { place("FMUstate", state) }?;
+    // SAFETY: not null (see `place`), and by contract set to null or a state (standard, 2.1.8).
+    let saved = unsafe { state.read() }.cast::<Unit>();
+    // SAFETY: by contract null or a state that was not freed (standard, 2.1.8); no other call holds a reference to it, since
+    // none lasts longer than its call.
+    match unsafe { saved.as_mut() } {
+        Some(saved) => *saved = instance.unit.clone(),
+        None => place.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
+    }
+    Ok(Status::Ok)
+}
+
+/// A saved state.
+///
+/// # Safety
+/// `state` is null or a state of this FMU that is not freed or written meanwhile (standard, 2.1.8).
+pub unsafe fn state<'a>(state: *mut c_void) -> Result<&'a Unit, Fault> {
+    // SAFETY: by contract null or a state that lives (standard, 2.1.8).
+    unsafe { state.cast::<Unit>().as_ref() }.ok_or_else(|| Fault::new("FMUstate is NULL; expected a saved state"))
+}
+
+/// Frees the state and forgets the pointer; nothing for null.
+///
+/// # Safety
+/// `state` is null or points to null or to a state of this FMU that was not freed (standard, 2.1.8).
+pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
+    if state.is_null() {
+        return Ok(Status::Ok);
+    }
+    // SAFETY: by contract a pointer that is set and that nothing else touches meanwhile (standard, 2.1.8).
+    let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<Unit>();
+    if !saved.is_null() {
+        // SAFETY: made from a box by `get_state` or `give_state`, and by contract not freed before (standard, 2.1.8).
+        drop(unsafe { Box::from_raw(saved) });
+    }
+    Ok(Status::Ok)
+}
+
+/// Puts a state that was read from bytes where the importer wants it.
+pub fn give_state(place: Room<*mut c_void>, unit: Unit) -> Answer {
+    place.put(Box::into_raw(Box::new(unit)).cast());
+    Ok(Status::Ok)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi::log::{Log, Messenger};
+    use crate::model::life_cycle::Phase;
+    use crate::model::unit::Interface;
+
+    /// A version with one function, which every state allows, and a logger that panics.
+    struct Any;
+
+    #[derive(Clone, Copy)]
+    struct Function;
+
+    struct Panicking;
+
+    impl Version for Any {
+        type Call = Function;
+        type Messenger = Panicking;
+    }
+
+    impl Call for Function {
+        fn name(self) -> &'static str {
+            "function"
+        }
+
+        fn admitted_in(self, _: Phase, _: Interface) -> Result<(), String> {
+            Ok(())
+        }
+    }
+
+    impl Messenger for Panicking {
+        fn send(&self, _: &CStr, _: Status, _: &CStr, _: &CStr) {
+            panic!("broken logger");
+        }
+    }
+
+    fn instance() -> Instance<Any> {
+        Instance::new(Log::new(Panicking, c"block".into(), false), Interface::CoSimulation, Any)
+    }
+
+    #[test]
+    fn a_panic_is_caught_and_the_instance_refuses_from_then_on() {
+        let mut instance = instance();
+        assert_eq!(guarded(&mut instance, Function, |_| panic!("broken")), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Function, |_| Ok(Status::Ok)), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Function, Instance::reset), Status::Fatal);
+    }
+
+    #[test]
+    fn a_panic_of_the_logger_is_caught_too() {
+        let mut instance = instance();
+        assert_eq!(guarded(&mut instance, Function, |_| Err(Fault::new("refused"))), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Function, |_| Ok(Status::Ok)), Status::Fatal);
+    }
+
+    #[test]
+    fn the_reason_of_a_panic_is_told() {
+        let text = catch_unwind(|| panic!("reason {}", 7)).unwrap_err();
+        assert_eq!(panic_reason(text.as_ref()), "reason 7");
+        let literal = catch_unwind(|| panic!("reason")).unwrap_err();
+        assert_eq!(panic_reason(literal.as_ref()), "reason");
+    }
+
+    /// A call within a call is refused, one after it is not, and an instance in use is not freed.
+    #[test]
+    fn calls_take_turns() {
+        let handle = create(|| Some(instance()));
+        for _ in 0..2 {
+            // SAFETY: made by `create`, and freed only below.
+            let status = unsafe {
+                call::<Any>(handle, Function, |_| {
+                    assert_eq!(call::<Any>(handle, Function, |_| panic!("reached")), Status::Error);
+                    free::<Any>(handle);
+                    assert_eq!(call::<Any>(handle, Function, |_| panic!("reached")), Status::Error);
+                    Ok(Status::Ok)
+                })
+            };
+            assert_eq!(status, Status::Ok);
+        }
+        // SAFETY: not used any more.
+        unsafe { free::<Any>(handle) };
+    }
+
+    /// Between the pieces of a call others are taken, but for one that would free the instance.
+    #[test]
+    fn a_call_in_pieces_lends_its_turn() {
+        let handle = create(|| Some(instance()));
+        let between = |asked: u32| {
+            // SAFETY: made by `create`, and freed only below.
+            unsafe {
+                free::<Any>(handle);
+                assert_eq!(call::<Any>(handle, Function, |_| Ok(Status::Warning)), Status::Warning);
+            }
+            2 * asked
+        };
+        let piece = |_: &mut Instance<Any>, given: Option<u32>| {
+            // SAFETY: as before.
+            assert_eq!(unsafe { call::<Any>(handle, Function, |_| panic!("reached")) }, Status::Error);
+            Ok(match given {
+                None => ControlFlow::Continue(21),
+                Some(given) => ControlFlow::Break(if given == 42 { Status::Ok } else { Status::Discard }),
+            })
+        };
+        // SAFETY: as before.
+        unsafe {
+            assert_eq!(call_in_pieces::<Any, _, _>(handle, Function, piece, between), Status::Ok);
+            assert_eq!(call_in_pieces::<Any, u32, u32>(handle, Function, piece, |_| panic!("broken")), Status::Fatal);
+            assert_eq!(call::<Any>(handle, Function, |_| Ok(Status::Ok)), Status::Fatal);
+            free::<Any>(handle);
+        }
+    }
+
+    /// Whatever shares memory with the room is read before it is written.
+    #[test]
+    fn arrays_may_overlap() {
+        let mut memory = [1.0, 2.0, 3.0, 4.0, 5.0];
+        let start = memory.as_mut_ptr();
+        for shift in [0, 1, 2] {
+            memory = [1.0, 2.0, 3.0, 4.0, 5.0];
+            let start = memory.as_mut_ptr();
+            // SAFETY: within the memory.
+            let mut room = unsafe { room("room", start.add(shift), 5 - shift) }.unwrap();
+            // SAFETY: as before.
+            let array = unsafe { room.read_beside("array", start.cast_const(), 5 - shift) }.unwrap();
+            assert!(matches!(array, Cow::Owned(_)));
+            room.places().iter_mut().zip(array.iter()).for_each(|(place, &value)| _ = place.write(10.0 * value));
+            let tenfold: Vec<f64> = (1..=5 - shift).map(|i| 10.0 * i as f64).collect();
+            assert_eq!(memory[shift..], tenfold);
+        }
+        // SAFETY: two parts of the memory that touch and do not overlap.
+        let array = unsafe {
+            let room = room("room", start.add(2), 3).unwrap();
+            room.read_beside("array", start.cast_const(), 2).unwrap()
+        };
+        assert!(matches!(array, Cow::Borrowed([..])));
+    }
+
+    #[test]
+    fn what_cannot_be_an_array_is_refused() {
+        let number = 1.0_f64;
+        let pointer = &raw const number;
+        let refuse = |pointer: *const f64, count, words: &str| {
+            let fault = usable("value", pointer, count).unwrap_err();
+            assert!(fault.0.contains(words), "{fault}");
+        };
+        refuse(std::ptr::null(), 1, "value is NULL; expected 1 elements");
+        refuse(pointer.wrapping_byte_add(4), 1, "expected a multiple of 8");
+        refuse(pointer, usize::MAX / 8, "expected what fits into memory");
+        usable("value", pointer, isize::MAX as usize / 8).unwrap();
+    }
+}

@@ -1,0 +1,220 @@
+//! An instance behind any version of FMI: a [`Unit`], its answers as statuses, and its messages. No pointer, no C.
+
+use std::ffi::CString;
+use std::mem::MaybeUninit;
+
+use crate::fmi::log::{Category, Log};
+use crate::fmi::{Call, Status, Version};
+use crate::model::fault::Fault;
+use crate::model::life_cycle::Phase;
+use crate::model::unit::exchange::{AfterEvent, counted};
+use crate::model::unit::{Interface, Unit};
+use crate::model::variables::Kind;
+
+/// What a call answers; a fault is answered with the status for an error.
+pub type Answer = Result<Status, Fault>;
+
+/// An instance: what a saved state holds, and where its messages go.
+#[derive(Debug)]
+pub struct Instance<V: Version> {
+    /// Messages.
+    pub log: Log<V::Messenger>,
+    /// What a saved state holds.
+    pub unit: Unit,
+    /// What this version of FMI has of its own.
+    pub version: V,
+    /// Texts that the importer was given, until its next call for some.
+    texts: Vec<CString>,
+}
+
+impl<V: Version> Instance<V> {
+    /// A new instance, all values at their starts.
+    pub fn new(log: Log<V::Messenger>, interface: Interface, version: V) -> Instance<V> {
+        Instance { log, unit: Unit::new(interface), version, texts: Vec::new() }
+    }
+
+    /// Refuses a call that the present state does not allow.
+    pub fn admit(&self, call: V::Call) -> Result<(), Fault> {
+        call.admitted_in(self.unit.phase(), self.unit.interface()).map_err(Fault)
+    }
+
+    /// Whether a panic was caught in an earlier call.
+    pub fn is_fatal(&self) -> bool {
+        self.unit.phase() == Phase::Fatal
+    }
+
+    /// Which categories are logged.
+    pub fn set_debug_logging(&mut self, logging: bool, names: &[&str]) -> Answer {
+        let categories = names
+            .iter()
+            .map(|name| {
+                Category::ALL.into_iter().find(|c| c.name().to_bytes() == name.as_bytes()).ok_or_else(|| {
+                    let known = Category::ALL.map(|c| c.name().to_string_lossy()).join(", ");
+                    Fault::new(format!("log category {name:?} does not exist; there are {known}"))
+                })
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        self.log.choose(logging, (!names.is_empty()).then_some(&categories));
+        Ok(Status::Ok)
+    }
+
+    /// Tolerance, start and stop of the run.
+    pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer {
+        match (tolerance, self.unit.plan(tolerance, start, stop)?) {
+            (Some(tolerance), Some(used)) => {
+                self.log.status(Status::Warning, &format!("tolerance = {tolerance:e} is taken as {used:e}"));
+                Ok(Status::Warning)
+            }
+            _ => Ok(Status::Ok),
+        }
+    }
+
+    /// The values become a block, or the call is refused and they can be corrected.
+    pub fn exit_initialization_mode(&mut self) -> Answer {
+        let unread = self.unit.exit_initialization_mode()?;
+        if unread.is_empty() {
+            return Ok(Status::Ok);
+        }
+        let unread: Vec<String> = unread.iter().map(|(name, needed)| format!("{name} needs {needed}")).collect();
+        self.log.status(
+            Status::Warning,
+            &format!("set, but not read with the other parameters as they are: {}", unread.join(", ")),
+        );
+        Ok(Status::Warning)
+    }
+
+    /// The run ends.
+    pub fn terminate(&mut self) -> Answer {
+        self.unit.terminate();
+        Ok(Status::Ok)
+    }
+
+    /// As after instantiation.
+    pub fn reset(&mut self) -> Answer {
+        self.unit = Unit::new(self.unit.interface());
+        Ok(Status::Ok)
+    }
+
+    /// Sets values of one type, all or none.
+    pub fn set<T: Copy>(&mut self, kind: Kind, references: &[u32], values: &[T], real: impl Fn(T) -> f64) -> Answer {
+        self.unit.set(kind, references, values, real)?;
+        Ok(Status::Ok)
+    }
+
+    /// Reads values of one type.
+    pub fn get<T>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &mut [MaybeUninit<T>],
+        convert: impl Fn(f64) -> T,
+    ) -> Answer {
+        self.unit.check(references, kind)?;
+        let unit = &mut self.unit;
+        write(references.iter().map(|&reference| unit.get(kind, reference).map(&convert)), values)
+    }
+
+    /// Sets texts, all or none.
+    pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Answer {
+        self.unit.set_texts(references, texts)?;
+        Ok(Status::Ok)
+    }
+
+    /// Reads texts.
+    pub fn get_texts(&mut self, references: &[u32]) -> Result<&[CString], Fault> {
+        let text = |&reference| {
+            let text = self.unit.text(reference)?;
+            CString::new(text).map_err(|_| Fault::new(format!("{text:?} holds a 0; expected none")))
+        };
+        self.texts = references.iter().map(text).collect::<Result<_, _>>()?;
+        Ok(&self.texts)
+    }
+
+    /// How outputs change now, by derivatives of order 1.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        write(self.unit.output_derivatives(references, orders)?, values)
+    }
+
+    /// Derivatives of outputs with respect to inputs, in a direction.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        direction: &[f64],
+        sensitivities: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        write(self.unit.directional_derivative(unknowns, knowns, direction)?, sensitivities)
+    }
+
+    /// An event is due.
+    pub fn enter_event_mode(&mut self) -> Answer {
+        self.unit.enter_event_mode();
+        Ok(Status::Ok)
+    }
+
+    /// What becomes of the block at an event of Model Exchange: one call does it all.
+    pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
+        let log = &self.log;
+        let after = self.unit.pass_events(&mut |event| {
+            log.tell(Status::Ok, Category::Events, format_args!("{event}"));
+        })?;
+        Ok(after)
+    }
+
+    /// The motion goes on.
+    pub fn enter_continuous_time_mode(&mut self) -> Answer {
+        self.unit.enter_continuous_time_mode();
+        Ok(Status::Ok)
+    }
+
+    /// A step of the importer's solver was accepted: no event follows from it.
+    pub fn completed_integrator_step(&mut self) -> Answer {
+        self.unit.complete_step();
+        Ok(Status::Ok)
+    }
+
+    /// The importer's clock.
+    pub fn set_time(&mut self, time: f64) -> Answer {
+        self.unit.set_time(time)?;
+        Ok(Status::Ok)
+    }
+
+    /// The continuous states.
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Answer {
+        self.unit.set_states(states)?;
+        Ok(Status::Ok)
+    }
+
+    /// States, derivatives, event indicators or nominals: what `of` gives, all of it.
+    pub fn get_all<const N: usize>(
+        &mut self,
+        of: impl FnOnce(&mut Unit) -> Result<[f64; N], Fault>,
+        values: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        counted(values.len(), N, "numbers")?;
+        write(of(&mut self.unit)?.into_iter().map(Ok), values)
+    }
+
+    /// From here on as when the state was saved.
+    pub fn restore(&mut self, saved: &Unit) -> Answer {
+        let (found, expected) = (saved.interface(), self.unit.interface());
+        if found != expected {
+            return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
+        }
+        self.unit.clone_from(saved);
+        Ok(Status::Ok)
+    }
+}
+
+/// Writes results to the importer's places for them.
+pub fn write<T>(results: impl Iterator<Item = Result<T, Fault>>, places: &mut [MaybeUninit<T>]) -> Answer {
+    for (result, place) in results.zip(places) {
+        place.write(result?);
+    }
+    Ok(Status::Ok)
+}
