@@ -204,6 +204,25 @@ pub struct Simulation {
     counts: Counts,
     last_event: f64,
     events_in_this_instant: u32,
+    /// An event that the motion has come to and that has not been applied.
+    pending: Option<Pending>,
+}
+
+/// An event before anything comes of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Pending {
+    surface: Surface,
+    /// Where the smooth piece of the excitation began that leads there (s): one that ends at the event counts as acting.
+    piece: f64,
+}
+
+/// What is done about an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum AtEvent {
+    /// It is applied.
+    Apply,
+    /// The motion stops there, unless the event ends the run or the time (s) is still this one.
+    StopAfter(f64),
 }
 
 impl Simulation {
@@ -236,6 +255,7 @@ impl Simulation {
             counts: Counts::default(),
             last_event: time,
             events_in_this_instant: 0,
+            pending: None,
         };
         simulation.end_if_separated();
         let start = simulation.now(&block, &excitation);
@@ -256,12 +276,56 @@ impl Simulation {
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Progress, SimulationError> {
+        self.settle(inputs, observer)?;
+        self.pieces(until, inputs, AtEvent::Apply, observer)
+    }
+
+    /// As [`Simulation::advance`], but stops at the first event that comes after the present time, before anything has come of
+    /// it: `None`. [`Simulation::settle`] makes of it what [`Simulation::advance`] would have, and whoever goes on after
+    /// that under the same inputs comes to the same bits. An event that ends the run does so.
+    pub fn advance_to_event(
+        &mut self,
+        until: f64,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Option<Progress>, SimulationError> {
+        self.settle(inputs, observer)?;
+        let progress = self.pieces(until, inputs, AtEvent::StopAfter(self.pose.time), observer)?;
+        Ok(self.pending.is_none().then_some(progress))
+    }
+
+    /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
+    pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+        let Some(Pending { surface, piece }) = self.pending.take() else { return Ok(()) };
+        let block = self.system.block;
+        let excitation = Excitation::from_time(piece, inputs, &self.pulse, &block);
+        let now = self.now(&block, &excitation);
+        let after = self.apply(surface, &now, observer)?;
+        self.let_bear(&after);
+        Ok(())
+    }
+
+    /// Whether the motion has stopped at an event that has not been applied.
+    pub fn is_at_event(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    fn pieces(
+        &mut self,
+        until: f64,
+        inputs: &Inputs,
+        at_event: AtEvent,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Progress, SimulationError> {
         let block = self.system.block;
         let mut budget = stepping::MOST_STEPS;
         while self.pose.time < until && self.ending.is_none() {
             let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
             let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, &block);
-            self.smooth_piece(stop, &block, &excitation, &mut budget, observer)?;
+            self.smooth_piece(stop, &block, &excitation, &mut budget, at_event, observer)?;
+            if self.pending.is_some() {
+                return Ok(Progress::Reached);
+            }
         }
         match self.ending {
             Some((ending, time)) if !self.is_frozen() => Ok(Progress::Ended(ending, time)),
@@ -270,6 +334,24 @@ impl Simulation {
                 Ok(Progress::Reached)
             }
         }
+    }
+
+    /// Whether the motion is to stop at `now`, where it has come to a surface, before the event is applied.
+    fn stops(&self, at_event: AtEvent, surface: Surface, now: &Now) -> bool {
+        let AtEvent::StopAfter(time) = at_event else { return false };
+        if now.time <= time {
+            return false;
+        }
+        let Transition { pose, happened, .. } = self.system.transition(&self.pose, now, surface);
+        let separates = pose.contacts.regime() == Regime::Separated && !self.system.flies;
+        let ends = match happened {
+            None => return false,
+            Some(EventKind::Overturning) => self.settings.on_overturning == OnOverturning::Terminate,
+            Some(EventKind::LiftOff(_) | EventKind::Landing(_) | EventKind::Slip | EventKind::Grip) => {
+                separates && self.settings.on_separation == OnSeparation::Terminate
+            }
+        };
+        !ends
     }
 
     /// Whether a state that came from outside can be resumed: all numbers finite, and the tolerance one that

@@ -7,17 +7,21 @@ use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, EVALUATI
 use crate::numerics::short::ShortStep;
 use crate::numerics::{Rate, roots};
 use crate::simulation::peaks::{Channels, Peaks};
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 use crate::system::now::{Motion, Now, Pose};
 use crate::system::surfaces::{Event, Surface};
 
-/// A piece of time in which the excitation is smooth, from the present to a stop.
+/// A piece of time in which the excitation is smooth, and what is done about events in it.
 struct Piece<'a> {
     block: &'a Block,
     excitation: &'a Excitation,
+    /// Where it begins (s).
+    since: f64,
+    /// Where it ends (s).
     stop: f64,
+    at_event: AtEvent,
 }
 
 /// What a step may be.
@@ -49,19 +53,21 @@ impl Limits {
 }
 
 impl Simulation {
-    /// Steps from the present time to `stop`, over which the excitation is smooth, or to the end of the run.
+    /// Steps from the present time to `stop`, over which the excitation is smooth, or to the end of the run, or to an event at
+    /// which the motion is to stop.
     pub(super) fn smooth_piece(
         &mut self,
         stop: f64,
         block: &Block,
         excitation: &Excitation,
         budget: &mut u64,
+        at_event: AtEvent,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let piece = Piece { block, excitation, stop };
+        let piece = Piece { block, excitation, since: self.pose.time, stop, at_event };
         self.counts.evaluations += 1;
         let mut begins = true;
-        while self.pose.time < stop && self.ending.is_none() {
+        while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
             in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, begins, budget, observer))?;
             begins = false;
         }
@@ -78,11 +84,11 @@ impl Simulation {
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let &Piece { block, excitation, stop } = piece;
+        let &Piece { block, excitation, stop, .. } = piece;
         // Where an event has just looked at the block this looks again, and counts no evaluation, rather than copy what was seen.
         let mut here = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
         if begins && let Some(corner) = self.system.leaving_rigid_base(&here) {
-            return self.apply(Surface::Reaction(corner), &here, observer).map(|_| ());
+            return self.apply_or_stop(Surface::Reaction(corner), &here, piece, observer);
         }
         let steady = excitation.is_constant();
         let limits = self.limits(law, excitation.frequency());
@@ -114,9 +120,7 @@ impl Simulation {
             self.counts.evaluations += inside.evaluations();
             self.go_to(&there, work);
             if let Some((_, surface)) = event {
-                let now = self.apply(surface, &there, observer)?;
-                self.let_bear(&now);
-                return Ok(());
+                return self.apply_or_stop(surface, &there, piece, observer);
             }
             if self.let_bear(&there) || self.pose.time >= stop {
                 return Ok(());
@@ -132,6 +136,23 @@ impl Simulation {
             self.pose.contacts.let_bear();
         }
         bears
+    }
+
+    /// Applies an event, or leaves it pending where the motion is to stop.
+    fn apply_or_stop(
+        &mut self,
+        surface: Surface,
+        now: &Now,
+        piece: &Piece,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        if self.stops(piece.at_event, surface, now) {
+            self.pending = Some(Pending { surface, piece: piece.since });
+            return Ok(());
+        }
+        let after = self.apply(surface, now, observer)?;
+        self.let_bear(&after);
+        Ok(())
     }
 
     /// A block at rest stays so while the excitation does not change; what is left of its motion goes.

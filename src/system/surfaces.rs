@@ -2,6 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use serde::{Deserialize, Serialize};
+
 use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::numerics::roots::Sample;
@@ -54,7 +56,7 @@ impl std::fmt::Display for Event {
 }
 
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Surface {
     /// The reaction N_I/M of a touching corner (m/s²).
     Reaction(Corner),
