@@ -80,7 +80,8 @@ proptest! {
             let end = whole.advance(until, &inputs, &mut |event| events.push(*event)).unwrap();
             let mut seen = Vec::new();
             let stopped_end = loop {
-                let progress = stopped.advance_to_event(until, &inputs, &mut |event| seen.push(*event)).unwrap();
+                let after = stopped.time();
+                let progress = stopped.advance_to_event(until, after, &inputs, &mut |event| seen.push(*event)).unwrap();
                 if let Some(progress) = progress {
                     prop_assert!(!stopped.is_at_event());
                     break progress;

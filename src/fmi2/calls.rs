@@ -180,6 +180,9 @@ fn name(phase: Phase) -> &'static str {
         Phase::Instantiated => "instantiated",
         Phase::InitializationMode => "initializationMode",
         Phase::StepComplete => "stepComplete",
+        // Of FMI 3.0: no instance of FMI 2.0 comes there.
+        Phase::ConfigurationMode => "configurationMode",
+        Phase::SettingAhead | Phase::LookingIn => "intermediateUpdateMode",
         Phase::StepFailed => "stepFailed",
         Phase::EventMode => "eventMode",
         Phase::ContinuousTimeMode => "continuousTimeMode",

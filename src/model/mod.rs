@@ -2,10 +2,11 @@
 //! version of FMI.
 //!
 //! [`variables`] is the description, [`values`] what its variables mean; [`unit`] is an instance with its
-//! [`life_cycle`], and [`snapshot`] its saved states.
+//! [`life_cycle`], whose steps may be done in [`parts`], and [`snapshot`] its saved states.
 
 pub mod fault;
 pub mod life_cycle;
+pub mod parts;
 pub mod snapshot;
 pub mod unit;
 pub mod values;

@@ -10,13 +10,14 @@ use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
+use crate::model::parts::Part;
 use crate::model::values::{DerivedSource, PerInput, Values, derived, inputs, source, state};
 use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
 use crate::records::ground::Ground;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{self, Channels};
-use crate::simulation::{Energies, Progress, Settings, Simulation};
+use crate::simulation::{Energies, Progress, Settings, Simulation, SimulationError};
 use crate::system::surfaces::Event;
 
 /// What is known of the run before it begins.
@@ -40,9 +41,9 @@ pub enum Interface {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unit {
     interface: Interface,
-    phase: Phase,
+    pub(super) phase: Phase,
     experiment: Experiment,
-    values: Values,
+    pub(super) values: Values,
     /// Rates of the inputs, and whether they were set since the last step: otherwise the next step holds the inputs.
     rates: PerInput,
     rates_are_new: bool,
@@ -50,6 +51,10 @@ pub struct Unit {
     simulation: Option<Simulation>,
     /// What acts at the present time: the inputs, and the records inside.
     inputs: Inputs,
+    /// The part of a step in which the inputs are known beforehand; see [`crate::model::parts`].
+    pub(super) part: Option<Part>,
+    /// Where the communication step would have ended that was left early (s).
+    pub(super) left: Option<f64>,
     /// The records inside, once they are read. Shared with saved states; serialized states hold them whole, so that no file
     /// is needed to resume from one.
     ground: Option<Arc<Ground>>,
@@ -77,6 +82,8 @@ impl Unit {
             rates_are_new: false,
             simulation: None,
             inputs: Inputs::default(),
+            part: None,
+            left: None,
             ground: None,
             states: States::default(),
             last_step: None,
@@ -101,17 +108,19 @@ impl Unit {
 
     /// Whether this can be the state of an instance of this FMU: what a file says of itself is not enough.
     pub fn is_valid(&self) -> bool {
-        let times = [self.experiment.start, self.inputs.time];
-        let exchanged = matches!(self.phase, Phase::EventMode | Phase::ContinuousTimeMode);
+        let times = [self.experiment.start, self.inputs.time, self.left.unwrap_or(0.0)];
+        let looked_at = matches!(self.phase, Phase::SettingAhead | Phase::LookingIn);
         let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.values.are_valid()
             && self.phase != Phase::Fatal
             && match self.interface {
-                Interface::CoSimulation => !exchanged,
+                Interface::CoSimulation => self.phase != Phase::ContinuousTimeMode,
                 Interface::ModelExchange => !stepped,
             }
+            && !looked_at
             && times.iter().chain(&self.rates).chain(&self.states).all(|x| x.is_finite())
             && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
+            && self.part.as_ref().is_none_or(Part::is_valid)
             && match &self.simulation {
                 Some(simulation) => {
                     self.ground.is_some()
@@ -172,11 +181,26 @@ impl Unit {
     /// Goes on from `time` (s), which is the present one but for a master's rounding, by `step` (s), and reports each event
     /// as it happens. Allocates no memory unless it fails.
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
-        let Unit { phase, experiment, values, rates, rates_are_new, simulation, inputs: acting, ground, seen, .. } =
-            self;
-        let (Some(simulation), Some(ground)) = (simulation, ground) else {
-            return Err(Fault::new("there is no block yet"));
-        };
+        let until = self.begin_step(time, step)?;
+        if !self.rates_are_new {
+            self.rates = PerInput::default();
+        }
+        let inputs = self.values.inputs(time, &self.rates);
+        let progress = self.go_on(until, &inputs, |simulation, until, inputs| {
+            simulation.advance(until, inputs, observer).map(|progress| (progress, false))
+        })?;
+        self.rates_are_new = false;
+        let elapsed = self.time() - time;
+        for (input, rate) in Input::ALL.into_iter().zip(self.rates) {
+            self.values[input.variable()] += rate * elapsed;
+        }
+        Ok(progress.0)
+    }
+
+    /// Refuses a communication step that cannot be done, and takes up the master's rounding; gives the step's end (s).
+    pub(super) fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
+        let Unit { experiment, simulation, left, .. } = self;
+        let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
         let present = simulation.time();
         if !(step.is_finite() && step > 0.0) {
             return Err(Fault::new(format!("communicationStepSize = {step} at t = {present} s; expected > 0 s")));
@@ -197,17 +221,29 @@ impl Unit {
         if until == time {
             return Err(Fault::new(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
         }
-        if !*rates_are_new {
-            *rates = PerInput::default();
-        }
-        let inputs = values.inputs(time, rates);
         simulation.set_time(time);
+        // The rest of a step that was left early ends where that would have ended.
+        Ok(left.take().filter(|end| (end - until).abs() <= slack && *end > time).unwrap_or(until))
+    }
+
+    /// Goes on to `until` (s) under these inputs and the records inside, from one of their samples to the next. `advance` does
+    /// one such piece, and says how far it came and whether it stopped there.
+    pub(super) fn go_on(
+        &mut self,
+        until: f64,
+        inputs: &Inputs,
+        mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<(Progress, bool), SimulationError>,
+    ) -> Result<(Progress, bool), Fault> {
+        let Unit { phase, simulation, inputs: acting, ground, seen, .. } = self;
+        let (Some(simulation), Some(ground)) = (simulation, ground) else {
+            return Err(Fault::new("there is no block yet"));
+        };
         *seen = None;
-        let progress = loop {
-            let (sum, stop) = with_ground(&inputs, ground, simulation.time());
+        let (progress, stopped) = loop {
+            let (sum, stop) = with_ground(inputs, ground, simulation.time());
             *acting = sum;
-            match simulation.advance(stop.min(until), acting, observer) {
-                Ok(Progress::Reached) if stop < until => {}
+            match advance(simulation, stop.min(until), acting) {
+                Ok((Progress::Reached, false)) if stop < until => {}
                 Ok(progress) => break progress,
                 Err(error) => {
                     *phase = Phase::Error;
@@ -215,17 +251,30 @@ impl Unit {
                 }
             }
         };
-        *rates_are_new = false;
-        for (input, rate) in Input::ALL.into_iter().zip(rates) {
-            values[input.variable()] += *rate * (simulation.time() - time);
-        }
         match progress {
+            Progress::Reached if stopped => {}
             // A record may have a sample here, from which it goes on otherwise.
-            Progress::Reached if !ground.is_empty() => *acting = with_ground(&inputs, ground, simulation.time()).0,
+            Progress::Reached if !ground.is_empty() => *acting = with_ground(inputs, ground, simulation.time()).0,
             Progress::Reached => {}
             Progress::Ended(..) => *phase = Phase::StepFailed,
         }
-        Ok(progress)
+        Ok((progress, stopped))
+    }
+
+    /// Applies the event at which a step was left, if one was, under the inputs as they are now.
+    pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
+        let Unit { phase, simulation, inputs: acting, seen, .. } = self;
+        let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
+        *seen = None;
+        simulation.settle(acting, observer).map_err(|error| {
+            *phase = Phase::Error;
+            Fault::new(error.to_string())
+        })
+    }
+
+    /// Whether the run has come to its end, by itself.
+    pub fn has_ended(&self) -> bool {
+        self.simulation.as_ref().is_some_and(|simulation| simulation.ending().is_some() && !simulation.is_frozen())
     }
 
     /// The present time (s); before there is a block, that of the planned start.
@@ -302,6 +351,7 @@ impl Unit {
         if self.phase.is_initialized() {
             let time = self.simulation.as_ref().map_or(self.experiment.start, Simulation::piece_time);
             let inputs = self.values.inputs(time, &self.rates);
+            self.part = None;
             self.inputs = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, time).0);
             self.seen = None;
         } else {

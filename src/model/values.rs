@@ -331,6 +331,17 @@ pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
     inputs
 }
 
+/// One of the inputs.
+pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
+    match input {
+        Input::AGx => inputs.a_gx,
+        Input::AGz => inputs.a_gz,
+        Input::FX => inputs.f_x,
+        Input::FZ => inputs.f_z,
+        Input::MY => inputs.m_y,
+    }
+}
+
 /// Where the value of a calculated parameter comes from.
 pub enum DerivedSource {
     /// The block.

@@ -221,7 +221,7 @@ struct Pending {
 enum AtEvent {
     /// It is applied.
     Apply,
-    /// The motion stops there, unless the event ends the run or the time (s) is still this one.
+    /// The motion stops there, unless the event ends the run or is not later than this time (s).
     StopAfter(f64),
 }
 
@@ -280,17 +280,17 @@ impl Simulation {
         self.pieces(until, inputs, AtEvent::Apply, observer)
     }
 
-    /// As [`Simulation::advance`], but stops at the first event that comes after the present time, before anything has come of
-    /// it: `None`. [`Simulation::settle`] makes of it what [`Simulation::advance`] would have, and whoever goes on after
+    /// As [`Simulation::advance`], but stops at the first event later than `after` (s), before anything has come of it: `None`. [`Simulation::settle`] makes of it what [`Simulation::advance`] would have, and whoever goes on after
     /// that under the same inputs comes to the same bits. An event that ends the run does so.
     pub fn advance_to_event(
         &mut self,
         until: f64,
+        after: f64,
         inputs: &Inputs,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Option<Progress>, SimulationError> {
         self.settle(inputs, observer)?;
-        let progress = self.pieces(until, inputs, AtEvent::StopAfter(self.pose.time), observer)?;
+        let progress = self.pieces(until, inputs, AtEvent::StopAfter(after), observer)?;
         Ok(self.pending.is_none().then_some(progress))
     }
 
