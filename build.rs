@@ -1,7 +1,8 @@
-//! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu`.
+//! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu` of FMI 2.0 and
+//! `RockingBlock-fmi3.fmu` of FMI 3.0.
 //!
 //! The script runs before its own crate is compiled, so it has cargo compile the crate once more, as the shared library
-//! that goes into the FMU: `build/library.rs`. In that inner run `ROCKING_BLOCK_INNER` is set and only the table is made;
+//! that goes into each FMU: `build/library.rs`. In that inner run `ROCKING_BLOCK_INNER` is set and only the table is made;
 //! so it is where the crate is a dependency of another one.
 
 #[path = "build/archive.rs"]
@@ -10,6 +11,8 @@ mod archive;
 mod container;
 #[path = "build/description.rs"]
 mod description;
+#[path = "build/fmi3.rs"]
+mod fmi3;
 #[path = "build/library.rs"]
 mod library;
 #[path = "build/licences.rs"]
@@ -19,6 +22,8 @@ mod sbom;
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
+
+use library::Version;
 
 /// What the FMU is made from.
 const SOURCES: [&str; 9] = [
@@ -55,25 +60,30 @@ fn run() -> Result<(), String> {
     }
     // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out, wherever <target> is.
     let profile = out.ancestors().nth(3).ok_or("OUT_DIR is not where cargo puts it")?;
-    let fmu = profile.join("RockingBlock.fmu");
-    println!("cargo::rustc-env=ROCKING_BLOCK_FMU={}", fmu.display());
-    // A file that is missing makes cargo run this script again: the FMU when somebody removed it, and the stamp when
+    let fmus = Version::ALL.map(|version| (version, profile.join(version.file())));
+    // A file that is missing makes cargo run this script again: an FMU when somebody removed it, and the stamp when
     // the sources have changed and a `cargo check` did not pack them.
     let stamp = out.join("packed");
-    println!("cargo::rerun-if-changed={}", fmu.display());
     println!("cargo::rerun-if-changed={}", stamp.display());
+    for (version, fmu) in &fmus {
+        println!("cargo::rustc-env={}={}", version.environment(), fmu.display());
+        println!("cargo::rerun-if-changed={}", fmu.display());
+    }
     if library::only_checking() {
         return match std::fs::remove_file(&stamp) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(format!("{}: {error}", stamp.display())),
             _ => Ok(()),
         };
     }
-    let library = library::build(&out)?;
-    archive::pack(&fmu, &description, &library, licences::collect()?)?;
+    let papers = licences::collect()?;
+    for (version, fmu) in &fmus {
+        let library = library::build(&out, *version)?;
+        archive::pack(*version, fmu, &description, &library, papers.clone())?;
+    }
     std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;
     // As old as the newest source: cargo takes what is newer than this script's beginning for changed.
     let newest = newest_source()?;
-    for made in [&fmu, &stamp] {
+    for made in fmus.iter().map(|(_, fmu)| fmu).chain([&stamp]) {
         let file = std::fs::File::options().append(true).open(made).map_err(|e| format!("{}: {e}", made.display()))?;
         file.set_modified(newest).map_err(|e| format!("{}: {e}", made.display()))?;
     }

@@ -5,10 +5,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::description::{Description, Variable};
+use crate::library::Version;
 use crate::{container, library, read};
 
-/// Packs the FMU.
+/// Packs the FMU of a version.
 pub fn pack(
+    version: Version,
     fmu: &Path,
     description: &Description,
     binary: &Path,
@@ -16,9 +18,13 @@ pub fn pack(
 ) -> Result<(), String> {
     let load = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
     let mut files = papers;
-    files.insert("modelDescription.xml".to_string(), description.packed.clone().into_bytes());
-    files.insert(library::place()?, load(binary)?);
-    files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
+    let packed = match version {
+        Version::Fmi2 => &description.packed,
+        Version::Fmi3 => &description.fmi3.packed,
+    };
+    files.insert("modelDescription.xml".to_string(), packed.clone().into_bytes());
+    files.insert(library::place(version)?, load(binary)?);
+    files.insert(version.icon().to_string(), load(Path::new("documentation/model.png"))?);
     let page = read("documentation/index.html")?
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description));

@@ -5,12 +5,17 @@ use std::fmt::Write;
 
 use roxmltree::{Document, Node};
 
+use crate::fmi3::{self, Fmi3};
+
 /// What the build takes from modelDescription.xml.
 pub struct Description {
     pub guid: String,
     pub variables: Vec<Variable>,
-    /// modelDescription.xml of FMI 2.0: the file with the GUID in it, and with Integers in the place of enumerations.
+    /// modelDescription.xml of FMI 2.0: the file with the GUID in it, with Integers in the place of enumerations, and without
+    /// what only FMI 3.0 has.
     pub packed: String,
+    /// modelDescription.xml of FMI 3.0.
+    pub fmi3: Fmi3,
 }
 
 pub struct Variable {
@@ -64,15 +69,21 @@ pub fn read(text: &str) -> Result<Description, String> {
         }
     }
     check_structure(root, &variables)?;
-    let text = without_enumerations(text, root, &variables)?;
-    let guid = format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()));
+    let fmi3 = fmi3::write(root, &variables)?;
+    let text = of_fmi2(text, root, &variables)?;
+    let guid = unique(&text);
     let packed = text.replacen(attribute(root, "guid")?, &guid, 1);
     for interface in ["ModelExchange", "CoSimulation"] {
         if attribute(child(root, interface)?, "modelIdentifier")? != "rocking_block" {
             return Err(format!("the modelIdentifier of {interface} is the library's name, rocking_block"));
         }
     }
-    Ok(Description { guid, variables, packed })
+    Ok(Description { guid, variables, packed, fmi3 })
+}
+
+/// A GUID that belongs to this text alone.
+pub fn unique(text: &str) -> String {
+    format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()))
 }
 
 fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
@@ -152,9 +163,10 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, declared_type, items })
 }
 
-/// The file with an Integer, its limits and its choices in the place of each enumeration, which some importers leave out.
-fn without_enumerations(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
-    let mut edits = Vec::new();
+/// The file without what only FMI 3.0 has, and with an Integer, its limits and its choices in the place of each enumeration,
+/// which some importers leave out.
+fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
+    let mut edits = vec![(child(root, "Fmi3")?.range(), String::new())];
     let types = child(root, "TypeDefinitions")?.children();
     for declaration in types.filter(|n| n.descendants().any(|n| n.has_tag_name("Item"))) {
         edits.push((declaration.range(), String::new()));
@@ -184,7 +196,7 @@ fn without_enumerations(text: &str, root: Node, variables: &[Variable]) -> Resul
     Ok(text)
 }
 
-fn items(declaration: Node) -> Result<Vec<Item>, String> {
+pub fn items(declaration: Node) -> Result<Vec<Item>, String> {
     declaration
         .descendants()
         .filter(|node| node.has_tag_name("Item"))
@@ -237,11 +249,11 @@ fn simple_type<'a>(root: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
     child(root, "TypeDefinitions").ok()?.children().find(|node| node.attribute("name") == Some(name))
 }
 
-fn child<'a>(node: Node<'a, 'a>, name: &str) -> Result<Node<'a, 'a>, String> {
+pub fn child<'a>(node: Node<'a, 'a>, name: &str) -> Result<Node<'a, 'a>, String> {
     node.children().find(|n| n.has_tag_name(name)).ok_or_else(|| format!("{} has no {name}", node.tag_name().name()))
 }
 
-fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
+pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
     node.attribute(name).ok_or_else(|| format!("a {} has no {name}", node.tag_name().name()))
 }
 
@@ -256,6 +268,7 @@ impl Description {
     fn write_code(&self, code: &mut String) -> std::fmt::Result {
         writeln!(code, "/// GUID that an importer has to know, computed from modelDescription.xml.")?;
         writeln!(code, "pub const GUID: &str = {:?};", self.guid)?;
+        self.fmi3.write_code(code)?;
         writeln!(code, "/// A variable of modelDescription.xml; its number is its value reference.")?;
         writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\n#[repr(u32)]\npub enum Variable {{")?;
         for variable in &self.variables {
@@ -347,7 +360,7 @@ fn role(variable: &Variable) -> &'static str {
 }
 
 /// `dimensionless.xi_v` → `DimensionlessXiV`.
-fn identifier(name: &str) -> String {
+pub fn identifier(name: &str) -> String {
     name.split(['.', '_'])
         .map(|part| {
             let mut letters = part.chars();

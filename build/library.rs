@@ -9,13 +9,59 @@ use crate::variable;
 /// Set for the inner run.
 pub const GUARD: &str = "ROCKING_BLOCK_INNER";
 
-/// Compiles the library in a target folder of its own: the outer one is locked while this script runs.
-pub fn build(out: &Path) -> Result<PathBuf, String> {
+/// A version of FMI, for which there is an FMU with a library of its own: that of FMI 2.0 exports nothing but what its standard
+/// names, and so does that of FMI 3.0.
+#[derive(Clone, Copy)]
+pub enum Version {
+    Fmi2,
+    Fmi3,
+}
+
+impl Version {
+    pub const ALL: [Version; 2] = [Version::Fmi2, Version::Fmi3];
+
+    /// The FMU's file.
+    pub fn file(self) -> &'static str {
+        match self {
+            Version::Fmi2 => "RockingBlock.fmu",
+            Version::Fmi3 => "RockingBlock-fmi3.fmu",
+        }
+    }
+
+    /// The variable that tells the crate's tests where the FMU is.
+    pub fn environment(self) -> &'static str {
+        match self {
+            Version::Fmi2 => "ROCKING_BLOCK_FMU",
+            Version::Fmi3 => "ROCKING_BLOCK_FMI3",
+        }
+    }
+
+    /// The picture of the FMU, in the FMU.
+    pub fn icon(self) -> &'static str {
+        match self {
+            Version::Fmi2 => "model.png",
+            Version::Fmi3 => "terminalsAndIcons/icon.png",
+        }
+    }
+
+    /// The feature with which the library exports its functions.
+    fn feature(self) -> &'static str {
+        match self {
+            Version::Fmi2 => "exports",
+            Version::Fmi3 => "exports3",
+        }
+    }
+}
+
+/// Compiles the library in a target folder of its own: the outer one is locked while this script runs. What it depends on is
+/// compiled once for all versions.
+pub fn build(out: &Path, version: Version) -> Result<PathBuf, String> {
     let target_dir = out.join("library");
     let (host, target) = (variable("HOST")?, variable("TARGET")?);
     let release = variable("PROFILE")? == "release";
     let mut command = inner_cargo()?;
-    command.args(["rustc", "--lib", "--crate-type", "cdylib", "--no-default-features", "--features", "exports"]);
+    command.args(["rustc", "--lib", "--crate-type", "cdylib", "--no-default-features"]);
+    command.args(["--features", version.feature()]);
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
     // The library carries no path of this machine, and none of its names but those that it exports.
@@ -35,26 +81,33 @@ pub fn build(out: &Path) -> Result<PathBuf, String> {
         return Err(format!("the FMU's library does not compile ({}):\n{told}", output.status));
     }
     let os = variable("CARGO_CFG_TARGET_OS")?;
-    Ok(folder.join(match os.as_str() {
+    let built = folder.join(match os.as_str() {
         "windows" => "rocking_block.dll",
         "macos" => "librocking_block.dylib",
         _ => "librocking_block.so",
-    }))
+    });
+    // The library of the next version has the same name there.
+    let kept = out.join(version.feature());
+    std::fs::copy(&built, &kept).map_err(|e| format!("{}: {e}", built.display()))?;
+    Ok(kept)
 }
 
 /// The folder of the FMU that holds the binary, and the binary's name in it.
-pub fn place() -> Result<String, String> {
+pub fn place(version: Version) -> Result<String, String> {
     let os = variable("CARGO_CFG_TARGET_OS")?;
     let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
-    // The standard (2.0.4, 2.3) names the first four; the others follow FMI 3.
-    let (folder, suffix) = match (os.as_str(), architecture.as_str()) {
-        ("linux", "x86_64") => ("linux64".into(), "so"),
-        ("linux", "x86") => ("linux32".into(), "so"),
-        ("windows", "x86_64") => ("win64".into(), "dll"),
-        ("macos", "x86_64") => ("darwin64".into(), "dylib"),
-        ("macos", architecture) => (format!("{architecture}-darwin"), "dylib"),
-        ("windows", architecture) => (format!("{architecture}-windows"), "dll"),
-        (os, architecture) => (format!("{architecture}-{os}"), "so"),
+    let (system, suffix) = match os.as_str() {
+        "macos" => ("darwin", "dylib"),
+        "windows" => ("windows", "dll"),
+        os => (os, "so"),
+    };
+    // FMI 2.0 (2.0.4, 2.3) names these four; other names follow FMI 3.0 (3.0.1, 2.5.1.4).
+    let folder = match (version, os.as_str(), architecture.as_str()) {
+        (Version::Fmi2, "linux", "x86_64") => "linux64".into(),
+        (Version::Fmi2, "linux", "x86") => "linux32".into(),
+        (Version::Fmi2, "windows", "x86_64") => "win64".into(),
+        (Version::Fmi2, "macos", "x86_64") => "darwin64".into(),
+        (_, _, architecture) => format!("{architecture}-{system}"),
     };
     Ok(format!("binaries/{folder}/rocking_block.{suffix}"))
 }

@@ -16,6 +16,7 @@
 //! | [`model`] | the variables of modelDescription.xml ↔ block, pulse, outputs: no C, no version of FMI |
 //! | [`fmi`] | pointers of C → slices; panics and faults → a status and a message: what all versions of FMI share |
 //! | [`fmi2`] | the model behind the C interface of FMI 2.0 |
+//! | [`fmi3`] | the model behind the C interface of FMI 3.0 |
 //! | [`study`] | runs → histories, spectra, sweeps, searches, the paper's figures, tables, pictures |
 //! | [`cli`] | the command line |
 //!
@@ -40,6 +41,8 @@ pub mod model;
 pub mod fmi;
 
 pub mod fmi2;
+
+pub mod fmi3;
 
 #[cfg(feature = "studies")]
 pub mod study;

@@ -1,0 +1,193 @@
+//! modelDescription.xml → modelDescription.xml of FMI 3.0, and the variables that only FMI 3.0 has.
+
+use std::fmt::Write as _;
+
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
+use roxmltree::Node;
+
+use crate::description::{Variable, attribute, child, identifier, unique};
+
+/// What FMI 3.0 has of its own.
+pub struct Fmi3 {
+    /// The instantiation token.
+    pub token: String,
+    /// The file.
+    pub packed: String,
+    /// Names and descriptions of the variables that FMI 2.0 has not.
+    own: Vec<(String, String)>,
+}
+
+/// Stands for the token until that is computed.
+const PLACEHOLDER: &str = "{computed by the build}";
+
+const ROOT: &str = "fmiModelDescription";
+
+type Attributes<'a> = Vec<(&'a str, &'a str)>;
+
+/// Writes the file. The value references are those of FMI 2.0, with the variables of FMI 3.0 alone after them.
+pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
+    let of_fmi3 = child(root, "Fmi3")?;
+    let own: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
+    for (place, node) in (variables.len()..).zip(&own) {
+        let (name, reference) = (attribute(*node, "name")?, attribute(*node, "valueReference")?);
+        if reference != place.to_string() {
+            return Err(format!("variable {name}: valueReference should be its place, {place}"));
+        }
+    }
+    let mut file = File(Writer::new_with_indent(Vec::new(), b' ', 2));
+    file.description(root, of_fmi3, &own).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
+    let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
+    let token = unique(&text);
+    let packed = text.replacen(PLACEHOLDER, &token, 1);
+    let named = |node: &Node| Ok((attribute(*node, "name")?.to_string(), attribute(*node, "description")?.to_string()));
+    Ok(Fmi3 { token, packed, own: own.iter().map(named).collect::<Result<_, String>>()? })
+}
+
+impl Fmi3 {
+    /// The token, and the variables that FMI 2.0 has not, in Rust.
+    pub fn write_code(&self, code: &mut String) -> std::fmt::Result {
+        writeln!(code, "/// Instantiation token that an importer of FMI 3.0 has to know, computed from its file.")?;
+        writeln!(code, "pub const TOKEN: &str = {:?};", self.token)?;
+        writeln!(code, "/// A variable that only FMI 3.0 has; their value references follow those of [`VARIABLES`].")?;
+        writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Own {{")?;
+        for (name, description) in &self.own {
+            writeln!(code, "    /// `{name}`: {description}.\n    {},", identifier(name))?;
+        }
+        writeln!(code, "}}\nimpl Own {{\n    /// All of them, by value reference.")?;
+        writeln!(code, "    pub const ALL: [Own; {}] = [", self.own.len())?;
+        for (name, _) in &self.own {
+            writeln!(code, "        Own::{},", identifier(name))?;
+        }
+        writeln!(code, "    ];\n    /// Its name.\n    pub fn name(self) -> &'static str {{\n        match self {{")?;
+        for (name, _) in &self.own {
+            writeln!(code, "            Own::{} => {name:?},", identifier(name))?;
+        }
+        writeln!(code, "        }}\n    }}\n}}")
+    }
+}
+
+struct File(Writer<Vec<u8>>);
+
+type Written = Result<(), String>;
+
+impl File {
+    fn description(&mut self, root: Node, of_fmi3: Node, own: &[Node]) -> Written {
+        self.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+        let mut attributes = vec![("fmiVersion", "3.0"), ("instantiationToken", PLACEHOLDER)];
+        let replaced = ["fmiVersion", "guid", "numberOfEventIndicators"];
+        attributes.extend(of(root).into_iter().filter(|(name, _)| !replaced.contains(name)));
+        self.event(Event::Start(BytesStart::new(ROOT).with_attributes(attributes)))?;
+        elements(of_fmi3).filter(|node| !node.has_tag_name("ModelVariables")).try_for_each(|node| self.copy(node))?;
+        self.copy(child(root, "UnitDefinitions")?)?;
+        let types: Vec<Node> = elements(child(root, "TypeDefinitions")?).collect();
+        self.element("TypeDefinitions", &[], &types, File::declaration)?;
+        self.copy(child(root, "LogCategories")?)?;
+        self.copy(child(root, "DefaultExperiment")?)?;
+        let variables: Vec<Node> = elements(child(root, "ModelVariables")?).chain(own.iter().copied()).collect();
+        self.element("ModelVariables", &[], &variables, |file, node| {
+            if node.has_tag_name("ScalarVariable") { file.variable(node) } else { file.copy(node) }
+        })?;
+        let structure = child(root, "ModelStructure")?;
+        let outputs = elements(child(structure, "Outputs")?).map(|node| ("Output", node));
+        let initial = elements(child(structure, "InitialUnknowns")?).map(|node| ("InitialUnknown", node));
+        let unknowns: Vec<(&str, Node)> = outputs.chain(initial).collect();
+        self.element("ModelStructure", &[], &unknowns, |file, (element, node)| file.unknown(element, node))?;
+        self.event(Event::End(BytesEnd::new(ROOT)))
+    }
+
+    /// `SimpleType` with its type inside → an element with the name of the type.
+    fn declaration(&mut self, node: Node) -> Written {
+        let of_type = only_child(node)?;
+        let (element, attributes) = (format!("{}Type", type_name(of_type)), [of(node), of(of_type)].concat());
+        self.element(&element, &attributes, &elements(of_type).collect::<Vec<_>>(), File::copy)
+    }
+
+    /// `ScalarVariable` with its type inside → an element with the name of the type. What is continuous can be looked at
+    /// inside a step.
+    fn variable(&mut self, node: Node) -> Written {
+        let of_type = only_child(node)?;
+        let mut attributes = of(node);
+        if attribute(node, "causality")? == "input" {
+            attributes.push(("initial", "exact"));
+        }
+        if attribute(node, "variability")? == "continuous" {
+            attributes.push(("intermediateUpdate", "true"));
+        }
+        let text = of_type.has_tag_name("String");
+        let derivative = of_type.attribute("derivative").map(reference).transpose()?;
+        attributes.extend(derivative.iter().map(|state| ("derivative", state.as_str())));
+        let replaced = |name: &str| name == "derivative" || (text && name == "start");
+        attributes.extend(of(of_type).into_iter().filter(|(name, _)| !replaced(name)));
+        let starts: Vec<&str> = of_type.attribute("start").filter(|_| text).into_iter().collect();
+        self.element(type_name(of_type), &attributes, &starts, |file, start| file.leaf("Start", &[("value", start)]))
+    }
+
+    /// `Unknown` with indices from 1 → one with value references, which count from 0.
+    fn unknown(&mut self, element: &str, node: Node) -> Written {
+        let unknown = reference(attribute(node, "index")?)?;
+        let mut attributes = vec![("valueReference", unknown.as_str())];
+        let indices = node.attribute("dependencies").unwrap_or("").split_whitespace();
+        let references = indices.map(reference).collect::<Result<Vec<_>, _>>()?.join(" ");
+        if node.has_attribute("dependencies") {
+            attributes.push(("dependencies", &references));
+        }
+        attributes.extend(node.attribute("dependenciesKind").map(|kinds| ("dependenciesKind", kinds)));
+        self.leaf(element, &attributes)
+    }
+
+    fn leaf(&mut self, name: &str, attributes: &[(&str, &str)]) -> Written {
+        self.event(Event::Empty(BytesStart::new(name).with_attributes(attributes.iter().copied())))
+    }
+
+    fn copy(&mut self, node: Node) -> Written {
+        self.element(node.tag_name().name(), &of(node), &elements(node).collect::<Vec<_>>(), File::copy)
+    }
+
+    /// An element with what `inside` makes of each of these nodes.
+    fn element<T: Copy>(
+        &mut self,
+        name: &str,
+        attributes: &[(&str, &str)],
+        nodes: &[T],
+        inside: impl Fn(&mut File, T) -> Written,
+    ) -> Written {
+        if nodes.is_empty() {
+            return self.leaf(name, attributes);
+        }
+        self.event(Event::Start(BytesStart::new(name).with_attributes(attributes.iter().copied())))?;
+        nodes.iter().try_for_each(|&node| inside(self, node))?;
+        self.event(Event::End(BytesEnd::new(name)))
+    }
+
+    fn event(&mut self, event: Event) -> Written {
+        self.0.write_event(event).map_err(|error| error.to_string())
+    }
+}
+
+fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children().filter(Node::is_element)
+}
+
+fn only_child<'a>(node: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
+    elements(node).next().ok_or_else(|| format!("{} has no type", node.tag_name().name()))
+}
+
+fn of<'a>(node: Node<'a, '_>) -> Attributes<'a> {
+    node.attributes().map(|attribute| (attribute.name(), attribute.value())).collect()
+}
+
+/// An index of FMI 2.0, from 1 → a value reference, from 0.
+fn reference(index: &str) -> Result<String, String> {
+    let place = index.parse().ok().and_then(|index: usize| index.checked_sub(1));
+    place.map(|place| place.to_string()).ok_or_else(|| format!("{index} is no index of a variable"))
+}
+
+/// What FMI 3.0 calls a type of FMI 2.0.
+fn type_name<'a>(node: Node<'a, '_>) -> &'a str {
+    match node.tag_name().name() {
+        "Real" => "Float64",
+        "Integer" => "Int32",
+        other => other,
+    }
+}

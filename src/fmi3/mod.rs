@@ -1,0 +1,13 @@
+//! The solver behind the C interface of FMI 3.0 Co-Simulation, with Event Mode, early return and intermediate update.
+//!
+//! [`exports`] has the functions; [`boundary`] turns their pointers into references and [`instance`] what a
+//! [`crate::model::unit::Unit`] answers into statuses and messages, both over what [`crate::fmi`] has for all versions; [`step`] is
+//! a communication step, [`values`] are variables by the types of FMI 3.0; [`calls`] is the table of what is legal when.
+
+pub mod boundary;
+pub mod calls;
+pub mod exports;
+pub mod instance;
+pub mod step;
+pub mod types;
+pub mod values;

@@ -1,0 +1,199 @@
+//! Variables by the types of FMI 3.0, with their value references.
+
+use std::mem::MaybeUninit;
+
+use crate::fmi3::instance::{Answer, Instance, write};
+use crate::fmi3::types::Status;
+use crate::model::fault::Fault;
+use crate::model::life_cycle::Phase;
+use crate::model::variables::{Kind, Own, Role, VARIABLES};
+
+/// What FMI 3.0 calls the type of a variable.
+fn type_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Real => "Float64",
+        Kind::Integer => "Int32",
+        Kind::Boolean => "Boolean",
+        Kind::Enumeration => "Enumeration (Int64)",
+        Kind::String => "String",
+    }
+}
+
+/// The variable of this number that only FMI 3.0 has.
+fn own(reference: u32) -> Option<Own> {
+    Own::ALL.get((reference as usize).checked_sub(VARIABLES.len())?).copied()
+}
+
+/// Name and type of a variable.
+fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
+    if let Some(metadata) = VARIABLES.get(reference as usize) {
+        return Ok((metadata.name, type_name(metadata.kind)));
+    }
+    match own(reference) {
+        Some(own) => Ok((own.name(), "Float64")),
+        None => {
+            let last = VARIABLES.len() + Own::ALL.len() - 1;
+            Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")))
+        }
+    }
+}
+
+/// Refuses variables that do not exist or are of another type than this, and the first one if none of them is right.
+pub fn of_no_type(references: &[u32], wanted: &str) -> Answer {
+    let Some(&reference) = references.first() else { return Ok(Status::Ok) };
+    Err(mismatch(reference, wanted))
+}
+
+fn mismatch(reference: u32, wanted: &str) -> Fault {
+    match known(reference) {
+        Ok((name, found)) => {
+            Fault::new(format!("{name} (value reference {reference}) is of type {found}, not {wanted}"))
+        }
+        Err(fault) => fault,
+    }
+}
+
+/// Refuses variables that are not exactly of this kind.
+fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
+    let wrong = |&&reference: &&u32| VARIABLES.get(reference as usize).is_none_or(|metadata| metadata.kind != kind);
+    references.iter().find(wrong).map_or(Ok(()), |&reference| Err(mismatch(reference, type_name(kind))))
+}
+
+/// Refuses arrays of values that do not hold as many as the variables have.
+fn fits(expected: usize, found: usize) -> Result<(), Fault> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(Fault::new(format!("nValues = {found}; expected {expected}, as many as the variables have")))
+}
+
+impl Instance {
+    /// Reads scalars of one kind.
+    pub fn get_scalars<T>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &mut [MaybeUninit<T>],
+        convert: impl Fn(f64) -> T,
+    ) -> Answer {
+        check(references, kind)?;
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        self.get(kind.base(), references, values, convert)
+    }
+
+    /// Sets scalars of one kind, all or none.
+    pub fn set_scalars<T: Copy>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &[T],
+        real: impl Fn(T) -> f64,
+    ) -> Answer {
+        check(references, kind)?;
+        fits(references.len(), values.len())?;
+        self.set(kind.base(), references, values, real)
+    }
+
+    /// `fmi3GetFloat64`.
+    pub fn get_floats(&mut self, references: &[u32], values: &mut [MaybeUninit<f64>]) -> Answer {
+        if references.iter().all(|&reference| own(reference).is_none()) {
+            return self.get_scalars(Kind::Real, references, values, |value| value);
+        }
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        let mut read = |&reference: &u32| match own(reference) {
+            Some(Own::Time) => Ok(self.unit.time()),
+            None => {
+                check(&[reference], Kind::Real)?;
+                self.unit.get(Kind::Real, reference)
+            }
+        };
+        let found = references.iter().map(&mut read).collect::<Result<Vec<f64>, Fault>>()?;
+        write(found.into_iter().map(Ok), values)
+    }
+
+    /// `fmi3SetFloat64`, all or none; while inputs are asked for, those of a time to come.
+    pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Answer {
+        if self.unit.phase() != Phase::SettingAhead {
+            if let Some(own) = references.iter().find_map(|&reference| own(reference)) {
+                return Err(Fault::new(format!("{} is the independent variable, which cannot be set", own.name())));
+            }
+            return self.set_scalars(Kind::Real, references, values, |value| value);
+        }
+        check(references, Kind::Real)?;
+        fits(references.len(), values.len())?;
+        self.version.check_required(references)?;
+        let inputs = |&reference: &u32| match VARIABLES[reference as usize].role {
+            Role::Input(input) => Ok((input, &VARIABLES[reference as usize])),
+            Role::Parameter(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => {
+                let name = VARIABLES[reference as usize].name;
+                Err(Fault::new(format!("{name} is no input; only inputs are asked for inside a step")))
+            }
+        };
+        for (reference, &value) in references.iter().zip(values) {
+            inputs(reference)?.1.admits(value).map_err(Fault::new)?;
+        }
+        for (reference, &value) in references.iter().zip(values) {
+            self.unit.set_ahead(inputs(reference)?.0, value);
+        }
+        Ok(Status::Ok)
+    }
+
+    /// Refuses to show inside a step what the importer did not say it would read there.
+    fn may_read(&self, references: &[u32]) -> Result<(), Fault> {
+        if self.unit.phase() == Phase::LookingIn { self.version.check_required(references) } else { Ok(()) }
+    }
+
+    /// `fmi3GetString`: nothing but a check, before the texts are read.
+    pub fn check_texts(&self, references: &[u32], count: usize) -> Result<(), Fault> {
+        check(references, Kind::String)?;
+        fits(references.len(), count)?;
+        self.may_read(references)
+    }
+
+    /// `fmi3GetAdjointDerivative`: the derivatives of a sum of Real outputs, each times its seed, with respect to inputs.
+    pub fn adjoint_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivities: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        fits(unknowns.len(), seed.len())?;
+        fits(knowns.len(), sensitivities.len())?;
+        if let Some(wrong) = seed.iter().find(|x| !x.is_finite()) {
+            return Err(Fault::new(format!("seed {wrong}; expected finite numbers")));
+        }
+        // At most five inputs: one direction each is not worth a reverse mode.
+        for (known, place) in knowns.iter().zip(sensitivities) {
+            let derivatives = self.unit.directional_derivative(unknowns, &[*known], &[1.0])?;
+            let mut sum = 0.0;
+            for (derivative, factor) in derivatives.zip(seed) {
+                sum += derivative? * factor;
+            }
+            place.write(sum);
+        }
+        Ok(Status::Ok)
+    }
+
+    /// `fmi3GetDirectionalDerivative`.
+    pub fn directional(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivities: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        fits(knowns.len(), seed.len())?;
+        fits(unknowns.len(), sensitivities.len())?;
+        self.directional_derivative(unknowns, knowns, seed, sensitivities)
+    }
+
+    /// `fmi3GetOutputDerivatives`, order 1 only.
+    pub fn derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [MaybeUninit<f64>]) -> Answer {
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        self.output_derivatives(references, orders, values)
+    }
+}
