@@ -44,7 +44,7 @@ enum Command {
     Simulate(Box<simulate::Options>),
     /// Peak rotations of blocks of all sizes on several foundations; writes a table and a picture
     Spectrum(Box<spectrum::Options>),
-    /// Any parameters over grids or samples, many records, several scale factors: a table for fragility curves
+    /// Any parameters over grids or samples, many records, several strengths: a table for fragility curves
     Sweep(sweep::Options),
     /// Fragility curves of the table of a sweep: medians, dispersions, how well each measure tells, a picture
     Fragility(Box<fragility::Options>),

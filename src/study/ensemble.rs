@@ -1,7 +1,7 @@
 //! Distributions of what is not known exactly → samples of a run, and the probability of what they do.
 //!
-//! Whether a rocking block overturns under a given record is as good as chance: a change of the record by one percent turns
-//! some outcomes in twenty. So what can be predicted is a probability, over the small changes that nobody knows.
+//! Whether a rocking block overturns under a given record is next to chance: a change of the record by one percent turns four
+//! outcomes in a hundred (docs/fragility.md). What can be predicted is a probability, over small changes that nobody knows.
 
 use crate::study::normal;
 use crate::study::outcome::{End, Outcome};
