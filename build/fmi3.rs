@@ -14,8 +14,15 @@ pub struct Fmi3 {
     pub token: String,
     /// The file.
     pub packed: String,
-    /// Names and descriptions of the variables that FMI 2.0 has not.
-    own: Vec<(String, String)>,
+    /// The variables that FMI 2.0 has not.
+    own: Vec<Own>,
+}
+
+struct Own {
+    name: String,
+    description: String,
+    start: Option<f64>,
+    limits: [Option<f64>; 2],
 }
 
 /// Stands for the token until that is computed.
@@ -40,8 +47,18 @@ pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
     let token = unique(&text);
     let packed = text.replacen(PLACEHOLDER, &token, 1);
-    let named = |node: &Node| Ok((attribute(*node, "name")?.to_string(), attribute(*node, "description")?.to_string()));
-    Ok(Fmi3 { token, packed, own: own.iter().map(named).collect::<Result<_, String>>()? })
+    Ok(Fmi3 { token, packed, own: own.into_iter().map(read).collect::<Result<_, String>>()? })
+}
+
+fn read(node: Node) -> Result<Own, String> {
+    let name = attribute(node, "name")?.to_string();
+    // Of an array the first of its values, which are all the same at the start.
+    let number = |attribute: &str| match node.attribute(attribute).and_then(|text| text.split_whitespace().next()) {
+        Some(text) => text.parse().map(Some).map_err(|_| format!("variable {name}: {attribute} = {text} is no number")),
+        None => Ok(None),
+    };
+    let (start, limits) = (number("start")?, [number("min")?, number("max")?]);
+    Ok(Own { description: attribute(node, "description")?.to_string(), start, limits, name })
 }
 
 impl Fmi3 {
@@ -51,19 +68,36 @@ impl Fmi3 {
         writeln!(code, "pub const TOKEN: &str = {:?};", self.token)?;
         writeln!(code, "/// A variable that only FMI 3.0 has; their value references follow those of [`VARIABLES`].")?;
         writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Own {{")?;
-        for (name, description) in &self.own {
+        for Own { name, description, .. } in &self.own {
             writeln!(code, "    /// `{name}`: {description}.\n    {},", identifier(name))?;
         }
         writeln!(code, "}}\nimpl Own {{\n    /// All of them, by value reference.")?;
         writeln!(code, "    pub const ALL: [Own; {}] = [", self.own.len())?;
-        for (name, _) in &self.own {
-            writeln!(code, "        Own::{},", identifier(name))?;
+        for own in &self.own {
+            writeln!(code, "        Own::{},", identifier(&own.name))?;
         }
-        writeln!(code, "    ];\n    /// Its name.\n    pub fn name(self) -> &'static str {{\n        match self {{")?;
-        for (name, _) in &self.own {
-            writeln!(code, "            Own::{} => {name:?},", identifier(name))?;
+        writeln!(code, "    ];")?;
+        self.write_method(code, "Its name.", "name", "&'static str", |own| format!("{:?}", own.name))?;
+        let number = "Option<f64>";
+        self.write_method(code, "Its start value.", "start", number, |own| format!("{:?}", own.start))?;
+        self.write_method(code, "Its least value.", "min", number, |own| format!("{:?}", own.limits[0]))?;
+        self.write_method(code, "Its greatest value.", "max", number, |own| format!("{:?}", own.limits[1]))?;
+        writeln!(code, "}}")
+    }
+
+    fn write_method(
+        &self,
+        code: &mut String,
+        doc: &str,
+        method: &str,
+        result: &str,
+        of: impl Fn(&Own) -> String,
+    ) -> std::fmt::Result {
+        writeln!(code, "    /// {doc}\n    pub fn {method}(self) -> {result} {{\n        match self {{")?;
+        for own in &self.own {
+            writeln!(code, "            Own::{} => {},", identifier(&own.name), of(own))?;
         }
-        writeln!(code, "        }}\n    }}\n}}")
+        writeln!(code, "        }}\n    }}")
     }
 }
 

@@ -214,8 +214,8 @@ getters! {
         instance.check_texts(references, values.len())?;
         write(instance.get_texts(references)?.iter().map(|text| Ok(text.as_ptr())), values)
     };
-    /// No variable has this type.
-    fmi3GetUInt64 GetUInt64 fmi3UInt64, |_, references, _| of_no_type(references, "UInt64");
+    /// Reads sizes of arrays.
+    fmi3GetUInt64 GetUInt64 fmi3UInt64, Instance::get_sizes;
     /// No variable has this type.
     fmi3GetFloat32 GetFloat32 fmi3Float32, |_, references, _| of_no_type(references, "Float32");
     /// No variable has this type.
@@ -267,8 +267,8 @@ setters! {
     fmi3SetBoolean SetBoolean fmi3Boolean, |instance, references, values| {
         instance.set_scalars(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
     };
-    /// No variable has this type.
-    fmi3SetUInt64 SetUInt64 fmi3UInt64, |_, references, _| of_no_type(references, "UInt64");
+    /// Sets sizes of arrays, all or none.
+    fmi3SetUInt64 SetUInt64 fmi3UInt64, Instance::set_sizes;
     /// No variable has this type.
     fmi3SetFloat32 SetFloat32 fmi3Float32, |_, references, _| of_no_type(references, "Float32");
     /// No variable has this type.

@@ -10,6 +10,10 @@ use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
 use crate::model::parts::Reached;
 
+/// By how much the last interval between two looks may be longer than the others, as a part of them: no part is as short as a
+/// rounding error of the clock.
+const ROUNDING: f64 = 1e-6;
+
 /// A step under way, and in the end what it came to.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
@@ -111,8 +115,24 @@ impl Instance {
         }
         let after = version.early_return.then_some(step.time);
         while unit.time() < step.until {
+            if let Some(updater) = version.updater.filter(|_| unit.needs_part()) {
+                let interval = unit.interval();
+                let time = unit.time() + interval;
+                let time = if time + ROUNDING * interval < step.until { time } else { step.until };
+                unit.ask(time);
+                if version.sets_inputs {
+                    return Ok(Some(Look { updater, time, asks: true, can_return_early: version.early_return }));
+                }
+                unit.end_asking();
+            }
             match unit.do_part(step.until, after, &mut tell)? {
-                Reached::End => {}
+                Reached::End => {
+                    if let Some(updater) = version.updater {
+                        unit.look_in(true);
+                        let (time, can_return_early) = (unit.time(), version.early_return);
+                        return Ok(Some(Look { updater, time, asks: false, can_return_early }));
+                    }
+                }
                 Reached::Event => {
                     step.event = version.event_mode;
                     if !version.event_mode {

@@ -8,10 +8,12 @@ use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
 use crate::model::variables::{Kind, Own, Role, VARIABLES};
 
+const FLOAT64: &str = "Float64";
+
 /// What FMI 3.0 calls the type of a variable.
 fn type_name(kind: Kind) -> &'static str {
     match kind {
-        Kind::Real => "Float64",
+        Kind::Real => FLOAT64,
         Kind::Integer => "Int32",
         Kind::Boolean => "Boolean",
         Kind::Enumeration => "Enumeration (Int64)",
@@ -30,7 +32,10 @@ fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
         return Ok((metadata.name, type_name(metadata.kind)));
     }
     match own(reference) {
-        Some(own) => Ok((own.name(), "Float64")),
+        Some(own @ Own::RecordSamples) => Ok((own.name(), "UInt64")),
+        Some(
+            own @ (Own::Time | Own::RecordHorizontalSamples | Own::RecordVerticalSamples | Own::IntermediateInterval),
+        ) => Ok((own.name(), FLOAT64)),
         None => {
             let last = VARIABLES.len() + Own::ALL.len() - 1;
             Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")))
@@ -57,6 +62,12 @@ fn mismatch(reference: u32, wanted: &str) -> Fault {
 fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
     let wrong = |&&reference: &&u32| VARIABLES.get(reference as usize).is_none_or(|metadata| metadata.kind != kind);
     references.iter().find(wrong).map_or(Ok(()), |&reference| Err(mismatch(reference, type_name(kind))))
+}
+
+/// Refuses variables that are no sizes of arrays.
+fn check_sizes(references: &[u32]) -> Result<(), Fault> {
+    let wrong = references.iter().find(|&&reference| own(reference) != Some(Own::RecordSamples));
+    wrong.map_or(Ok(()), |&reference| Err(mismatch(reference, "UInt64")))
 }
 
 /// Refuses arrays of values that do not hold as many as the variables have.
@@ -100,26 +111,30 @@ impl Instance {
         if references.iter().all(|&reference| own(reference).is_none()) {
             return self.get_scalars(Kind::Real, references, values, |value| value);
         }
-        fits(references.len(), values.len())?;
         self.may_read(references)?;
-        let mut read = |&reference: &u32| match own(reference) {
-            Some(Own::Time) => Ok(self.unit.time()),
-            None => {
-                check(&[reference], Kind::Real)?;
-                self.unit.get(Kind::Real, reference)
+        let mut found = Vec::with_capacity(values.len());
+        for &reference in references {
+            match own(reference) {
+                Some(Own::Time) => found.push(self.unit.time()),
+                Some(own) if known(reference)?.1 == FLOAT64 => found.extend_from_slice(self.unit.own(own)),
+                Some(_) | None => {
+                    check(&[reference], Kind::Real)?;
+                    found.push(self.unit.get(Kind::Real, reference)?);
+                }
             }
-        };
-        let found = references.iter().map(&mut read).collect::<Result<Vec<f64>, Fault>>()?;
+        }
+        fits(found.len(), values.len())?;
         write(found.into_iter().map(Ok), values)
     }
 
     /// `fmi3SetFloat64`, all or none; while inputs are asked for, those of a time to come.
     pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Answer {
         if self.unit.phase() != Phase::SettingAhead {
-            if let Some(own) = references.iter().find_map(|&reference| own(reference)) {
-                return Err(Fault::new(format!("{} is the independent variable, which cannot be set", own.name())));
-            }
-            return self.set_scalars(Kind::Real, references, values, |value| value);
+            return if references.iter().all(|&reference| own(reference).is_none()) {
+                self.set_scalars(Kind::Real, references, values, |value| value)
+            } else {
+                self.set_arrays(references, values)
+            };
         }
         check(references, Kind::Real)?;
         fits(references.len(), values.len())?;
@@ -137,6 +152,46 @@ impl Instance {
         for (reference, &value) in references.iter().zip(values) {
             self.unit.set_ahead(inputs(reference)?.0, value);
         }
+        Ok(Status::Ok)
+    }
+
+    /// Sets Float64 variables among which are some that only FMI 3.0 has, all or none.
+    fn set_arrays(&mut self, references: &[u32], values: &[f64]) -> Answer {
+        let size = |&reference: &u32| own(reference).map_or(1, |own| self.unit.size(own));
+        fits(references.iter().map(size).sum(), values.len())?;
+        let mut changed = self.unit.clone();
+        let mut rest = values;
+        for reference in references {
+            let (these, others) = rest.split_at(size(reference));
+            rest = others;
+            match own(*reference) {
+                Some(own) if known(*reference)?.1 == FLOAT64 => changed.set_own(own, these)?,
+                Some(_) | None => {
+                    check(&[*reference], Kind::Real)?;
+                    changed.set(Kind::Real, &[*reference], these, |value| value)?;
+                }
+            }
+        }
+        self.unit = changed;
+        Ok(Status::Ok)
+    }
+
+    /// `fmi3GetUInt64`.
+    pub fn get_sizes(&mut self, references: &[u32], values: &mut [MaybeUninit<u64>]) -> Answer {
+        check_sizes(references)?;
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        let count = self.unit.sample_count() as u64;
+        write(references.iter().map(|_| Ok(count)), values)
+    }
+
+    /// `fmi3SetUInt64`: the arrays are zeros then.
+    pub fn set_sizes(&mut self, references: &[u32], values: &[u64]) -> Answer {
+        check_sizes(references)?;
+        fits(references.len(), values.len())?;
+        let mut changed = self.unit.clone();
+        values.iter().try_for_each(|&value| changed.resize_samples(value))?;
+        self.unit = changed;
         Ok(Status::Ok)
     }
 

@@ -1,11 +1,12 @@
 //! The model's interface, as modelDescription.xml has it ↔ block, pulse, settings and outputs: no C, and nothing of any
 //! version of FMI.
 //!
-//! [`variables`] is the description, [`values`] what its variables mean; [`unit`] is an instance with its
+//! [`variables`] is the description, [`values`] what its variables mean, those of FMI 3.0 alone in [`own`]; [`unit`] is an instance with its
 //! [`life_cycle`], whose steps may be done in [`parts`], and [`snapshot`] its saved states.
 
 pub mod fault;
 pub mod life_cycle;
+pub mod own;
 pub mod parts;
 pub mod snapshot;
 pub mod unit;

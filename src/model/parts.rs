@@ -62,7 +62,7 @@ impl Unit {
 
     /// Whether inputs for a new part have to be known before [`Unit::do_part`] can go on.
     pub fn needs_part(&self) -> bool {
-        self.part.as_ref().is_none_or(|part| part.end <= self.time())
+        self.part.is_none()
     }
 
     /// Begins a part that ends at `end` (s), with the inputs at its end as they are now. They can be set until
@@ -109,13 +109,14 @@ impl Unit {
             None => Ok((simulation.advance(until, inputs, observer)?, false)),
         })?;
         let time = self.time();
-        if let Some(part) = &self.part {
+        if let Some(part) = self.part.take() {
+            let inside = time < part.end;
             let here = part.over.moved_to(time);
             for input in Input::ALL {
-                let inside = time < part.end;
                 let value = if inside { ramp(&here, input).value } else { part.at_end[input as usize] };
                 self.values[input.variable()] = value;
             }
+            self.part = inside.then_some(part);
         }
         Ok(match progress {
             Progress::Ended(ending, time) => Reached::Ended(ending, time),

@@ -332,8 +332,7 @@ impl Unit {
                 self.values[place] = text.into();
             }
         }
-        self.ground = None;
-        self.take_up_values();
+        self.forget_ground();
         Ok(())
     }
 
@@ -395,6 +394,12 @@ impl Unit {
             None => Arc::new(self.values.ground().map_err(Fault)?),
         };
         Ok(self.ground.insert(ground).clone())
+    }
+
+    /// Forgets the records, of which values have changed.
+    pub(super) fn forget_ground(&mut self) {
+        self.ground = None;
+        self.take_up_values();
     }
 
     /// Forgets what followed from values that have changed.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use crate::model::own::OwnValues;
 use crate::model::variables::{
     Causality, Choice, Derived, Input, Output, Parameter, Text, VARIABLES, Variable, choices,
 };
@@ -24,12 +25,14 @@ pub struct Values {
     numbers: Vec<f64>,
     /// Texts, in the order of [`Text::ALL`].
     texts: [String; Text::ALL.len()],
+    /// What only FMI 3.0 has.
+    pub(super) own: OwnValues,
 }
 
 impl Default for Values {
     fn default() -> Values {
         let numbers = VARIABLES.iter().map(|metadata| metadata.start.unwrap_or(0.0)).collect();
-        Values { numbers, texts: Default::default() }
+        Values { numbers, texts: Default::default(), own: OwnValues::default() }
     }
 }
 
@@ -73,7 +76,8 @@ const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 impl Values {
     /// Whether these are values of this FMU: one a variable, each within its limits.
     pub fn are_valid(&self) -> bool {
-        self.numbers.len() == VARIABLES.len()
+        self.own.are_valid()
+            && self.numbers.len() == VARIABLES.len()
             && VARIABLES.iter().zip(&self.numbers).all(|(metadata, &value)| {
                 !metadata.is_settable() || (value.is_finite() && metadata.admits(value).is_ok())
             })
@@ -194,7 +198,12 @@ impl Values {
     }
 
     /// Whether a record acts inside.
-    pub fn has_record(&self) -> bool {
+    fn has_record(&self) -> bool {
+        self.has_file() || self.own.has_record()
+    }
+
+    /// Whether a file of a record is named.
+    pub(super) fn has_file(&self) -> bool {
         !(self[Text::RecordHorizontal].is_empty() && self[Text::RecordVertical].is_empty())
     }
 
@@ -203,8 +212,9 @@ impl Values {
         variable == Variable::G || variable.name().starts_with("record.")
     }
 
-    /// Reads the records that the parameters name; the error is one line, with settings as the variables are called.
-    pub fn ground(&self) -> Result<Ground, String> {
+    /// Reads the records that the parameters name, neither scaled nor shifted; the error is one line, with settings as the
+    /// variables are called.
+    pub(super) fn ground_of_files(&self) -> Result<Ground, String> {
         let unit = |texts: &[Text]| texts.iter().copied().find(|&text| !self[text].is_empty());
         let horizontal = RecordSettings {
             path: Text::RecordHorizontal,
@@ -216,8 +226,7 @@ impl Values {
             unit: unit(&[Text::RecordVerticalUnit, Text::RecordHorizontalUnit]).unwrap_or(Text::RecordVerticalUnit),
             channel: Variable::RecordVerticalChannel,
         };
-        let ground = Ground { horizontal: self.record(&horizontal)?, vertical: self.record(&vertical)? };
-        Ok(ground.scaled(self[Variable::RecordScale]).shifted(self[Variable::RecordStart]))
+        Ok(Ground { horizontal: self.record(&horizontal)?, vertical: self.record(&vertical)? })
     }
 
     fn record(&self, settings: &RecordSettings) -> Result<Option<Record>, String> {

@@ -136,7 +136,6 @@ impl Metadata {
     /// Refuses values that are not finite or outside the limits, with a sentence that names them.
     pub fn admits(&self, value: f64) -> Result<(), String> {
         let (name, min, max) = (self.name, self.min, self.max);
-        let within = min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
         if self.kind == Kind::Enumeration {
             if self.items.iter().any(|&(item, _)| f64::from(item) == value) {
                 return Ok(());
@@ -144,15 +143,27 @@ impl Metadata {
             let choices: Vec<String> = self.items.iter().map(|(value, name)| format!("{value} {name}")).collect();
             return Err(format!("{name} = {value}; expected one of {}", choices.join(", ")));
         }
-        if value.is_finite() && within {
-            return Ok(());
-        }
-        Err(match (min, max) {
-            (Some(min), Some(max)) => format!("{name} = {value}; expected {min} to {max}"),
-            (Some(min), None) => format!("{name} = {value}; expected at least {min}"),
-            (None, Some(max)) => format!("{name} = {value}; expected at most {max}"),
-            (None, None) => format!("{name} = {value}; expected a finite number"),
-        })
+        within_limits(name, value, min, max)
+    }
+}
+
+/// Refuses values that are not finite or outside the limits, with a sentence that names them.
+fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> Result<(), String> {
+    if value.is_finite() && min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max) {
+        return Ok(());
+    }
+    Err(match (min, max) {
+        (Some(min), Some(max)) => format!("{name} = {value}; expected {min} to {max}"),
+        (Some(min), None) => format!("{name} = {value}; expected at least {min}"),
+        (None, Some(max)) => format!("{name} = {value}; expected at most {max}"),
+        (None, None) => format!("{name} = {value}; expected a finite number"),
+    })
+}
+
+impl Own {
+    /// Refuses values that are not finite or outside the limits, with a sentence that names them.
+    pub fn admits(self, value: f64) -> Result<(), String> {
+        within_limits(self.name(), value, self.min(), self.max())
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
+use crate::loading::functions;
+
 pub type Component = *mut c_void;
 pub type Environment = *mut c_void;
 pub type SavedState = *mut c_void;
@@ -47,28 +49,6 @@ pub struct EventInfo {
     pub values_of_continuous_states_changed: Boolean,
     pub next_event_time_defined: Boolean,
     pub next_event_time: f64,
-}
-
-macro_rules! functions {
-    ($($field:ident $name:literal ($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// One pointer a function.
-        pub struct Functions {
-            $(pub $field: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
-        }
-
-        /// Names of all functions.
-        pub const NAMES: &[&str] = &[$($name),*];
-
-        impl Functions {
-            /// Looks all of them up.
-            pub fn load(library: &libloading::Library) -> Functions {
-                // SAFETY: the types are those of the standard's headers, and the library is never unloaded.
-                unsafe {
-                    Functions { $($field: *library.get($name).unwrap_or_else(|error| panic!("{}: {error}", $name)),)* }
-                }
-            }
-        }
-    };
 }
 
 functions! {

@@ -20,6 +20,8 @@ mod exports;
 mod functions;
 mod host;
 mod life_cycle;
+#[path = "../common/functions.rs"]
+mod loading;
 mod logging;
 mod records;
 mod reference;

@@ -1,0 +1,179 @@
+//! Intermediate update: inputs that vary inside a communication step, outputs that are read there, and steps that are left.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use crate::functions::OK;
+use crate::host::{Instance, OnUpdate, Update, Wanted, call, reference};
+
+const BLOCK: [(&str, f64); 2] = [("epsilon", 0.3), ("on_separation", 3.0)];
+
+/// A ground acceleration with corners every 0.005 s only, and linear in between.
+fn ground(time: f64) -> f64 {
+    let at = |i: f64| 6.0 * (5.0 * 0.005 * i).sin();
+    let i = (time / 0.005 + 1e-9).floor();
+    at(i) + (at(i + 1.0) - at(i)) * (time / 0.005 - i)
+}
+
+fn setting() -> OnUpdate {
+    Box::new(|instance, update| {
+        if update.set_requested {
+            instance.set("a_gx", ground(update.time));
+        }
+        None
+    })
+}
+
+fn instance(early_return: bool, on_update: OnUpdate) -> Instance {
+    let instance = Instance::new(Wanted {
+        event_mode: early_return,
+        early_return,
+        intermediate: &["a_gx", "theta", "theta_ddot"],
+        on_update: Some(on_update),
+        ..Wanted::default()
+    });
+    instance.set_all(&BLOCK);
+    instance.initialize(early_return);
+    instance
+}
+
+/// What a record inside the FMU gives, which is followed exactly.
+fn by_record() -> Instance {
+    let samples: Vec<f64> = (0..=400).map(|i| ground(0.005 * f64::from(i))).collect();
+    let instance = Instance::new(Wanted::default());
+    instance.set_all(&BLOCK);
+    instance.set("record.dt", 0.005);
+    instance.ok(call!(instance, enter_configuration_mode));
+    instance.set("record.samples", samples.len() as f64);
+    instance.ok(call!(instance, exit_configuration_mode));
+    let array = reference("record.horizontal_samples");
+    instance.ok(call!(instance, set_float64, &array, 1, samples.as_ptr(), samples.len()));
+    instance.initialize(false);
+    instance
+}
+
+#[test]
+fn inputs_inside_a_step_are_followed() {
+    let expected = by_record();
+    expected.step(0.0, 2.0);
+    for steps in [1, 4] {
+        let block = instance(false, setting());
+        for i in 0..steps {
+            let (here, there) = (2.0 * f64::from(i) / f64::from(steps), 2.0 * f64::from(i + 1) / f64::from(steps));
+            block.step(here, there - here);
+        }
+        let (theta, found) = (expected.get("theta"), block.get("theta"));
+        assert!(expected.get("peak.theta") > 1e-3 && expected.get("events.liftoffs") >= 1.0, "{theta}");
+        // Both integrate the same motion, with their own rounding.
+        assert!((theta - found).abs() < 1e-9, "{found}, not {theta}");
+        assert_eq!(block.get("events.liftoffs"), expected.get("events.liftoffs"));
+        assert_eq!(block.get("a_gx"), ground(2.0));
+    }
+}
+
+#[test]
+fn leaving_steps_at_events_keeps_the_bits() {
+    let whole = instance(false, setting());
+    whole.step(0.0, 1.0);
+    whole.step(1.0, 1.0);
+    let stopped = instance(true, setting());
+    let mut events = stopped.step_by_events(0.0, 1.0, true);
+    events.extend(stopped.step_by_events(1.0, 2.0, true));
+    assert!(events.len() >= 3, "{events:?}");
+    assert_eq!(whole.output_bits(), stopped.output_bits());
+}
+
+#[test]
+fn updates_come_as_the_standard_has_them() {
+    let seen: Rc<RefCell<Vec<(Update, f64, f64)>>> = Rc::default();
+    let log = Rc::clone(&seen);
+    let block = instance(
+        true,
+        Box::new(move |instance, update| {
+            let (theta, time) = if update.get_allowed {
+                (instance.get("theta"), update.time)
+            } else {
+                instance.set("a_gx", ground(update.time));
+                (f64::NAN, f64::NAN)
+            };
+            log.borrow_mut().push((update, theta, time));
+            None
+        }),
+    );
+    assert!(!block.step(0.0, 0.02).early);
+    let seen = seen.take();
+    assert_eq!(seen.len(), 8);
+    for (pair, i) in seen.chunks(2).zip(1..) {
+        let time = 0.005 * f64::from(i);
+        let (ask, look) = (pair[0].0, pair[1].0);
+        assert!((ask.time - time).abs() < 1e-15 && look.time == ask.time);
+        let flags =
+            |update: Update| [update.set_requested, update.get_allowed, update.step_finished, update.can_return_early];
+        assert_eq!((flags(ask), flags(look)), ([true, false, false, false], [false, true, true, true]));
+    }
+    assert_eq!(seen[7].1, block.get("theta"));
+    assert_eq!(seen[7].0.time, 0.02);
+}
+
+#[test]
+fn the_importer_leaves_a_step() {
+    let block = instance(true, Box::new(|_, update| (update.time > 0.0099).then_some(0.0)));
+    let stepped = block.step(0.0, 0.1);
+    assert!(stepped.early && !stepped.event && !stepped.terminates, "{stepped:?}");
+    assert!((stepped.reached - 0.01).abs() < 1e-15, "{stepped:?}");
+    // At a time to come.
+    let block = instance(true, Box::new(|_, update| (update.time > 0.0099).then_some(0.0123)));
+    assert_eq!(block.step(0.0, 0.1).reached, 0.0123);
+    // Who did not allow it at instantiation is not asked.
+    let block = instance(false, Box::new(|_, _| Some(0.0)));
+    let stepped = block.step(0.0, 0.1);
+    assert!(!stepped.early && stepped.reached == 0.1);
+}
+
+#[test]
+fn what_is_not_for_an_update_is_refused() {
+    let block = instance(
+        true,
+        Box::new(|instance, update| {
+            let refused = |status, words: &[&str]| instance.refuses(status, words);
+            if update.set_requested {
+                refused(instance.try_get("theta").unwrap_err(), &["fmi3GetFloat64", "Intermediate Update Mode"]);
+                refused(instance.try_set("a_gz", 1.0), &["value reference 1", "requiredIntermediateVariables"]);
+                refused(instance.try_set("theta", 1.0), &["theta is no input"]);
+                refused(instance.try_set("a_gx", f64::NAN), &["a_gx = NaN"]);
+            } else {
+                refused(instance.try_set("a_gx", 1.0), &["fmi3SetFloat64", "Intermediate Update Mode"]);
+                refused(instance.try_get("v").unwrap_err(), &["requiredIntermediateVariables"]);
+            }
+            refused(instance.try_step(0.0, 0.1).0, &["fmi3DoStep", "Intermediate Update Mode"]);
+            refused(call!(instance, reset), &["fmi3Reset"]);
+            refused(call!(instance, terminate), &["fmi3Terminate"]);
+            // Nothing happens: the step goes on with the instance.
+            call!(instance, free_instance);
+            None
+        }),
+    );
+    block.step(0.0, 0.02);
+    assert_eq!(call!(block, terminate), OK);
+    // Variables that cannot be looked at inside a step.
+    for name in ["regime", "mass", "time"] {
+        // SAFETY: as in `Instance::new`; the instance is refused.
+        let handle = unsafe {
+            (crate::host::FMU.functions.instantiate_co_simulation)(
+                c"block".as_ptr(),
+                crate::host::FMU.token.as_ptr(),
+                std::ptr::null(),
+                false,
+                false,
+                false,
+                false,
+                &reference(name),
+                1,
+                std::ptr::null_mut(),
+                None,
+                None,
+            )
+        };
+        assert!(handle.is_null(), "{name}");
+    }
+}

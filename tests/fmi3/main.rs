@@ -1,0 +1,14 @@
+//! The FMU of FMI 3.0 as an importer meets it: the packed library, through its C interface, against the FMI standard 3.0.1.
+
+mod arrays;
+mod events;
+#[allow(dead_code, reason = "that all functions are there is tested; not all are called")]
+mod functions;
+mod host;
+mod intermediate;
+mod life_cycle;
+#[path = "../common/functions.rs"]
+mod loading;
+mod misuse;
+mod package;
+mod values;

@@ -1,0 +1,35 @@
+//! What the FMU of FMI 3.0 holds, and what its library exports.
+
+use std::collections::BTreeSet;
+
+use object::{Object, ObjectSymbol};
+
+use crate::functions::NAMES;
+use crate::host::{BINARY, FMU};
+
+#[test]
+fn holds_what_the_standard_names() {
+    let files: Vec<&str> = FMU.files.keys().map(String::as_str).filter(|f| !f.contains("/licenses/")).collect();
+    let documentation = ["documentation/index.html", "documentation/sbom.cdx.json"];
+    let expected = [&[BINARY], &documentation[..], &["modelDescription.xml", "terminalsAndIcons/icon.png"]].concat();
+    assert_eq!(files, expected);
+    assert!(FMU.files.contains_key("documentation/licenses/license.txt"));
+}
+
+#[test]
+fn the_functions_of_the_standard_and_nothing_else() {
+    let file = object::File::parse(FMU.files[BINARY].as_slice()).unwrap();
+    let exported: BTreeSet<&str> = file
+        .dynamic_symbols()
+        .filter(|symbol| symbol.is_definition() && symbol.is_global())
+        .map(|symbol| symbol.name().unwrap())
+        .collect();
+    assert_eq!(exported, NAMES.iter().copied().collect());
+}
+
+#[test]
+fn the_version_is_that_of_the_standard() {
+    // SAFETY: a text that ends with 0 and is never freed (standard, 2.2.4).
+    let version = unsafe { std::ffi::CStr::from_ptr((FMU.functions.get_version)()) };
+    assert_eq!(version, c"3.0");
+}
