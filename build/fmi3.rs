@@ -124,9 +124,17 @@ impl File {
         })?;
         let structure = child(root, "ModelStructure")?;
         let outputs = elements(child(structure, "Outputs")?).map(|node| ("Output", node));
+        let derivatives = elements(child(structure, "Derivatives")?).map(|node| ("ContinuousStateDerivative", node));
         let initial = elements(child(structure, "InitialUnknowns")?).map(|node| ("InitialUnknown", node));
-        let unknowns: Vec<(&str, Node)> = outputs.chain(initial).collect();
-        self.element("ModelStructure", &[], &unknowns, |file, (element, node)| file.unknown(element, node))?;
+        let local = own.iter().filter(|node| node.attribute("causality") == Some("local"));
+        let indicators = local.map(|&node| ("EventIndicator", node));
+        let unknowns: Vec<(&str, Node)> = outputs.chain(derivatives).chain(initial).chain(indicators).collect();
+        self.element("ModelStructure", &[], &unknowns, |file, (element, node)| {
+            match node.attribute("valueReference") {
+                Some(indicator) => file.leaf(element, &[("valueReference", indicator)]),
+                None => file.unknown(element, node),
+            }
+        })?;
         self.event(Event::End(BytesEnd::new(ROOT)))
     }
 

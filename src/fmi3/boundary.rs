@@ -33,7 +33,7 @@ pub unsafe fn do_step(instance: fmi3Instance, step: Step, done: impl Fn(&Step) -
     unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::show) }.code()
 }
 
-/// What an importer asks for.
+/// What an importer asks for, of any interface.
 pub struct Request {
     /// `instanceName`.
     pub name: fmi3String,
@@ -41,6 +41,14 @@ pub struct Request {
     pub token: fmi3String,
     /// `loggingOn`.
     pub logging: fmi3Boolean,
+    /// `instanceEnvironment`.
+    pub environment: fmi3InstanceEnvironment,
+    /// `logMessage`.
+    pub logger: Option<fmi3LogMessageCallback>,
+}
+
+/// What an importer asks for beside that for Co-Simulation.
+pub struct Stepping {
     /// `eventModeUsed`.
     pub event_mode: fmi3Boolean,
     /// `earlyReturnAllowed`.
@@ -49,38 +57,39 @@ pub struct Request {
     pub required: *const fmi3ValueReference,
     /// Their number.
     pub required_count: usize,
-    /// `instanceEnvironment`.
-    pub environment: fmi3InstanceEnvironment,
-    /// `logMessage`.
-    pub logger: Option<fmi3LogMessageCallback>,
     /// `intermediateUpdate`.
     pub update: Option<fmi3IntermediateUpdateCallback>,
 }
 
-/// `fmi3InstantiateCoSimulation`: null, with a reason logged where there is a logger, if the request is not for this FMU.
+/// A new instance, for Co-Simulation if `stepping` is there, for Model Exchange otherwise: null, with a reason logged where there is
+/// a logger, if the request is not for this FMU. `function` is what the importer called.
 ///
 /// # Safety
 /// Texts are null or end with 0, there are as many required variables as their number says; the callbacks may be called with
 /// the environment as long as the instance lives (standard, 2.3.1).
-pub unsafe fn instantiate(request: Request) -> fmi3Instance {
-    let Request { name, token, logging, environment, logger, required, required_count, .. } = request;
+pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<Stepping>) -> fmi3Instance {
+    let &Request { name, token, logging, environment, logger } = request;
     boundary::create(|| {
         // SAFETY: by contract null or texts that end with 0 (standard, 2.2.1) and stay during this call.
         let (name, token) = unsafe { (text(name), text(token)) };
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
-        // The logger has no instance's name, so that it belongs to the environment.
         let log = Log::new(Messenger { logger, environment }, CString::from(shown), is_true(logging));
-        // SAFETY: by contract an array of as many references (standard, 2.3.1).
-        let required = unsafe { read("requiredIntermediateVariables", required, required_count) };
-        let fmi3 = fit(name, token).and_then(|()| {
-            let required = required.map_err(|fault| fault.0)?;
-            let updater = request.update.map(|callback| Updater { callback, environment });
-            Fmi3::new(is_true(request.event_mode), is_true(request.early_return), required, updater)
-        });
-        match fmi3 {
-            Ok(fmi3) => Some(Instance::new(log, Interface::CoSimulation, fmi3)),
+        let interface = if stepping.is_some() { Interface::CoSimulation } else { Interface::ModelExchange };
+        let how = match stepping {
+            None => Ok(Fmi3::exchanged()),
+            Some(Stepping { event_mode, early_return, required, required_count, update }) => {
+                // SAFETY: by contract an array of as many references (standard, 2.3.1).
+                let required = unsafe { read("requiredIntermediateVariables", required, required_count) };
+                let updater = update.map(|callback| Updater { callback, environment });
+                required
+                    .map_err(|fault| fault.0)
+                    .and_then(|required| Fmi3::stepped(is_true(event_mode), is_true(early_return), required, updater))
+            }
+        };
+        match fit(name, token).and(how) {
+            Ok(how) => Some(Instance::new(log, interface, how)),
             Err(reason) => {
-                log.status(Status::Error, &format!("fmi3InstantiateCoSimulation: {reason}"));
+                log.status(Status::Error, &format!("{function}: {reason}"));
                 None
             }
         }
@@ -98,17 +107,15 @@ fn fit(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
     }
 }
 
-/// Answers a request for an interface that this FMU does not offer: null, and a reason for the logger.
+/// Answers a request for Scheduled Execution: null, and a reason for the logger.
 ///
 /// # Safety
-/// The logger may be called with the environment (standard, 2.3.1).
-pub unsafe fn refuse(
-    environment: fmi3InstanceEnvironment,
-    logger: Option<fmi3LogMessageCallback>,
-    reason: &str,
-) -> fmi3Instance {
+/// As for [`instantiate`].
+pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
+    let &Request { logging, environment, logger, .. } = request;
     boundary::create::<Fmi3>(|| {
-        Log::new(Messenger { logger, environment }, c"?".into(), false).status(Status::Error, reason);
+        let log = Log::new(Messenger { logger, environment }, c"?".into(), is_true(logging));
+        log.status(Status::Error, reason);
         None
     })
 }

@@ -1,4 +1,4 @@
-//! Which call is legal in which state: the state machine of Co-Simulation of the standard (3.0.1, 2.3 and 4.2), in one place.
+//! Which call is legal in which state: the state machines of the standard (3.0.1, 2.3, 3.2 and 4.2), in one place.
 
 use crate::fmi;
 use crate::model::life_cycle::Phase;
@@ -11,15 +11,21 @@ const EVENT: u16 = Phase::EventMode.bit();
 const STEP: u16 = Phase::StepComplete.bit();
 const AHEAD: u16 = Phase::SettingAhead.bit();
 const LOOKING: u16 = Phase::LookingIn.bit();
+const CONTINUOUS: u16 = Phase::ContinuousTimeMode.bit();
 const ENDED: u16 = Phase::StepFailed.bit();
 const TERMINATED: u16 = Phase::Terminated.bit();
 const ERROR: u16 = Phase::Error.bit();
 const NEVER: u16 = 0;
 
-const ANY: u16 = INSTANTIATED | CONFIGURATION | INITIALIZATION | EVENT | STEP | ENDED | TERMINATED | ERROR;
-const COMPUTED: u16 = INITIALIZATION | EVENT | STEP | ENDED | TERMINATED | ERROR;
-const READABLE: u16 = INSTANTIATED | CONFIGURATION | COMPUTED | LOOKING;
-const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | EVENT | STEP;
+const COMPUTED: u16 = INITIALIZATION | EVENT | STEP | CONTINUOUS | ENDED | TERMINATED | ERROR;
+const ANY: u16 = INSTANTIATED | CONFIGURATION | COMPUTED;
+const READABLE: u16 = ANY | LOOKING;
+const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | EVENT | STEP | CONTINUOUS;
+const EXCHANGED: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR;
+
+/// Phases of an instance for Co-Simulation alone, and of one for Model Exchange.
+const OF_CO_SIMULATION: u16 = STEP | AHEAD | LOOKING | ENDED;
+const OF_MODEL_EXCHANGE: u16 = CONTINUOUS;
 
 macro_rules! calls {
     ($($call:ident $name:literal $phases:expr;)*) => {
@@ -53,10 +59,10 @@ calls! {
     ExitConfigurationMode "fmi3ExitConfigurationMode" CONFIGURATION;
     EnterInitializationMode "fmi3EnterInitializationMode" INSTANTIATED;
     ExitInitializationMode "fmi3ExitInitializationMode" INITIALIZATION;
-    EnterEventMode "fmi3EnterEventMode" STEP;
+    EnterEventMode "fmi3EnterEventMode" STEP | CONTINUOUS;
     UpdateDiscreteStates "fmi3UpdateDiscreteStates" EVENT;
     EnterStepMode "fmi3EnterStepMode" EVENT;
-    Terminate "fmi3Terminate" EVENT | STEP | ENDED;
+    Terminate "fmi3Terminate" EVENT | STEP | CONTINUOUS | ENDED;
     Reset "fmi3Reset" ANY;
     GetFloat32 "fmi3GetFloat32" READABLE;
     GetFloat64 "fmi3GetFloat64" READABLE;
@@ -108,16 +114,16 @@ calls! {
     EvaluateDiscreteStates "fmi3EvaluateDiscreteStates" NEVER;
     GetNumberOfVariableDependencies "fmi3GetNumberOfVariableDependencies" NEVER;
     GetVariableDependencies "fmi3GetVariableDependencies" NEVER;
-    EnterContinuousTimeMode "fmi3EnterContinuousTimeMode" NEVER;
-    CompletedIntegratorStep "fmi3CompletedIntegratorStep" NEVER;
-    SetTime "fmi3SetTime" NEVER;
-    SetContinuousStates "fmi3SetContinuousStates" NEVER;
-    GetContinuousStateDerivatives "fmi3GetContinuousStateDerivatives" NEVER;
-    GetEventIndicators "fmi3GetEventIndicators" NEVER;
-    GetContinuousStates "fmi3GetContinuousStates" NEVER;
-    GetNominalsOfContinuousStates "fmi3GetNominalsOfContinuousStates" NEVER;
-    GetNumberOfEventIndicators "fmi3GetNumberOfEventIndicators" NEVER;
-    GetNumberOfContinuousStates "fmi3GetNumberOfContinuousStates" NEVER;
+    EnterContinuousTimeMode "fmi3EnterContinuousTimeMode" EVENT;
+    CompletedIntegratorStep "fmi3CompletedIntegratorStep" CONTINUOUS;
+    SetTime "fmi3SetTime" EVENT | CONTINUOUS;
+    SetContinuousStates "fmi3SetContinuousStates" CONTINUOUS;
+    GetContinuousStateDerivatives "fmi3GetContinuousStateDerivatives" EXCHANGED;
+    GetEventIndicators "fmi3GetEventIndicators" EXCHANGED;
+    GetContinuousStates "fmi3GetContinuousStates" EXCHANGED;
+    GetNominalsOfContinuousStates "fmi3GetNominalsOfContinuousStates" EXCHANGED;
+    GetNumberOfEventIndicators "fmi3GetNumberOfEventIndicators" ANY;
+    GetNumberOfContinuousStates "fmi3GetNumberOfContinuousStates" ANY;
 }
 
 impl fmi::Call for Call {
@@ -125,39 +131,58 @@ impl fmi::Call for Call {
         self.name()
     }
 
-    fn admitted_in(self, phase: Phase, _: Interface) -> Result<(), String> {
+    fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String> {
         let phases = self.phases();
+        if let Some(needed) = self.interface().filter(|needed| *needed != interface) {
+            let called = |interface| match interface {
+                Interface::CoSimulation => "Co-Simulation",
+                Interface::ModelExchange => "Model Exchange",
+            };
+            return Err(format!("this belongs to {}; the instance is one for {}", called(needed), called(interface)));
+        }
         if phases & phase.bit() != 0 {
             return Ok(());
         }
         if phases == NEVER {
             return Err(self.missing().into());
         }
-        let allowed: Vec<&str> = Phase::ALL.into_iter().filter(|p| phases & p.bit() != 0).map(name).collect();
+        let others = match interface {
+            Interface::CoSimulation => OF_MODEL_EXCHANGE,
+            Interface::ModelExchange => OF_CO_SIMULATION,
+        };
+        let allowed = Phase::ALL.into_iter().filter(|phase| phases & !others & phase.bit() != 0);
+        let allowed: Vec<&str> = allowed.map(name).collect();
         Err(format!("not allowed in {}; it is in {}", name(phase), allowed.join(", ")))
     }
 }
 
 impl Call {
+    /// The interface to which the call belongs, if it is not of both.
+    fn interface(self) -> Option<Interface> {
+        match self {
+            Call::DoStep | Call::EnterStepMode | Call::GetOutputDerivatives => Some(Interface::CoSimulation),
+            Call::EnterContinuousTimeMode
+            | Call::CompletedIntegratorStep
+            | Call::SetTime
+            | Call::SetContinuousStates
+            | Call::GetContinuousStateDerivatives
+            | Call::GetEventIndicators
+            | Call::GetContinuousStates
+            | Call::GetNominalsOfContinuousStates
+            | Call::GetNumberOfEventIndicators
+            | Call::GetNumberOfContinuousStates => Some(Interface::ModelExchange),
+            _ => None,
+        }
+    }
+
     /// Why a function is never allowed.
     fn missing(self) -> &'static str {
         match self {
-            Call::GetClock
-            | Call::SetClock
-            | Call::GetIntervalDecimal
-            | Call::GetIntervalFraction
-            | Call::GetShiftDecimal
-            | Call::GetShiftFraction
-            | Call::SetIntervalDecimal
-            | Call::SetIntervalFraction
-            | Call::SetShiftDecimal
-            | Call::SetShiftFraction
-            | Call::ActivateModelPartition => "this FMU has no clocks",
             Call::EvaluateDiscreteStates => "providesEvaluateDiscreteStates is false",
             Call::GetNumberOfVariableDependencies | Call::GetVariableDependencies => {
                 "providesPerElementDependencies is false; ModelStructure has the dependencies"
             }
-            _ => "this belongs to Model Exchange; this FMU offers Co-Simulation only",
+            _ => "this FMU has no clocks",
         }
     }
 }

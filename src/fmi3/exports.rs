@@ -15,7 +15,7 @@ use std::ffi::c_char;
 use libc::size_t;
 
 use crate::fmi::boundary::read;
-use crate::fmi3::boundary::{self, Request, call, is_true, place, room, texts};
+use crate::fmi3::boundary::{self, Request, Stepping, call, is_true, place, room, texts};
 use crate::fmi3::calls::Call;
 use crate::fmi3::instance::{Instance, write};
 use crate::fmi3::step::Step;
@@ -23,7 +23,9 @@ use crate::fmi3::types::*;
 use crate::fmi3::values::of_no_type;
 use crate::model::fault::Fault;
 use crate::model::snapshot;
+use crate::model::unit::Unit;
 use crate::model::variables::Kind;
+use crate::simulation::exchange::{INDICATORS, STATES};
 
 /// The version of the interface: "3.0".
 #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
@@ -51,52 +53,67 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         name: instance_name,
         token: instantiation_token,
         logging: logging_on,
+        environment: instance_environment,
+        logger: log_message,
+    };
+    let stepping = Stepping {
         event_mode: event_mode_used,
         early_return: early_return_allowed,
         required: required_intermediate_variables,
         required_count,
-        environment: instance_environment,
-        logger: log_message,
         update: intermediate_update,
     };
     // SAFETY: texts are null or end with 0, there are `required_count` references, and the callbacks may be called until the
     // instance is freed (standard, 2.3.1).
-    unsafe { boundary::instantiate(request) }
+    unsafe { boundary::instantiate("fmi3InstantiateCoSimulation", &request, Some(stepping)) }
 }
 
-/// Null: Model Exchange is not offered.
+/// A new instance for Model Exchange, or null. The path of the resources is not needed and not judged.
 #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
-    _instance_name: fmi3String,
-    _instantiation_token: fmi3String,
+    instance_name: fmi3String,
+    instantiation_token: fmi3String,
     _resource_path: fmi3String,
     _visible: fmi3Boolean,
-    _logging_on: fmi3Boolean,
+    logging_on: fmi3Boolean,
     instance_environment: fmi3InstanceEnvironment,
     log_message: Option<fmi3LogMessageCallback>,
 ) -> fmi3Instance {
-    let reason = "fmi3InstantiateModelExchange: this FMU offers Co-Simulation only";
-    // SAFETY: the logger may be called with its environment (standard, 2.3.1).
-    unsafe { boundary::refuse(instance_environment, log_message, reason) }
+    let request = Request {
+        name: instance_name,
+        token: instantiation_token,
+        logging: logging_on,
+        environment: instance_environment,
+        logger: log_message,
+    };
+    // SAFETY: texts are null or end with 0, and the logger may be called until the instance is freed (standard, 2.3.1).
+    unsafe { boundary::instantiate("fmi3InstantiateModelExchange", &request, None) }
 }
 
 /// Null: Scheduled Execution is not offered.
 #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
-    _instance_name: fmi3String,
-    _instantiation_token: fmi3String,
+    instance_name: fmi3String,
+    instantiation_token: fmi3String,
     _resource_path: fmi3String,
     _visible: fmi3Boolean,
-    _logging_on: fmi3Boolean,
+    logging_on: fmi3Boolean,
     instance_environment: fmi3InstanceEnvironment,
     log_message: Option<fmi3LogMessageCallback>,
     _clock_update: Option<fmi3ClockUpdateCallback>,
     _lock_preemption: Option<fmi3PreemptionCallback>,
     _unlock_preemption: Option<fmi3PreemptionCallback>,
 ) -> fmi3Instance {
-    let reason = "fmi3InstantiateScheduledExecution: this FMU offers Co-Simulation only";
+    let request = Request {
+        name: instance_name,
+        token: instantiation_token,
+        logging: logging_on,
+        environment: instance_environment,
+        logger: log_message,
+    };
+    let reason = "fmi3InstantiateScheduledExecution: this FMU offers Co-Simulation and Model Exchange";
     // SAFETY: the logger may be called with its environment (standard, 2.3.1).
-    unsafe { boundary::refuse(instance_environment, log_message, reason) }
+    unsafe { boundary::refuse(&request, reason) }
 }
 
 /// Frees an instance; nothing for null.
@@ -160,6 +177,8 @@ transitions! {
     fmi3EnterEventMode EnterEventMode Instance::begin_event;
     /// Ends the handling of an event.
     fmi3EnterStepMode EnterStepMode Instance::enter_step_mode;
+    /// Model Exchange: the motion goes on.
+    fmi3EnterContinuousTimeMode EnterContinuousTimeMode Instance::enter_continuous_time_mode;
     /// Ends the run.
     fmi3Terminate Terminate Instance::terminate;
     /// Back to where instantiation left the instance.
@@ -475,17 +494,19 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     // SAFETY: the instance lives; the others are places for results (standard, 2.3.5).
     unsafe {
         call(instance, Call::UpdateDiscreteStates, |instance| {
-            let no = [
-                place("discreteStatesNeedUpdate", discrete_states_need_update)?,
-                place("nominalsOfContinuousStatesChanged", nominals_changed)?,
-                place("valuesOfContinuousStatesChanged", values_changed)?,
-                place("nextEventTimeDefined", next_event_time_defined)?,
-            ];
-            let (terminates, time) = (place("terminateSimulation", terminate_simulation)?, next_event_time);
-            let time = place("nextEventTime", time)?;
-            terminates.put(instance.update_discrete_states()?.into());
-            no.into_iter().for_each(|place| place.put(FMI3_FALSE));
-            time.put(0.0);
+            let need_update = place("discreteStatesNeedUpdate", discrete_states_need_update)?;
+            let terminate = place("terminateSimulation", terminate_simulation)?;
+            let nominals = place("nominalsOfContinuousStatesChanged", nominals_changed)?;
+            let values = place("valuesOfContinuousStatesChanged", values_changed)?;
+            let defined = place("nextEventTimeDefined", next_event_time_defined)?;
+            let time = place("nextEventTime", next_event_time)?;
+            let after = instance.update_discrete_states()?;
+            need_update.put(FMI3_FALSE);
+            terminate.put(after.ended.into());
+            nominals.put(FMI3_FALSE);
+            values.put(after.states_changed.into());
+            defined.put(after.next_time.is_some().into());
+            time.put(after.next_time.unwrap_or(0.0));
             Ok(Status::Ok)
         })
     }
@@ -513,6 +534,100 @@ pub unsafe extern "C" fn fmi3DoStep(
             Ok(Status::Ok)
         })
     }
+}
+
+/// Model Exchange: a step of the importer's solver was accepted.
+#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
+    instance: fmi3Instance,
+    _no_set_state_prior: fmi3Boolean,
+    enter_event_mode: *mut fmi3Boolean,
+    terminate_simulation: *mut fmi3Boolean,
+) -> fmi3Status {
+    // SAFETY: the instance lives; the others are places for results (standard, 3.2).
+    unsafe {
+        call(instance, Call::CompletedIntegratorStep, |instance| {
+            let enter = place("enterEventMode", enter_event_mode)?;
+            let terminate = place("terminateSimulation", terminate_simulation)?;
+            let answer = instance.completed_integrator_step();
+            enter.put(FMI3_FALSE);
+            terminate.put(FMI3_FALSE);
+            answer
+        })
+    }
+}
+
+/// Model Exchange: the importer's clock.
+#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status {
+    // SAFETY: the instance lives; there is no other pointer.
+    unsafe { call(instance, Call::SetTime, |instance| instance.set_time(time)) }
+}
+
+/// Model Exchange: the continuous states.
+#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetContinuousStates(
+    instance: fmi3Instance,
+    states: *const fmi3Float64,
+    count: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `count` states (standard, 3.2).
+    unsafe {
+        call(instance, Call::SetContinuousStates, |instance| {
+            instance.set_continuous_states(read("continuousStates", states, count)?)
+        })
+    }
+}
+
+macro_rules! exchanged {
+    ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(
+            instance: fmi3Instance,
+            values: *mut fmi3Float64,
+            count: size_t,
+        ) -> fmi3Status {
+            // SAFETY: the instance lives; there is room for `count` values (standard, 3.2).
+            unsafe {
+                call(instance, Call::$call, |instance| instance.get_all($of, room($array, values, count)?.places()))
+            }
+        }
+    )*};
+}
+
+exchanged! {
+    /// Model Exchange: the derivatives of the continuous states.
+    fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives "derivatives" Unit::derivatives;
+    /// Model Exchange: the event indicators.
+    fmi3GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
+    /// Model Exchange: the continuous states.
+    fmi3GetContinuousStates GetContinuousStates "continuousStates" Unit::states;
+    /// Model Exchange: what the continuous states typically are.
+    fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates "nominals" Unit::nominals;
+}
+
+macro_rules! counts {
+    ($($(#[$doc:meta])* $name:ident $call:ident $place:literal $count:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(instance: fmi3Instance, count: *mut size_t) -> fmi3Status {
+            // SAFETY: the instance lives; `count` is a place for the result (standard, 3.2).
+            unsafe {
+                call(instance, Call::$call, |_| {
+                    place($place, count)?.put($count);
+                    Ok(Status::Ok)
+                })
+            }
+        }
+    )*};
+}
+
+counts! {
+    /// Model Exchange: how many event indicators there are.
+    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators "nEventIndicators" INDICATORS;
+    /// Model Exchange: how many continuous states there are.
+    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates "nContinuousStates" STATES;
 }
 
 /// Never reached: the table of calls refuses before.
@@ -546,14 +661,4 @@ missing! {
     fmi3EvaluateDiscreteStates EvaluateDiscreteStates ();
     fmi3GetNumberOfVariableDependencies GetNumberOfVariableDependencies (_value_reference: fmi3ValueReference, _n_dependencies: *mut size_t);
     fmi3GetVariableDependencies GetVariableDependencies (_dependent: fmi3ValueReference, _element_indices_of_dependent: *mut size_t, _independents: *mut fmi3ValueReference, _element_indices_of_independents: *mut size_t, _dependency_kinds: *mut fmi3DependencyKind, _n_dependencies: size_t);
-    fmi3EnterContinuousTimeMode EnterContinuousTimeMode ();
-    fmi3CompletedIntegratorStep CompletedIntegratorStep (_no_set_fmustate_prior_to_current_point: fmi3Boolean, _enter_event_mode: *mut fmi3Boolean, _terminate_simulation: *mut fmi3Boolean);
-    fmi3SetTime SetTime (_time: fmi3Float64);
-    fmi3SetContinuousStates SetContinuousStates (_continuous_states: *const fmi3Float64, _n_continuous_states: size_t);
-    fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives (_derivatives: *mut fmi3Float64, _n_continuous_states: size_t);
-    fmi3GetEventIndicators GetEventIndicators (_event_indicators: *mut fmi3Float64, _n_event_indicators: size_t);
-    fmi3GetContinuousStates GetContinuousStates (_continuous_states: *mut fmi3Float64, _n_continuous_states: size_t);
-    fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates (_nominals: *mut fmi3Float64, _n_continuous_states: size_t);
-    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators (_n_event_indicators: *mut size_t);
-    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates (_n_continuous_states: *mut size_t);
 }

@@ -6,6 +6,8 @@ use crate::fmi3::boundary::{Messenger, Updater};
 use crate::fmi3::calls::Call;
 use crate::fmi3::types::Status;
 use crate::model::fault::Fault;
+use crate::model::unit::Interface;
+use crate::model::unit::exchange::AfterEvent;
 use crate::model::variables::{Causality, VARIABLES, Variability};
 
 pub use crate::fmi::instance::{Answer, write};
@@ -34,8 +36,13 @@ impl fmi::Version for Fmi3 {
 pub type Instance = fmi::instance::Instance<Fmi3>;
 
 impl Fmi3 {
-    /// How an importer wants to use an instance; refuses variables that cannot be set or read inside a step.
-    pub fn new(
+    /// Of Model Exchange.
+    pub fn exchanged() -> Fmi3 {
+        Fmi3 { event_mode: true, early_return: false, updater: None, required: Vec::new(), sets_inputs: false }
+    }
+
+    /// How an importer wants to use an instance for Co-Simulation; refuses variables that cannot be set or read inside a step.
+    pub fn stepped(
         event_mode: bool,
         early_return: bool,
         required: &[u32],
@@ -76,7 +83,9 @@ impl Instance {
     /// `fmi3ExitInitializationMode`: on to Event Mode if that is used, to Step Mode otherwise.
     pub fn leave_initialization_mode(&mut self) -> Answer {
         let status = self.exit_initialization_mode()?;
-        self.unit.handle_event(self.version.event_mode);
+        if self.version.event_mode {
+            self.unit.enter_event_mode();
+        }
         Ok(status)
     }
 
@@ -85,21 +94,23 @@ impl Instance {
         if !self.version.event_mode {
             return Err(Fault::new("eventModeUsed was false at instantiation; events are handled inside the FMU"));
         }
-        self.unit.handle_event(true);
-        Ok(Status::Ok)
+        self.enter_event_mode()
     }
 
-    /// `fmi3UpdateDiscreteStates`: applies the event; whether the run has ended.
-    pub fn update_discrete_states(&mut self) -> Result<bool, Fault> {
+    /// `fmi3UpdateDiscreteStates`: what an event makes of the block.
+    pub fn update_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
+        if self.unit.interface() == Interface::ModelExchange {
+            return self.new_discrete_states();
+        }
         let log = &self.log;
         self.unit.settle(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))?;
-        Ok(self.unit.has_ended())
+        Ok(AfterEvent { ended: self.unit.has_ended(), ..AfterEvent::default() })
     }
 
     /// `fmi3EnterStepMode`. An event that was not applied is.
     pub fn enter_step_mode(&mut self) -> Answer {
         self.update_discrete_states()?;
-        self.unit.handle_event(false);
+        self.unit.enter_step_mode();
         Ok(Status::Ok)
     }
 

@@ -1,4 +1,5 @@
-//! The solver behind the C interface of FMI 3.0 Co-Simulation, with Event Mode, early return and intermediate update.
+//! The solver behind the C interface of FMI 3.0: Co-Simulation with Event Mode, early return and intermediate
+//! update, and Model Exchange.
 //!
 //! [`exports`] has the functions; [`boundary`] turns their pointers into references and [`instance`] what a
 //! [`crate::model::unit::Unit`] answers into statuses and messages, both over what [`crate::fmi`] has for all versions; [`step`] is

@@ -33,9 +33,7 @@ fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
     }
     match own(reference) {
         Some(own @ Own::RecordSamples) => Ok((own.name(), "UInt64")),
-        Some(
-            own @ (Own::Time | Own::RecordHorizontalSamples | Own::RecordVerticalSamples | Own::IntermediateInterval),
-        ) => Ok((own.name(), FLOAT64)),
+        Some(own) => Ok((own.name(), FLOAT64)),
         None => {
             let last = VARIABLES.len() + Own::ALL.len() - 1;
             Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")))
@@ -115,8 +113,9 @@ impl Instance {
         let mut found = Vec::with_capacity(values.len());
         for &reference in references {
             match own(reference) {
-                Some(Own::Time) => found.push(self.unit.time()),
-                Some(own) if known(reference)?.1 == FLOAT64 => found.extend_from_slice(self.unit.own(own)),
+                Some(own) if known(reference)?.1 == FLOAT64 => {
+                    self.unit.read_own(own, &mut |value| found.push(value))?;
+                }
                 Some(_) | None => {
                     check(&[reference], Kind::Real)?;
                     found.push(self.unit.get(Kind::Real, reference)?);
@@ -220,7 +219,7 @@ impl Instance {
         if let Some(wrong) = seed.iter().find(|x| !x.is_finite()) {
             return Err(Fault::new(format!("seed {wrong}; expected finite numbers")));
         }
-        // At most five inputs: one direction each is not worth a reverse mode.
+        // At most five inputs and eight states: that few directions are not worth a reverse mode.
         for (known, place) in knowns.iter().zip(sensitivities) {
             let derivatives = self.unit.directional_derivative(unknowns, &[*known], &[1.0])?;
             let mut sum = 0.0;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::fault::Fault;
-use crate::model::unit::Unit;
+use crate::model::unit::{Interface, Unit};
 use crate::model::values::Values;
 use crate::model::variables::{Own, Variable};
 use crate::records::ground::Ground;
@@ -68,10 +68,15 @@ impl OwnValues {
         self.samples = [vec![0.0; count], vec![0.0; count]];
     }
 
-    /// The values of a variable; none of time and of the size.
+    /// The values of a real parameter; none of what is none.
     fn of(&self, own: Own) -> &[f64] {
         match own {
-            Own::Time | Own::RecordSamples => &[],
+            Own::Time
+            | Own::RecordSamples
+            | Own::IndicatorL
+            | Own::IndicatorR
+            | Own::IndicatorQuarterTurn
+            | Own::IndicatorSlide => &[],
             Own::RecordHorizontalSamples => &self.samples[0],
             Own::RecordVerticalSamples => &self.samples[1],
             Own::IntermediateInterval => std::slice::from_ref(&self.interval),
@@ -80,7 +85,12 @@ impl OwnValues {
 
     fn of_mut(&mut self, own: Own) -> &mut [f64] {
         match own {
-            Own::Time | Own::RecordSamples => &mut [],
+            Own::Time
+            | Own::RecordSamples
+            | Own::IndicatorL
+            | Own::IndicatorR
+            | Own::IndicatorQuarterTurn
+            | Own::IndicatorSlide => &mut [],
             Own::RecordHorizontalSamples => &mut self.samples[0],
             Own::RecordVerticalSamples => &mut self.samples[1],
             Own::IntermediateInterval => std::slice::from_mut(&mut self.interval),
@@ -119,24 +129,38 @@ impl Unit {
 
     /// How many values a variable has.
     pub fn size(&self, own: Own) -> usize {
-        match own {
-            Own::Time | Own::RecordSamples => 1,
-            Own::RecordHorizontalSamples | Own::RecordVerticalSamples | Own::IntermediateInterval => {
-                self.values.own.of(own).len()
-            }
-        }
+        self.values.own.of(own).len().max(1)
     }
 
-    /// The values of a real variable, but of time.
-    pub fn own(&self, own: Own) -> &[f64] {
-        self.values.own.of(own)
+    /// Hands the values of a real variable over to `give`.
+    pub fn read_own(&mut self, own: Own, give: &mut dyn FnMut(f64)) -> Result<(), Fault> {
+        match own {
+            Own::Time => give(self.time()),
+            Own::IndicatorL => give(self.indicator(0)?),
+            Own::IndicatorR => give(self.indicator(1)?),
+            Own::IndicatorQuarterTurn => give(self.indicator(2)?),
+            Own::IndicatorSlide => give(self.indicator(3)?),
+            Own::RecordSamples => give(self.sample_count() as f64),
+            Own::RecordHorizontalSamples | Own::RecordVerticalSamples | Own::IntermediateInterval => {
+                self.values.own.of(own).iter().copied().for_each(give);
+            }
+        }
+        Ok(())
+    }
+
+    /// An event indicator of Model Exchange; in Co-Simulation the importer has nothing to watch.
+    fn indicator(&mut self, place: usize) -> Result<f64, Fault> {
+        match self.interface() {
+            Interface::CoSimulation => Ok(1.0),
+            Interface::ModelExchange => Ok(self.indicators()?[place]),
+        }
     }
 
     /// Sets a real parameter, all of its values or none.
     pub fn set_own(&mut self, own: Own, values: &[f64]) -> Result<(), Fault> {
         let name = own.name();
-        if matches!(own, Own::Time | Own::RecordSamples) {
-            return Err(Fault::new(format!("{name} is not set as a real parameter")));
+        if self.values.own.of(own).is_empty() {
+            return Err(Fault::new(format!("{name} is no real parameter, which alone can be set here")));
         }
         if self.phase().is_initialized() {
             return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));

@@ -130,9 +130,9 @@ impl Unit {
         self.phase = if looks { Phase::LookingIn } else { Phase::StepComplete };
     }
 
-    /// An event is handled, or has been.
-    pub fn handle_event(&mut self, handles: bool) {
-        self.phase = if handles { Phase::EventMode } else { Phase::StepComplete };
+    /// An event has been handled.
+    pub fn enter_step_mode(&mut self) {
+        self.phase = Phase::StepComplete;
     }
 
     /// Sizes of arrays are set, or have been.

@@ -93,6 +93,12 @@ pub struct Environment {
     on_update: Mutex<Option<OnUpdate>>,
 }
 
+impl Default for Environment {
+    fn default() -> Environment {
+        Environment { messages: Mutex::default(), handle: Mutex::new(null_mut()), on_update: Mutex::new(None) }
+    }
+}
+
 unsafe extern "C" fn logger(environment: Handle, status: Status, category: Text, message: Text) {
     // SAFETY: the environment is that of the instance, and texts end with 0 (standard, 2.3.1).
     let (environment, [category, message]) = unsafe {
@@ -171,14 +177,30 @@ pub struct Stepped {
 }
 
 impl Instance {
+    /// One for Model Exchange.
+    pub fn exchanged() -> Instance {
+        let environment: &'static Environment = Box::leak(Box::default());
+        // SAFETY: texts end with 0, and the environment lives as long as the tests.
+        let handle = unsafe {
+            (FMU.functions.instantiate_model_exchange)(
+                c"block".as_ptr(),
+                FMU.token.as_ptr(),
+                null(),
+                false,
+                false,
+                std::ptr::from_ref(environment).cast_mut().cast(),
+                Some(logger),
+            )
+        };
+        assert!(!handle.is_null(), "{:?}", environment.messages.lock().unwrap());
+        Instance { handle, environment }
+    }
+
     pub fn new(wanted: Wanted) -> Instance {
         let Wanted { logging, event_mode, early_return, intermediate, on_update } = wanted;
         let has_update = on_update.is_some();
-        let environment: &'static Environment = Box::leak(Box::new(Environment {
-            messages: Mutex::default(),
-            handle: Mutex::new(null_mut()),
-            on_update: Mutex::new(on_update),
-        }));
+        let environment: &'static Environment = Box::leak(Box::default());
+        *environment.on_update.lock().unwrap() = on_update;
         let required: Vec<u32> = intermediate.iter().map(|name| reference(name)).collect();
         // SAFETY: texts end with 0, and the environment lives as long as the tests.
         let handle = unsafe {

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod events;
+mod exchange;
 #[allow(dead_code, reason = "that all functions are there is tested; not all are called")]
 mod functions;
 mod host;

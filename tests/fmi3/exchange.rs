@@ -1,0 +1,158 @@
+//! Model Exchange: a solver of this test steps the block, and comes to what Co-Simulation has.
+
+use std::ptr::null_mut;
+
+use crate::functions::OK;
+use crate::host::{Instance, Wanted, call};
+
+/// Free rocking on a rigid base.
+const RELEASED: [(&str, f64); 2] = [("foundation", 2.0), ("initial.theta", 0.1)];
+
+const STATES: usize = 8;
+const INDICATORS: usize = 4;
+
+/// What `fmi3UpdateDiscreteStates` gave.
+#[derive(Debug)]
+struct Updated {
+    terminates: bool,
+    values_changed: bool,
+    next_time: Option<f64>,
+}
+
+fn update(block: &Instance) -> Updated {
+    let [mut more, mut terminates, mut nominals, mut values_changed, mut defined] = [true; 5];
+    let mut next = f64::NAN;
+    block.ok(call!(
+        block,
+        update_discrete_states,
+        &mut more,
+        &mut terminates,
+        &mut nominals,
+        &mut values_changed,
+        &mut defined,
+        &mut next
+    ));
+    assert!(!more && !nominals);
+    Updated { terminates, values_changed, next_time: defined.then_some(next) }
+}
+
+fn ready(values: &[(&str, f64)]) -> Instance {
+    let block = Instance::exchanged();
+    block.set_all(values);
+    block.ok(call!(block, enter_initialization_mode, false, 0.0, 0.0, false, 0.0));
+    block.ok(call!(block, exit_initialization_mode));
+    block
+}
+
+fn states(block: &Instance) -> [f64; STATES] {
+    let mut states = [f64::NAN; STATES];
+    block.ok(call!(block, get_continuous_states, states.as_mut_ptr(), STATES));
+    states
+}
+
+fn put(block: &Instance, time: f64, states: &[f64; STATES]) {
+    block.ok(call!(block, set_time, time));
+    block.ok(call!(block, set_continuous_states, states.as_ptr(), STATES));
+}
+
+fn derivatives(block: &Instance, time: f64, states: &[f64; STATES]) -> [f64; STATES] {
+    put(block, time, states);
+    let mut derivatives = [f64::NAN; STATES];
+    block.ok(call!(block, get_continuous_state_derivatives, derivatives.as_mut_ptr(), STATES));
+    derivatives
+}
+
+/// The classical Runge-Kutta step.
+fn step(block: &Instance, time: f64, states: &[f64; STATES], h: f64) -> [f64; STATES] {
+    let moved = |rates: &[f64; STATES], h: f64| std::array::from_fn(|i| states[i] + h * rates[i]);
+    let a = derivatives(block, time, states);
+    let b = derivatives(block, time + 0.5 * h, &moved(&a, 0.5 * h));
+    let c = derivatives(block, time + 0.5 * h, &moved(&b, 0.5 * h));
+    let d = derivatives(block, time + h, &moved(&c, h));
+    std::array::from_fn(|i| states[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+}
+
+fn least_indicator(block: &Instance, time: f64, states: &[f64; STATES]) -> f64 {
+    put(block, time, states);
+    let mut indicators = [f64::NAN; INDICATORS];
+    block.ok(call!(block, get_event_indicators, indicators.as_mut_ptr(), INDICATORS));
+    let named = ["indicator.L", "indicator.R", "indicator.quarter_turn", "indicator.slide"];
+    assert_eq!(named.map(|name| block.get(name)), indicators);
+    indicators.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn a_solver_outside_comes_to_the_impacts_of_co_simulation() {
+    let inside = Instance::new(Wanted::default());
+    inside.set_all(&RELEASED);
+    inside.initialize(false);
+    let block = ready(&RELEASED);
+    let first = update(&block);
+    assert!(!first.terminates && first.next_time.is_none(), "{first:?}");
+    block.ok(call!(block, enter_continuous_time_mode));
+    let (mut time, mut x, mut impacts) = (0.0, states(&block), 0.0);
+    let h = 1e-3;
+    while impacts < 3.0 {
+        let next = step(&block, time, &x, h);
+        if least_indicator(&block, time + h, &next) >= 0.0 {
+            (time, x) = (time + h, next);
+            put(&block, time, &x);
+            let (mut enter, mut terminate) = (true, true);
+            block.ok(call!(block, completed_integrator_step, true, &mut enter, &mut terminate));
+            assert!(!enter && !terminate);
+            continue;
+        }
+        let (mut before, mut after) = (0.0, h);
+        while after - before > 1e-13 {
+            let middle = 0.5 * (before + after);
+            let there = step(&block, time, &x, middle);
+            if least_indicator(&block, time + middle, &there) < 0.0 { after = middle } else { before = middle }
+        }
+        x = step(&block, time, &x, after);
+        time += after;
+        put(&block, time, &x);
+        block.ok(call!(block, enter_event_mode));
+        let updated = update(&block);
+        assert!(updated.values_changed && !updated.terminates, "{updated:?}");
+        block.ok(call!(block, enter_continuous_time_mode));
+        x = states(&block);
+        impacts += 1.0;
+        inside.step(inside.get("time"), time + 1e-6 - inside.get("time"));
+        assert_eq!((inside.get("events.impacts"), block.get("events.impacts")), (impacts, impacts));
+        // Runge-Kutta steps of 1 ms of a motion with p = 1 rad/s are good for ten digits.
+        assert!((inside.get("events.last_time") - time).abs() < 1e-9, "{time}");
+    }
+    assert_eq!(block.get("time"), time);
+    block.ok(call!(block, terminate));
+}
+
+#[test]
+fn sizes_are_told_and_checked() {
+    let block = ready(&RELEASED);
+    let (mut states, mut indicators) = (0, 0);
+    block.ok(call!(block, get_number_of_continuous_states, &mut states));
+    block.ok(call!(block, get_number_of_event_indicators, &mut indicators));
+    assert_eq!((states, indicators), (STATES, INDICATORS));
+    let mut values = [f64::NAN; STATES];
+    block.ok(call!(block, get_nominals_of_continuous_states, values.as_mut_ptr(), STATES));
+    assert!(values.iter().all(|nominal| *nominal > 0.0));
+    block.refuses(call!(block, get_continuous_states, values.as_mut_ptr(), 3), &["room for 3", "8"]);
+    // The pulse's beginning is the next event.
+    let pulsed = ready(&[("pulse.shape", 2.0), ("pulse.amplitude", 1.0), ("pulse.start", 0.25)]);
+    assert_eq!(update(&pulsed).next_time, Some(0.25));
+}
+
+#[test]
+fn what_belongs_to_the_other_interface_is_refused() {
+    let block = ready(&RELEASED);
+    let other = "this belongs to Co-Simulation; the instance is one for Model Exchange";
+    block.refuses(block.try_step(0.0, 0.1).0, &["fmi3DoStep", other]);
+    block.refuses(call!(block, enter_step_mode), &["fmi3EnterStepMode", other]);
+    block.refuses(call!(block, set_time, 0.5 / 0.0), &["time = inf"]);
+    // Neither are states of one interface those of the other.
+    let stepped = Instance::new(Wanted::default());
+    let mut state = null_mut();
+    assert_eq!(call!(stepped, get_fmu_state, &mut state), OK);
+    block.refuses(call!(block, set_fmu_state, state), &["CoSimulation", "ModelExchange"]);
+    assert_eq!(call!(stepped, free_fmu_state, &mut state), OK);
+}
