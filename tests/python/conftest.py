@@ -23,6 +23,13 @@ def program():
 
 
 @pytest.fixture(scope="session")
+def fmu3():
+    path = Path(os.environ.get("ROCKING_BLOCK_FMI3", ROOT / "target/release/RockingBlock-fmi3.fmu"))
+    assert path.exists(), f"{path} is missing: cargo build --release makes it"
+    return str(path)
+
+
+@pytest.fixture(scope="session")
 def reference():
     return ROOT / "tests/reference"
 
