@@ -1,4 +1,4 @@
-//! `fmi2DoStep` allocates no memory: events, the end of a run and log lines included.
+//! `fmi2DoStep` and `fmi3DoStep` allocate no memory: events, the end of a run, log lines and intermediate updates included.
 //!
 //! The library inside the FMU has an allocator of its own, which cannot be watched from outside; so the exported functions
 //! are called in the crate, under an allocator that counts.
@@ -10,7 +10,8 @@ use std::ptr::{null, null_mut};
 
 use rocking_block::fmi2::exports::*;
 use rocking_block::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
-use rocking_block::model::variables::{GUID, VARIABLES};
+use rocking_block::fmi3::exports::*;
+use rocking_block::model::variables::{GUID, TOKEN, VARIABLES};
 
 struct Counting;
 
@@ -169,4 +170,92 @@ fn the_step_that_ends_the_run_allocates_nothing() {
     let flown = run(&[("pulse.shape", 2), ("on_separation", 3)], &reals, true);
     assert_eq!((flown.calls, flown.steps, flown.last), (0, 1000, 0));
     assert!(flown.events > held.events + 2);
+}
+
+unsafe extern "C-unwind" fn logger_of_fmi3(_: *mut c_void, _: c_int, _: *const c_char, _: *const c_char) {
+    LINES.set(LINES.get() + 1);
+}
+
+thread_local! {
+    static BLOCK: Cell<*mut c_void> = const { Cell::new(null_mut()) };
+    static LOOKS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Sets a_gx where it is asked for, and reads theta elsewhere.
+unsafe extern "C-unwind" fn update(
+    _: *mut c_void,
+    time: f64,
+    set_requested: u8,
+    _: u8,
+    _: u8,
+    _: u8,
+    _: *mut u8,
+    _: *mut f64,
+) {
+    LOOKS.set(LOOKS.get() + 1);
+    // SAFETY: the instance lives, and is lent meanwhile; arrays of one element.
+    let status = unsafe {
+        if set_requested != 0 {
+            fmi3SetFloat64(BLOCK.get(), &reference("a_gx"), 1, &(2.0 * time.sin()), 1)
+        } else {
+            fmi3GetFloat64(BLOCK.get(), &reference("theta"), 1, &mut 0.0, 1)
+        }
+    };
+    assert_eq!(status, 0);
+}
+
+#[test]
+fn steps_of_fmi_3_allocate_nothing() {
+    let token = CString::new(TOKEN).unwrap();
+    let required = [reference("a_gx"), reference("theta")];
+    // SAFETY: a live instance used by this thread only, arrays of one element, texts that end with 0.
+    unsafe {
+        let (name, token) = (c"block".as_ptr(), token.as_ptr());
+        let (logger, update) = (Some(logger_of_fmi3 as _), Some(update as _));
+        let block = fmi3InstantiateCoSimulation(
+            name,
+            token,
+            null(),
+            0,
+            1,
+            1,
+            1,
+            required.as_ptr(),
+            2,
+            null_mut(),
+            logger,
+            update,
+        );
+        assert!(!block.is_null());
+        BLOCK.set(block);
+        for (choice, value) in [("pulse.shape", 2), ("on_separation", 3)] {
+            assert_eq!(fmi3SetInt64(block, &reference(choice), 1, &value, 1), 0);
+        }
+        for (name, value) in PULSE {
+            assert_eq!(fmi3SetFloat64(block, &reference(name), 1, &value, 1), 0);
+        }
+        assert_eq!(fmi3EnterInitializationMode(block, 0, 0.0, 0.0, 0, 0.0), 0);
+        assert_eq!(fmi3ExitInitializationMode(block), 0);
+        assert_eq!(fmi3EnterStepMode(block), 0);
+        let (mut time, mut events, before, lines) = (0.0, 0, CALLS.get(), LINES.get());
+        while time < 10.0 {
+            let (mut event, mut terminate, mut early, mut reached) = (0, 0, 0, 0.0);
+            let status = fmi3DoStep(block, time, 10.0 - time, 1, &mut event, &mut terminate, &mut early, &mut reached);
+            assert_eq!((status, terminate), (0, 0));
+            time = reached;
+            if event != 0 {
+                events += 1;
+                let mut flags = [0; 5];
+                let [more, ended, nominals, values, defined] = &mut flags;
+                assert_eq!(fmi3EnterEventMode(block), 0);
+                let update = fmi3UpdateDiscreteStates(block, more, ended, nominals, values, defined, &mut 0.0);
+                assert_eq!((update, fmi3EnterStepMode(block)), (0, 0));
+            }
+        }
+        assert_eq!(CALLS.get() - before, 0);
+        assert!(events >= 3 && LINES.get() > lines, "{events} events");
+        // Two every 5 ms: a part of a step goes on across an early return.
+        assert_eq!(LOOKS.get(), 4000);
+        fmi3FreeInstance(block);
+    }
 }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 use std::io::Read;
+use std::mem::ManuallyDrop;
 use std::ptr::{null, null_mut};
+use std::rc::Rc;
 use std::sync::{LazyLock, Mutex};
 
 use roxmltree::Document;
@@ -118,12 +120,13 @@ unsafe extern "C" fn update(
     early_return_requested: *mut bool,
     early_return_time: *mut f64,
 ) {
-    // SAFETY: the environment is that of the instance, and lives as long as the tests.
+    // SAFETY: the environment is that of the instance, and lives as long.
     let environment = unsafe { &*environment.cast::<Environment>() };
     let update = Update { time, set_requested, get_allowed, step_finished, can_return_early };
     let handle = *environment.handle.lock().unwrap();
-    // The instance is freed by its owner.
-    let instance = std::mem::ManuallyDrop::new(Instance { handle, environment });
+    // SAFETY: the environment is in an `Rc`, whose count stays as it is: neither it nor the instance is dropped here.
+    let shared = unsafe { Rc::from_raw(std::ptr::from_ref(environment)) };
+    let instance = ManuallyDrop::new(Instance { handle, environment: shared });
     let mut on_update = environment.on_update.lock().unwrap();
     if let Some(time) = on_update.as_mut().and_then(|on_update| on_update(&instance, update)) {
         // SAFETY: places for the answers (standard, 4.2.2).
@@ -147,7 +150,7 @@ pub struct Wanted<'a> {
 /// An instance of the FMU.
 pub struct Instance {
     pub handle: Handle,
-    environment: &'static Environment,
+    environment: Rc<Environment>,
 }
 
 impl Drop for Instance {
@@ -179,8 +182,8 @@ pub struct Stepped {
 impl Instance {
     /// One for Model Exchange.
     pub fn exchanged() -> Instance {
-        let environment: &'static Environment = Box::leak(Box::default());
-        // SAFETY: texts end with 0, and the environment lives as long as the tests.
+        let environment = Rc::<Environment>::default();
+        // SAFETY: texts end with 0, and the environment lives as long as the instance.
         let handle = unsafe {
             (FMU.functions.instantiate_model_exchange)(
                 c"block".as_ptr(),
@@ -188,7 +191,7 @@ impl Instance {
                 null(),
                 false,
                 false,
-                std::ptr::from_ref(environment).cast_mut().cast(),
+                Rc::as_ptr(&environment).cast_mut().cast(),
                 Some(logger),
             )
         };
@@ -199,10 +202,10 @@ impl Instance {
     pub fn new(wanted: Wanted) -> Instance {
         let Wanted { logging, event_mode, early_return, intermediate, on_update } = wanted;
         let has_update = on_update.is_some();
-        let environment: &'static Environment = Box::leak(Box::default());
+        let environment = Rc::<Environment>::default();
         *environment.on_update.lock().unwrap() = on_update;
         let required: Vec<u32> = intermediate.iter().map(|name| reference(name)).collect();
-        // SAFETY: texts end with 0, and the environment lives as long as the tests.
+        // SAFETY: texts end with 0, and the environment lives as long as the instance.
         let handle = unsafe {
             (FMU.functions.instantiate_co_simulation)(
                 c"block".as_ptr(),
@@ -214,7 +217,7 @@ impl Instance {
                 early_return,
                 required.as_ptr(),
                 required.len(),
-                std::ptr::from_ref(environment).cast_mut().cast(),
+                Rc::as_ptr(&environment).cast_mut().cast(),
                 Some(logger),
                 has_update.then_some(update as crate::functions::Update),
             )
