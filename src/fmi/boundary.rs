@@ -13,7 +13,7 @@
 //! - **Calls within a call.** The logger may call functions of its own instance, and so may another thread. While a call
 //!   is under way, any other on the same instance gets the status for an error, without a message, and changes nothing; a call that
 //!   frees the instance does nothing. Only between the pieces of a step, where FMI 3.0 lets the importer look in, calls
-//!   are taken; see [`Turn`] and [`call_in_pieces`].
+//!   are taken; see [`call_in_pieces`].
 //! - **Memory that was never written.** Results go into [`Room`]s, of which nothing is read.
 //! - **Arrays that overlap,** such as a direction and its sensitivities in one array: all is read before anything is
 //!   written.

@@ -1,8 +1,9 @@
 //! The model's interface, as modelDescription.xml has it ↔ block, pulse, settings and outputs: no C, and nothing of any
 //! version of FMI.
 //!
-//! [`variables`] is the description, [`values`] what its variables mean, those of FMI 3.0 alone in [`own`]; [`unit`] is an instance with its
-//! [`life_cycle`], whose steps may be done in [`parts`], and [`snapshot`] its saved states.
+//! [`variables`] is the description, [`values`] what its variables mean, those of FMI 3.0 alone in [`own`];
+//! [`mod@unit`] is an instance with its [`life_cycle`], whose steps may be done in [`parts`], and [`snapshot`] its saved
+//! states.
 
 pub mod fault;
 pub mod life_cycle;
