@@ -121,8 +121,8 @@ impl Pulse {
         let cycles = match self.shape {
             PulseShape::None => 0.0,
             PulseShape::OneSine | PulseShape::OneCosine => 1.0,
-            PulseShape::C1 => 1.5 - c_phase(1.0) / PI,
-            PulseShape::C2 => 2.5 - c_phase(2.0) / PI,
+            PulseShape::C1 => 1.5 - C1_PHASE / PI,
+            PulseShape::C2 => 2.5 - C2_PHASE / PI,
         };
         cycles * self.period
     }
@@ -141,7 +141,9 @@ impl Pulse {
     pub fn next_kink(&self, time: f64) -> Option<f64> {
         match self.shape {
             PulseShape::None => None,
-            _ => [self.start, self.end()].into_iter().find(|&kink| kink > time),
+            PulseShape::OneSine | PulseShape::OneCosine | PulseShape::C1 | PulseShape::C2 => {
+                [self.start, self.end()].into_iter().find(|&kink| kink > time)
+            }
         }
     }
 
@@ -154,23 +156,19 @@ impl Pulse {
         let phase = match self.shape {
             PulseShape::None | PulseShape::OneSine => 0.0,
             PulseShape::OneCosine => 0.5 * PI,
-            PulseShape::C1 => 0.5 * PI + c_phase(1.0),
-            PulseShape::C2 => 0.5 * PI + c_phase(2.0),
+            PulseShape::C1 => 0.5 * PI + C1_PHASE,
+            PulseShape::C2 => 0.5 * PI + C2_PHASE,
         };
         Wave { amplitude: self.amplitude, omega: TAU / self.period, phase, start: self.start }
     }
 }
 
-/// φ of a type-Cn pulse (rad): the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's condition
-/// `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ. φ = 0.0697π for n = 1, 0.0410π for n = 2.
-fn c_phase(n: f64) -> f64 {
-    let mut phase: f64 = 0.0;
-    // A contraction by more than 10 a turn: 20 turns reach rounding.
-    for _ in 0..20 {
-        phase = libm::atan(2.0 / ((2.0 * n + 1.0) * PI - 2.0 * phase));
-    }
-    phase
-}
+/// φ of a type-C1 pulse (rad), 0.0697π: the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's
+/// condition `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ, for n = 1.
+const C1_PHASE: f64 = 0.21897952247562566;
+
+/// The same of a type-C2 pulse (rad), 0.0410π: n = 2.
+const C2_PHASE: f64 = 0.12872979703677595;
 
 /// `amplitude · sin(ω (t − start) + phase)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -286,9 +284,14 @@ impl Excitation {
 mod tests {
     use super::*;
 
+    /// The paper gives 0.0697π and 0.0410π.
     #[test]
-    fn phases_of_c_pulses_are_the_papers() {
-        assert!((c_phase(1.0) / PI - 0.0697).abs() < 5e-5);
-        assert!((c_phase(2.0) / PI - 0.0410).abs() < 5e-5);
+    fn phases_of_c_pulses_are_roots_of_the_papers_condition() {
+        for (n, phase, printed) in [(1.0, C1_PHASE, 0.0697), (2.0, C2_PHASE, 0.0410)] {
+            assert!((phase / PI - printed).abs() < 5e-5, "n = {n}: {phase} rad");
+            // A contraction by more than 10 a turn: from any start 20 turns reach the root to rounding.
+            let root = (0..20).fold(0.0, |phase, _| libm::atan(2.0 / ((2.0 * n + 1.0) * PI - 2.0 * phase)));
+            assert_eq!(phase, root, "n = {n}");
+        }
     }
 }
