@@ -226,6 +226,20 @@ impl<'a, T: Scalar> Posture<'a, T> {
         -(height * (0.5 * omega_v * omega_v)) - rate * (xi_v * omega_v) + 0.5 * gravity
     }
 
+    /// Heights of the corners, their rates and their accelerations, from those of the middle of the base, b from either.
+    #[inline(always)]
+    fn corners(&self, [middle, middle_dot, middle_ddot]: [T; 3], theta_ddot: T) -> [[T; 2]; 3] {
+        let Posture { theta_dot, sin, cos, .. } = *self;
+        let b = self.block.b;
+        let (tilt, tilt_dot) = (sin * b, cos * theta_dot * b);
+        let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
+        [
+            [middle + tilt, middle - tilt],
+            [middle_dot + tilt_dot, middle_dot - tilt_dot],
+            [middle_ddot + tilt_ddot, middle_ddot - tilt_ddot],
+        ]
+    }
+
     /// Eqs. (7)–(10): both corners touch; w is the height of the middle of the base.
     #[inline(always)]
     fn full_contact(&self, forcing: Forcing<T>) -> Instant<T> {
@@ -244,8 +258,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
         let v_ddot = rise - forcing.z;
         let along = self.horizontal(sin * h, arm * theta_dot, arm * theta_ddot - centripetal, forcing);
         let w_ddot = v_ddot + sin * theta_ddot * h + cos * theta_dot * theta_dot * h;
-        let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
-        let (corner, corner_dot) = ([w + tilt, w - tilt], [w_dot + tilt_dot, w_dot - tilt_dot]);
+        let [corner, corner_dot, corner_ddot] = self.corners([w, w_dot, w_ddot], theta_ddot);
         Instant {
             theta,
             theta_dot,
@@ -260,7 +273,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
             v_ddot,
             corner,
             corner_dot,
-            corner_ddot: [w_ddot + tilt_ddot, w_ddot - tilt_ddot],
+            corner_ddot,
             reaction: [self.support(corner[0], corner_dot[0]), self.support(corner[1], corner_dot[1])],
             horizontal: along.reaction,
         }
@@ -283,15 +296,14 @@ impl<'a, T: Scalar> Posture<'a, T> {
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
-        let Block { b, h, i0, gravity, .. } = *block;
+        let Block { h, i0, gravity, .. } = *block;
         let zero = T::from(0.0);
         let theta_ddot = forcing.moment * T::from(1.0 / i0);
         let v_ddot = -forcing.z - gravity;
         let (middle, middle_dot) = (w + self.versine() * h, w_dot + sin * theta_dot * h);
         let middle_ddot = v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h;
-        let (tilt, tilt_dot) = (sin * b, cos * theta_dot * b);
         let along = self.horizontal(sin * h, cos * theta_dot * h, -forcing.x, forcing);
-        let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
+        let [corner, corner_dot, corner_ddot] = self.corners([middle, middle_dot, middle_ddot], theta_ddot);
         Instant {
             theta,
             theta_dot,
@@ -304,9 +316,9 @@ impl<'a, T: Scalar> Posture<'a, T> {
             v: w,
             v_dot: w_dot,
             v_ddot,
-            corner: [middle + tilt, middle - tilt],
-            corner_dot: [middle_dot + tilt_dot, middle_dot - tilt_dot],
-            corner_ddot: [middle_ddot + tilt_ddot, middle_ddot - tilt_ddot],
+            corner,
+            corner_dot,
+            corner_ddot,
             reaction: [zero; 2],
             horizontal: zero,
         }
