@@ -1,0 +1,75 @@
+"""The scripts of validation/ on the data, where these are at hand."""
+
+import csv
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+FOLDER = ROOT / "validation"
+DATA = ROOT.parent / "shared/validation"
+sys.path.insert(0, str(FOLDER))
+shaking_table = pytest.importorskip("shaking_table", reason="the package rocking_block is not installed")
+
+
+def data(name):
+    path = DATA / name
+    if not path.exists():
+        pytest.skip(f"the data of {name} may not be redistributed and are not at hand")
+    return path
+
+
+def test_without_a_fit_the_rocks_are_told_as_well_as_documented():
+    folder = shaking_table.Folder(data("shaking_table"))
+    for rock, least in (("SP1", 0.85), ("SP2", 0.89)):
+        probability = shaking_table.probabilities(folder, rock, shaking_table.rule(folder, rock), 9)
+        judge = shaking_table.judged(folder.overturned(rock), probability)
+        print(rock, judge)
+        assert judge["accuracy"] >= least
+        assert judge["AUC"] >= 0.9
+
+
+def test_what_is_fitted_to_some_tests_holds_for_others(tmp_path):
+    """A third of the tests with motions is fitted, another one judged, by the command as documented, with few samples."""
+    source = data("shaking_table")
+    with open(source / "tests.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["motion_present"] == "1"]
+    for part, name in enumerate(("fit", "test")):
+        folder = tmp_path / name
+        folder.mkdir()
+        for file in ("motions.npz", "rocks.json"):
+            (folder / file).symlink_to(source / file)
+        with open(folder / "tests.csv", "w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0])
+            writer.writeheader()
+            writer.writerows(rows[part::3])
+    command = [sys.executable, str(FOLDER / "shaking_table.py"), "--fit", str(tmp_path / "fit"),
+               "--test", str(tmp_path / "test"), "--samples", "3", "--json"]
+    found = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    for rock in ("SP1", "SP2"):
+        predictions = found[rock]["predictions"]
+        fitted = next(judge for name, judge in predictions.items() if "(fitted)" in name)
+        assert fitted["accuracy"] > predictions["always stays"]["accuracy"] + 0.1
+        alpha = found[rock]["alpha"]
+        assert 0.08 <= alpha["fitted"] < alpha["naive"]
+
+
+def test_first_impacts_of_limestone_blocks():
+    command = [sys.executable, str(FOLDER / "limestone.py"), str(data("limestone")), "--json"]
+    found = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    errors = found["RMSE on groups that were not fitted"]
+    floor = found["spread within groups"]
+    for name in ("Housner", "restitution factor", "supports"):
+        assert floor <= errors[name] <= 0.041, name
+    assert found["ratios above 1"] == 22
+
+
+def test_metrics_are_those_of_their_definitions():
+    happened = np.array([True, True, False, False])
+    assert shaking_table.auc(happened, np.array([0.9, 0.4, 0.4, 0.1])) == 0.875
+    judge = shaking_table.judged(happened, np.array([0.9, 0.4, 0.6, 0.1]))
+    assert judge["accuracy"] == judge["precision"] == judge["recall"] == 0.5
+    assert shaking_table.mcnemar(happened, np.array([1.0, 1, 0, 0]), np.array([1.0, 0, 1, 1])) == (3, 0, 0.25)
