@@ -48,7 +48,7 @@ pub struct Options {
     /// A second measure: the surface of both
     #[arg(long, value_name = "COLUMN")]
     surface: Option<String>,
-    /// Columns beside which it is told whether each measure is sufficient
+    /// Columns against which the sufficiency of each measure is tested
     #[arg(long, value_name = "COLUMN")]
     beside: Vec<String>,
     /// Picture of the peaks over the levels of the measure, of a sweep with levels, SVG or PNG by its ending

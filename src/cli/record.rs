@@ -29,7 +29,7 @@ pub struct Options {
     /// Gravity, for records in g and for the Arias intensity [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
     g: f64,
-    /// Periods at which Sa and Sv are told, 5 % damping [s]
+    /// Periods at which Sa and Sv are computed, 5 % damping [s]
     #[arg(long, value_name = "S,S,...", value_delimiter = ',', help_heading = "Results")]
     periods: Vec<f64>,
     /// Table of the times and accelerations of one record; `-` for standard output

@@ -65,7 +65,7 @@ impl<'a> Profile<'a> {
     }
 
     /// Interval of the dispersion β. Where the slope may be zero, β has no upper bound; if the data allow both signs of it,
-    /// only the bounds of its own sign are told.
+    /// only the bounds of its own sign are reported.
     pub fn dispersion(&self) -> Interval {
         let [_, b] = self.coefficients();
         let slopes = self.interval(b, self.covariance()[1][1].sqrt(), |b| self.excess(|x| (1.0, b * x)));
