@@ -373,7 +373,7 @@ fn not_for_this_fmu(choice: u32) -> fmi2Status {
     let (name, kind, guid, functions) = match choice % 7 {
         0 => (null(), 1, guid, functions),
         1 => (c"".as_ptr(), 1, guid, functions),
-        2 => (c"block".as_ptr(), 0, guid, functions),
+        2 => (c"block".as_ptr(), 2, guid, functions),
         3 => (c"block".as_ptr(), i32::MIN, guid, functions),
         4 => (c"block".as_ptr(), 1, wrong, functions),
         5 => (c"block".as_ptr(), 1, null(), functions),

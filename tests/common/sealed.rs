@@ -1,17 +1,17 @@
 //! Serialized states with any content: what the format says of itself is right, so that only the content is judged.
 
 use rocking_block::fmi2::types::fmi2Status;
+use rocking_block::model::snapshot::VERSION;
 use rocking_block::model::variables::GUID;
 
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference};
 
 const MAGIC: &[u8] = b"rockblk\x1a";
-const VERSION: u64 = 3;
 
 /// The bytes of a state with this content: magic, version, GUID, length and checksum before it, as postcard writes them.
 pub fn seal(content: &[u8]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
-    number(&mut bytes, VERSION);
+    number(&mut bytes, VERSION.into());
     number(&mut bytes, GUID.len() as u64);
     bytes.extend_from_slice(GUID.as_bytes());
     number(&mut bytes, content.len() as u64);
