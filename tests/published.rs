@@ -48,7 +48,7 @@ fn close(found: f64, printed: f64, relative: f64) {
 }
 
 /// G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bull. Seism. Soc. Am. 53 (1963) 403–417:
-/// eq. (9) for the restitution of a rectangle, (5) for the quarter period, and (12) for the amplitude after n impacts.
+/// restitution of a rectangle, quarter period, and amplitude after n impacts.
 #[test]
 fn housner_1963_free_rocking() {
     for alpha in [0.1_f64, 0.2, 0.4] {
@@ -201,9 +201,10 @@ fn dimitrakopoulos_dejong_2012_overturning_after_an_impact() {
 
 /// G. W. Housner (1963) has `a_p/(α g) = sqrt(1 + (ω_p/p)²)` for a half-sine pulse. B. Shi, A. Anooshehpoor, Y. Zeng,
 /// J. N. Brune, Rocking and overturning of precariously balanced rocks by earthquakes, Bull. Seism. Soc. Am. 86 (1996)
-/// 1364–1371, showed that this holds for a block at rest at the *beginning* of the pulse only if the pulse begins at its lift-off
-/// phase; the block that lifts when α g is reached needs
-/// `a_p/(α g) · (sin ψ + ω cos ψ + ω exp(−(π − ψ)/ω))/(1 + ω²) = 1`. This model sides with the latter.
+/// 1364–1371, looked at it anew: the block
+/// that lifts when α g is reached needs
+/// `a_p/(α g) · (sin ψ + ω cos ψ + ω exp(−(π − ψ)/ω))/(1 + ω²) = 1`, derived here from the linear equation. This model agrees
+/// with that.
 #[test]
 fn shi_and_others_1996_half_sine_pulse() {
     use rocking_block::excitation::{Inputs, Ramp};

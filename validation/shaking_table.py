@@ -7,7 +7,7 @@
 A folder holds `tests.csv`, `motions.npz` and `rocks.json`. What is fitted is fitted on the first folder only, and judged on
 the second; tests without a motion are left out. Needs the Python package `rocking_block` and NumPy.
 
-The rules, stated before any outcome was looked at:
+The rules; that for the geometry was stated before any outcome was looked at, the rest was not:
 
 - Geometry: the rectangular block that has the rock's height of the centre of mass and moment of inertia, and as much energy
   to lose on its weakest way over: alpha = sqrt(2 U/h). The naive rule, the critical tilt in the direction of shaking, is
