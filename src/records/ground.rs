@@ -117,17 +117,18 @@ impl Record {
         self.start_time + i as f64 * self.time_step
     }
 
-    /// The sample at or before `time`, as if samples went on after the last one; none before the first.
+    /// The sample at or before `time`, none before the first; after the last one, the last or the number of samples.
     fn sample_at(&self, time: f64) -> Option<usize> {
         if time < self.start_time {
             return None;
         }
-        // A division may be off by one either way.
-        let mut i = ((time - self.start_time) / self.time_step) as usize;
+        // A division may be off by one either way. A time long after a short record has no number among the integers.
+        let end = self.acceleration.len();
+        let mut i = (((time - self.start_time) / self.time_step) as usize).min(end);
         while i > 0 && self.sample_time(i) > time {
             i -= 1;
         }
-        while self.sample_time(i + 1) <= time {
+        while i < end && self.sample_time(i + 1) <= time {
             i += 1;
         }
         Some(i)
@@ -171,5 +172,19 @@ mod tests {
         let expected = [0.004, 0.008, 0.01, 0.012, 0.016, 0.02, 0.03];
         assert_eq!(stops.len(), expected.len());
         assert!(stops.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{stops:?}");
+    }
+
+    /// A time may be more samples after a record than there are integers; all is zero there.
+    #[test]
+    fn long_after_a_record_nothing_acts() {
+        for (start, dt, time) in [(0.0, 1e-300, 1.0), (-1e308, 0.01, 1e308), (1.0, 1e-20, 1.0), (0.0, 1e308, f64::MAX)] {
+            let record = Record { start_time: start, ..record("1.0\n2.0\n3.0\n", dt) };
+            let ground = Ground { horizontal: Some(record), vertical: None };
+            let inputs = Inputs { time, ..Inputs::default() };
+            let after = time > ground.end().unwrap();
+            assert_eq!(ground.inputs_from(time) == (inputs, f64::INFINITY), after || dt == 1e-20, "{start} {dt}");
+            let (piece, until) = ground.piece_at(time);
+            assert!(piece.time <= time && time < until, "{start} {dt}: {piece:?} until {until}");
+        }
     }
 }
