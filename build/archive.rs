@@ -5,8 +5,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::description::{Description, Variable};
-use crate::library::Version;
-use crate::{container, library, read};
+use crate::read;
+
+use super::library::Version;
+use super::{container, library};
 
 /// Packs the FMU of a version.
 pub fn pack(
@@ -29,7 +31,7 @@ pub fn pack(
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
-    for path in crate::files(Path::new("documentation/licenses"))? {
+    for path in super::files(Path::new("documentation/licenses"))? {
         files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
     container::write(fmu, &files)

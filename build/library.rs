@@ -4,10 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::variable;
-
-/// Set for the inner run.
-pub const GUARD: &str = "ROCKING_BLOCK_INNER";
+use crate::{GUARD, variable};
 
 /// A version of FMI, for which there is an FMU with a library of its own: that of FMI 2.0 exports nothing but what its standard
 /// names, and so does that of FMI 3.0.
@@ -114,7 +111,7 @@ pub fn place(version: Version) -> Result<String, String> {
 
 /// Cargo without what the outer one, clippy or the like left in the environment, and with what the user has configured.
 pub fn inner_cargo() -> Result<Command, String> {
-    const KEPT: [&str; 9] = [
+    const KEPT: [&str; 10] = [
         "CARGO_HOME",
         "CARGO_NET_",
         "CARGO_HTTP_",
@@ -123,6 +120,7 @@ pub fn inner_cargo() -> Result<Command, String> {
         "CARGO_SOURCE_",
         "CARGO_TARGET_",
         "CARGO_MAKEFLAGS",
+        "CARGO_PROFILE_",
         "CARGO_UNSTABLE_",
     ];
     const OTHERS: [&str; 5] =

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use cargo_metadata::{Metadata, MetadataCommand, PackageId};
 
-use crate::{library, sbom};
+use super::{library, sbom};
 
 /// Files for the FMU, by path: `documentation/licenses` and the bill of materials.
 pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {

@@ -41,7 +41,7 @@ def place_fmu():
 def make_fmu() -> Path:
     # The build script of the project packs the FMU beside what cargo was asked for.
     cargo = os.environ.get("CARGO", "cargo")
-    subprocess.run([cargo, "build", "--release", "--locked", "--lib", "--no-default-features"], cwd=PROJECT, check=True)
+    subprocess.run([cargo, "build", "--release", "--locked", "--lib", "--no-default-features", "--features", "fmu"], cwd=PROJECT, check=True)
     metadata = [cargo, "metadata", "--format-version=1", "--no-deps", "--locked"]
     found = json.loads(subprocess.run(metadata, cwd=PROJECT, check=True, capture_output=True).stdout)
     return Path(found["target_directory"], os.environ.get("CARGO_BUILD_TARGET", ""), "release/RockingBlock.fmu")

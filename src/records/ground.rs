@@ -177,7 +177,8 @@ mod tests {
     /// A time may be more samples after a record than there are integers; all is zero there.
     #[test]
     fn long_after_a_record_nothing_acts() {
-        for (start, dt, time) in [(0.0, 1e-300, 1.0), (-1e308, 0.01, 1e308), (1.0, 1e-20, 1.0), (0.0, 1e308, f64::MAX)] {
+        for (start, dt, time) in [(0.0, 1e-300, 1.0), (-1e308, 0.01, 1e308), (1.0, 1e-20, 1.0), (0.0, 1e308, f64::MAX)]
+        {
             let record = Record { start_time: start, ..record("1.0\n2.0\n3.0\n", dt) };
             let ground = Ground { horizontal: Some(record), vertical: None };
             let inputs = Inputs { time, ..Inputs::default() };

@@ -1,0 +1,78 @@
+//! Sources → the FMUs.
+
+#[path = "archive.rs"]
+mod archive;
+#[path = "container.rs"]
+mod container;
+#[path = "library.rs"]
+mod library;
+#[path = "licences.rs"]
+mod licences;
+#[path = "sbom.rs"]
+mod sbom;
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use crate::SOURCES;
+use crate::description::Description;
+use library::Version;
+
+/// Packs an FMU for each version of FMI, beside the program that is being built.
+pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
+    // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out, wherever <target> is.
+    let profile = out.ancestors().nth(3).ok_or("OUT_DIR is not where cargo puts it")?;
+    let fmus = Version::ALL.map(|version| (version, profile.join(version.file())));
+    // A file that is missing makes cargo run this script again: an FMU when somebody removed it, and the stamp when
+    // the sources have changed and a `cargo check` did not pack them.
+    let stamp = out.join("packed");
+    println!("cargo::rerun-if-changed={}", stamp.display());
+    for (version, fmu) in &fmus {
+        println!("cargo::rustc-env={}={}", version.environment(), fmu.display());
+        println!("cargo::rerun-if-changed={}", fmu.display());
+    }
+    if library::only_checking() {
+        return match std::fs::remove_file(&stamp) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(format!("{}: {error}", stamp.display())),
+            _ => Ok(()),
+        };
+    }
+    let papers = licences::collect()?;
+    for (version, fmu) in &fmus {
+        let library = library::build(out, *version)?;
+        archive::pack(*version, fmu, description, &library, papers.clone())?;
+    }
+    std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;
+    // As old as the newest source: cargo takes what is newer than this script's beginning for changed.
+    let newest = newest_source()?;
+    for made in fmus.iter().map(|(_, fmu)| fmu).chain([&stamp]) {
+        let file = std::fs::File::options().append(true).open(made).map_err(|e| format!("{}: {e}", made.display()))?;
+        file.set_modified(newest).map_err(|e| format!("{}: {e}", made.display()))?;
+    }
+    Ok(())
+}
+
+fn newest_source() -> Result<SystemTime, String> {
+    let mut newest = SystemTime::UNIX_EPOCH;
+    for source in SOURCES {
+        for file in files(Path::new(source))? {
+            let modified = std::fs::metadata(&file).and_then(|m| m.modified());
+            newest = newest.max(modified.map_err(|e| format!("{}: {e}", file.display()))?);
+        }
+    }
+    Ok(newest)
+}
+
+/// The files below a path, or the path itself, sorted.
+fn files(path: &Path) -> Result<Vec<PathBuf>, String> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let entries = std::fs::read_dir(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut paths = entries
+        .map(|entry| entry.map(|entry| entry.path()).map_err(|e| format!("{}: {e}", path.display())))
+        .collect::<Result<Vec<_>, _>>()?;
+    paths.sort();
+    let nested = paths.iter().map(|path| files(path)).collect::<Result<Vec<_>, _>>()?;
+    Ok(nested.concat())
+}
