@@ -2,7 +2,7 @@
 """Held against shaking-table tests: does a free-standing rock overturn?
 
     python validation/shaking_table.py --fit FOLDER --test FOLDER [--json]
-    python validation/shaking_table.py --fit FOLDER --cross-validate motions
+    python validation/shaking_table.py --fit FOLDER --cross-validate motions tests
 
 A folder holds `tests.csv`, `motions.npz` and `rocks.json`. What is fitted is fitted on the first folder only, and judged on
 the second; tests without a motion are left out. Needs the Python package `rocking_block` and NumPy.
@@ -212,10 +212,10 @@ def kept(samples):
     return make
 
 
-def cross_validated(folder, samples, by, seed=1):
-    """Accuracy and AUC of the model with fitted slenderness on halves that were not fitted: of tests, or of motions with all
-    their scales."""
-    make, generator, results = kept(samples), np.random.default_rng(seed), {}
+def cross_validated(folder, make, by, seed=1):
+    """Accuracy, AUC and Brier score of the model with fitted slenderness on halves that were not fitted: of tests, or of
+    motions with all their scales. `make` gives probabilities as in `assess`, for each rock."""
+    generator, results = np.random.default_rng(seed), {}
     groups = folder.motions() if by == "motions" else np.arange(len(folder.rows)).astype(str)
     names = np.unique(groups)
     for rock in ROCKS:
@@ -261,6 +261,23 @@ def show(results):
         )
 
 
+def show_cross_validated(results):
+    for rock, found in results.items():
+        low, middle, high = found.pop("alpha")
+        print(f"\n{rock}: fitted alpha {middle:.3f} ({low:.3f} to {high:.3f})")
+        print(f"  {'':28}accuracy    AUC  Brier")
+        for name, judge in found.items():
+            print(f"  {name:28}{judge['accuracy']:8.3f}{judge['AUC']:7.3f}{judge['Brier']:7.3f}")
+    print()
+
+
+def wilson(frequency, count, z=1.96):
+    """Limits, low and high, of Wilson's 95 % interval of a probability; they stay between 0 and 1."""
+    middle = (frequency + z**2 / (2 * count)) / (1 + z**2 / count)
+    half = z / (1 + z**2 / count) * np.sqrt(frequency * (1 - frequency) / count + z**2 / (4 * count**2))
+    return np.clip([middle - half, middle + half], 0, 1)
+
+
 def draw(results, path):
     """ROC curves and reliability of the model without and with a fit, for both rocks."""
     import matplotlib
@@ -280,8 +297,8 @@ def draw(results, path):
             kind = "equal barrier" if line == "--" else "fitted"
             axes[0].plot(alarms, hits, line, color=colour, label=f"{rock}, {kind}: AUC {auc(happened, score):.2f}")
         predicted, frequency, count = map(np.array, zip(*found["reliability"]))
-        error = 1.96 * np.sqrt(np.maximum(frequency * (1 - frequency), 0.25 / (count + 4)) / count)
-        axes[1].errorbar(predicted, frequency, error, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, fitted")
+        bars = np.abs(wilson(frequency, count) - frequency)
+        axes[1].errorbar(predicted, frequency, bars, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, fitted")
     axes[0].set(xlabel="false alarms (1)", ylabel="overturnings told (1)", title="ROC", xlim=(0, 1), ylim=(0, 1.02))
     axes[1].plot([0, 1], [0, 1], color="0.6", linewidth=1)
     axes[1].set(xlabel="predicted probability (1)", ylabel="overturned (1)", title="Reliability, 95 % bars")
@@ -295,7 +312,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fit", required=True, metavar="FOLDER", help="what is fitted, is fitted to these tests")
     parser.add_argument("--test", metavar="FOLDER", help="the tests on which everything is judged")
-    parser.add_argument("--cross-validate", choices=["motions", "tests"], help="halves of --fit instead of --test")
+    parser.add_argument("--cross-validate", choices=["motions", "tests"], nargs="+", help="halves of --fit instead of --test")
     parser.add_argument("--samples", type=int, default=9, help="runs of an ensemble (default: %(default)s)")
     parser.add_argument("--plot", metavar="FILE", help="ROC and reliability as a picture (needs matplotlib)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -304,16 +321,13 @@ def main():
         parser.error("expected either --test or --cross-validate")
     fit = Folder(arguments.fit)
     if arguments.cross_validate:
-        results = cross_validated(fit, arguments.samples, arguments.cross_validate)
+        make = kept(arguments.samples)
+        divided = {by: cross_validated(fit, make, by) for by in arguments.cross_validate}
         if arguments.json:
-            return print(json.dumps(results))
-        print(f"means of 50 random divisions of the {arguments.cross_validate}, each half fitted and judged on the other")
-        for rock, found in results.items():
-            low, middle, high = found.pop("alpha")
-            print(f"\n{rock}: fitted alpha {middle:.3f} ({low:.3f} to {high:.3f})")
-            print(f"  {'':28}accuracy    AUC  Brier")
-            for name, judge in found.items():
-                print(f"  {name:28}{judge['accuracy']:8.3f}{judge['AUC']:7.3f}{judge['Brier']:7.3f}")
+            return print(json.dumps(divided))
+        for by, results in divided.items():
+            print(f"means of 50 random divisions of the {by}, each half fitted and judged on the other")
+            show_cross_validated(results)
         return None
     same = Path(arguments.fit).resolve() == Path(arguments.test).resolve()
     test = fit if same else Folder(arguments.test)

@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -73,3 +74,23 @@ def test_metrics_are_those_of_their_definitions():
     judge = shaking_table.judged(happened, np.array([0.9, 0.4, 0.6, 0.1]))
     assert judge["accuracy"] == judge["precision"] == judge["recall"] == 0.5
     assert shaking_table.mcnemar(happened, np.array([1.0, 1, 0, 0]), np.array([1.0, 0, 1, 1])) == (3, 0, 0.25)
+
+
+def test_the_unsymmetric_block_is_housners_where_its_sides_are_equal():
+    """Under one-sine pulses of rising strength; mirrored, the block and the ground give the mirrored outcomes."""
+    import rocking_block as rb
+    import variants
+
+    time = np.arange(0, 6, 0.005)
+    pulse = np.where(time < 0.5, np.sin(4 * np.pi * time), 0.0)
+    strengths = np.linspace(1.0, 9.0, 12)
+    rocks = {"SP1": {"h": 0.29, "i_y": 0.052}}
+    folder, mirrored = (
+        SimpleNamespace(rocks=rocks, records=[rb.Record(sign * a * pulse, 0.005) for a in strengths]) for sign in (1, -1)
+    )
+    ours = shaking_table.probabilities(folder, "SP1", 0.15, 3)
+    equal, wider = variants.unsymmetric(folder, "SP1", [(0.15, 0.15), (0.3, 0.15)], 3)
+    assert {ours.min(), ours.max()} == {0.125, 0.875}
+    assert np.abs(equal - ours).max() <= 0.25 and np.abs(equal - ours).mean() < 0.05
+    assert np.abs(wider - equal).max() > 0.5
+    assert np.array_equal(variants.unsymmetric(mirrored, "SP1", [(0.15, 0.3)], 3)[0], wider)
