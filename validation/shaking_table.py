@@ -15,7 +15,8 @@ The rules; that for the geometry was stated before any outcome was looked at, th
 - Model: Housner's block on a rigid base, with his restitution, in the plane of shaking, without sliding.
 - Unit of prediction: an ensemble. The table's motion is scaled by the midpoints of equally likely parts of a lognormal
   distribution of 10 %; the probability of overturning is (overturned + 1/2)/(samples + 1).
-- The fit, where there is one: the slenderness of the greatest likelihood on the grid below.
+- The fit, where there is one: the slenderness of the greatest likelihood on the grid below; where the ensemble goes over the
+  slenderness too, its median and spread.
 """
 
 import argparse
@@ -32,6 +33,8 @@ import rocking_block as rb
 GRAVITY = 9.81
 SPREAD = 0.10
 ALPHAS = np.geomspace(0.08, 0.26, 12)
+# Of the slenderness, where an ensemble goes over it too.
+SPREADS = (0.05, 0.1, 0.2, 0.3, 0.4)
 ROCKS = {"SP1": "sp1", "SP2": "sp2"}
 
 
@@ -88,6 +91,16 @@ def rule(folder, rock):
 def naive(folder, rock):
     """The critical tilt in the direction of shaking."""
     return folder.rocks[rock]["arm +x"]["theta_c"]
+
+
+def over_slenderness(grid):
+    """Ensembles over the slenderness, too: the weights of a lognormal distribution on that of the grid. Yields median, spread
+    and probabilities."""
+    logs = np.log(ALPHAS)
+    for spread in SPREADS:
+        for centre, alpha in zip(logs, ALPHAS):
+            weights = np.exp(-0.5 * ((logs - centre) / spread) ** 2)
+            yield float(alpha), spread, weights @ grid / weights.sum()
 
 
 def log_likelihood(happened, probability):
@@ -161,12 +174,16 @@ def assess(rock, fit, test, made):
     """All predictions for one rock. `made` gives probabilities by folder and slenderness."""
     happened = test.overturned(rock)
     fitted_to = fit.overturned(rock)
-    likelihoods = [log_likelihood(fitted_to, made(fit, alpha)) for alpha in ALPHAS]
-    best = float(ALPHAS[int(np.argmax(likelihoods))])
+    grid = np.array([made(fit, alpha) for alpha in ALPHAS])
+    best = float(ALPHAS[int(np.argmax([log_likelihood(fitted_to, row) for row in grid]))])
+    ensembles = [log_likelihood(fitted_to, row) for _, _, row in over_slenderness(grid)]
+    judged_on = np.array([made(test, alpha) for alpha in ALPHAS])
+    median, spread, wide = list(over_slenderness(judged_on))[int(np.argmax(ensembles))]
     intensity = lambda folder: [np.log(folder.column("pga")), np.log(folder.column("pgv"))]
     predictions = {
         f"this model, alpha = {rule(test, rock):.3f} (equal barrier)": made(test, rule(test, rock)),
         f"this model, alpha = {best:.3f} (fitted)": made(test, best),
+        f"this model, alpha = {median:.3f} ± {spread:.0%} (fitted)": wide,
         f"this model, alpha = {naive(test, rock):.3f} (naive)": made(test, naive(test, rock)),
         "always stays": np.zeros(len(happened)),
     }
@@ -222,7 +239,10 @@ def cross_validated(folder, make, by, seed=1):
         happened, of = folder.overturned(rock), make(rock)
         grid = np.array([of(folder, alpha) for alpha in ALPHAS])
         x = [np.log(folder.column("pga")), np.log(folder.column("pgv"))]
-        found = {"this model": [], "logistic": [], "logistic with this model": []}
+        ensembles = list(over_slenderness(grid))
+        found = {
+            name: [] for name in ("this model", "over slenderness too", "logistic", "logistic with this model")
+        }
         slenderness = []
         for _ in range(50):
             half = np.isin(groups, generator.permutation(names)[: len(names) // 2])
@@ -231,8 +251,10 @@ def cross_validated(folder, make, by, seed=1):
                 ours = grid[int(np.argmax(likelihoods))]
                 slenderness.append(float(ALPHAS[int(np.argmax(likelihoods))]))
                 both = [*x, logit(ours)]
+                wide = max((row for _, _, row in ensembles), key=lambda row: log_likelihood(happened[fit], row[fit]))
                 for name, probability in (
                     ("this model", ours),
+                    ("over slenderness too", wide),
                     ("logistic", applied(logistic([p[fit] for p in x], happened[fit]), x)),
                     ("logistic with this model", applied(logistic([p[fit] for p in both], happened[fit]), both)),
                 ):

@@ -18,12 +18,11 @@ import math
 from statistics import NormalDist
 
 import numpy as np
-from shaking_table import ALPHAS, GRAVITY, ROCKS, SPREAD, Folder, judged, probabilities, rule
+from shaking_table import ALPHAS, GRAVITY, ROCKS, SPREAD, Folder, judged, over_slenderness, probabilities, rule
 
 DIVISIONS = 25
 # Slenderness of either side of the unsymmetric block.
 SIDES = (0.09, 0.11, 0.13, 0.16, 0.20, 0.30)
-SPREADS = (0.05, 0.1, 0.2, 0.3, 0.4)
 
 
 def scales(samples):
@@ -92,15 +91,6 @@ def unsymmetric(folder, rock, pairs, samples, substeps=2):
     return ((over.reshape(shape).sum(axis=1) + 0.5) / (samples + 1)).T
 
 
-def spread_over_slenderness(grid):
-    """Candidates of an ensemble over the slenderness: lognormal about each of the grid's, by weights on the grid."""
-    logs = np.log(ALPHAS)
-    for spread in SPREADS:
-        for centre, alpha in zip(logs, ALPHAS):
-            weights = np.exp(-0.5 * ((logs - centre) / spread) ** 2)
-            yield {"alpha": alpha, "spread": spread}, weights @ grid / weights.sum()
-
-
 def variants(folder, rock, samples):
     """Name → parameters of each candidate and its probabilities."""
     near = [alpha for alpha in ALPHAS if alpha < 0.18]
@@ -134,7 +124,9 @@ def variants(folder, rock, samples):
             for alpha, epsilon in itertools.product(near[::2], (0.3, 0.6))
         ],
     )
-    yield "ensemble over slenderness", list(spread_over_slenderness(grid))
+    yield "ensemble over slenderness", [
+        ({"alpha": alpha, "spread": spread}, row) for alpha, spread, row in over_slenderness(grid)
+    ]
     pairs = list(itertools.product(SIDES, SIDES))
     found = unsymmetric(folder, rock, pairs, samples)
     yield "equal half widths, computed here", [
