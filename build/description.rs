@@ -167,6 +167,11 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
 /// which some importers leave out.
 fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
     let mut edits = vec![(child(root, "Fmi3")?.range(), String::new())];
+    let unknowns = child(child(root, "ModelStructure")?, "InitialUnknowns")?.children();
+    for attribute in unknowns.filter_map(|unknown| unknown.attribute_node(fmi3::DEPENDENCIES)) {
+        // With the blank before it.
+        edits.push((attribute.range().start - 1..attribute.range().end, String::new()));
+    }
     let types = child(root, "TypeDefinitions")?.children();
     for declaration in types.filter(|n| n.descendants().any(|n| n.has_tag_name("Item"))) {
         edits.push((declaration.range(), String::new()));
@@ -209,7 +214,8 @@ pub fn items(declaration: Node) -> Result<Vec<Item>, String> {
         .collect()
 }
 
-/// Every output stands in ModelStructure, once and in order, and depends on inputs and states only.
+/// Every output stands in ModelStructure, once and in order, and depends on inputs and states only, at the beginning on inputs and
+/// parameters.
 fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     let structure = child(root, "ModelStructure")?;
     let indices = |list: &str| -> Result<Vec<usize>, String> {
@@ -226,13 +232,18 @@ fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     }
     let declared = child(root, "ModelVariables")?.descendants();
     let states = declared.filter_map(|node| node.attribute("derivative")).map(str::to_string);
-    let knowns: Vec<String> = of(&["Input"]).iter().map(usize::to_string).chain(states).collect();
-    for unknown in ["Outputs", "Derivatives"].map(|list| child(structure, list)).into_iter().flatten() {
-        for unknown in unknown.children().filter(Node::is_element) {
+    let later: Vec<String> = of(&["Input"]).iter().map(usize::to_string).chain(states).collect();
+    let initially: Vec<String> = of(&["Input", "Parameter"]).iter().map(usize::to_string).collect();
+    for (list, knowns, what) in [
+        ("Outputs", &later, "no input and no state"),
+        ("Derivatives", &later, "no input and no state"),
+        ("InitialUnknowns", &initially, "no input and no parameter"),
+    ] {
+        for unknown in child(structure, list)?.children().filter(Node::is_element) {
             for dependency in attribute(unknown, "dependencies")?.split_whitespace() {
                 if !knowns.iter().any(|known| known == dependency) {
                     let index = index(unknown, "index")?;
-                    return Err(format!("unknown {index} depends on {dependency}, which is no input and no state"));
+                    return Err(format!("unknown {index} of {list} depends on {dependency}, which is {what}"));
                 }
             }
         }

@@ -15,18 +15,24 @@ pub struct Fmi3 {
     /// The file.
     pub packed: String,
     /// The variables that FMI 2.0 has not.
-    own: Vec<Own>,
+    pub own: Vec<Own>,
 }
 
-struct Own {
-    name: String,
-    description: String,
-    start: Option<f64>,
-    limits: [Option<f64>; 2],
+pub struct Own {
+    pub name: String,
+    pub description: String,
+    /// In the words of FMI 3.0.
+    pub causality: String,
+    pub unit: Option<String>,
+    pub start: Option<f64>,
+    pub limits: [Option<f64>; 2],
 }
 
 /// Stands for the token until that is computed.
 const PLACEHOLDER: &str = "{computed by the build}";
+
+/// The attribute of an unknown with those of its dependencies that only FMI 3.0 has.
+pub const DEPENDENCIES: &str = "ofFmi3";
 
 const ROOT: &str = "fmiModelDescription";
 
@@ -58,7 +64,9 @@ fn read(node: Node) -> Result<Own, String> {
         None => Ok(None),
     };
     let (start, limits) = (number("start")?, [number("min")?, number("max")?]);
-    Ok(Own { description: attribute(node, "description")?.to_string(), start, limits, name })
+    let description = attribute(node, "description")?.to_string();
+    let causality = attribute(node, "causality")?.to_string();
+    Ok(Own { description, causality, unit: node.attribute("unit").map(str::to_string), start, limits, name })
 }
 
 impl Fmi3 {
@@ -169,8 +177,13 @@ impl File {
     fn unknown(&mut self, element: &str, node: Node) -> Written {
         let unknown = reference(attribute(node, "index")?)?;
         let mut attributes = vec![("valueReference", unknown.as_str())];
-        let indices = node.attribute("dependencies").unwrap_or("").split_whitespace();
-        let references = indices.map(reference).collect::<Result<Vec<_>, _>>()?.join(" ");
+        let indices = ["dependencies", DEPENDENCIES].map(|name| node.attribute(name).unwrap_or(""));
+        let references = indices
+            .iter()
+            .flat_map(|list| list.split_whitespace())
+            .map(reference)
+            .collect::<Result<Vec<_>, _>>()?
+            .join(" ");
         if node.has_attribute("dependencies") {
             attributes.push(("dependencies", &references));
         }

@@ -2,30 +2,32 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The paper's four parameters.
+use crate::scalar::Scalar;
+
+/// The paper's four parameters, in numbers of which derivatives may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Dimensionless {
+pub struct Dimensionless<T = f64> {
     /// Slenderness angle α (rad), 0 < α < π/2.
-    pub alpha: f64,
+    pub alpha: T,
     /// Frequency parameter p (rad/s).
-    pub p: f64,
+    pub p: T,
     /// Stiffness ratio η = ω_v/p (1).
-    pub eta: f64,
+    pub eta: T,
     /// Vertical damping ratio ξ_v (1).
-    pub xi_v: f64,
+    pub xi_v: T,
 }
 
 /// Sizes and one support's stiffness and damping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Physical {
+pub struct Physical<T = f64> {
     /// Width of the base, 2b (m).
-    pub width: f64,
+    pub width: T,
     /// Twice the height of the centre of mass over the base, 2h (m).
-    pub height: f64,
+    pub height: T,
     /// Stiffness K of one support (N/m).
-    pub stiffness: f64,
+    pub stiffness: T,
     /// Damping C of one support (N.s/m).
-    pub damping: f64,
+    pub damping: T,
 }
 
 /// What the block stands on.
@@ -40,19 +42,19 @@ pub enum Foundation {
 
 /// What both ways of giving a block share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Common {
+pub struct Common<T = f64> {
     /// Mass M (kg).
-    pub mass: f64,
+    pub mass: T,
     /// Shape factor γ = M R0²/I0 (1); 3 for a homogeneous rectangle.
-    pub gamma: f64,
+    pub gamma: T,
     /// Restitution ε of the landing corner (1), 0 ≤ ε ≤ 1; eq. (17).
-    pub epsilon: f64,
+    pub epsilon: T,
     /// Gravity g (m/s²).
-    pub gravity: f64,
+    pub gravity: T,
     /// Supports or rigid base.
     pub foundation: Foundation,
     /// On the rigid base, the e that acts over Housner's e of ε (1), at least 0; not read on supports.
-    pub restitution_factor: f64,
+    pub restitution_factor: T,
 }
 
 impl Default for Common {
@@ -104,41 +106,41 @@ impl BlockError {
     }
 }
 
-/// A block on its foundation, in both parameterizations; valid by construction.
+/// A block on its foundation, in both parameterizations; one of `f64` is valid by construction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Block {
+pub struct Block<T = f64> {
     /// Mass M (kg).
-    pub mass: f64,
+    pub mass: T,
     /// Gravity g (m/s²).
-    pub gravity: f64,
+    pub gravity: T,
     /// Shape factor γ (1).
-    pub gamma: f64,
+    pub gamma: T,
     /// Restitution ε (1).
-    pub epsilon: f64,
+    pub epsilon: T,
     /// Supports or rigid base.
     pub foundation: Foundation,
     /// Factor on Housner's e (1); read on the rigid base only.
-    pub restitution_factor: f64,
+    pub restitution_factor: T,
     /// Slenderness angle α (rad).
-    pub alpha: f64,
+    pub alpha: T,
     /// Distance R0 from the centre of mass to each corner (m).
-    pub r0: f64,
+    pub r0: T,
     /// Half width b = R0 sin α (m).
-    pub b: f64,
+    pub b: T,
     /// Height of the centre of mass h = R0 cos α (m).
-    pub h: f64,
+    pub h: T,
     /// Frequency parameter p (rad/s), eq. (3).
-    pub p: f64,
+    pub p: T,
     /// Vertical circular frequency ω_v in full contact (rad/s).
-    pub omega_v: f64,
+    pub omega_v: T,
     /// Vertical damping ratio ξ_v (1).
-    pub xi_v: f64,
+    pub xi_v: T,
     /// Stiffness K of one support (N/m).
-    pub stiffness: f64,
+    pub stiffness: T,
     /// Damping C of one support (N.s/m).
-    pub damping: f64,
+    pub damping: T,
     /// I0/M (m²).
-    pub i0: f64,
+    pub i0: T,
 }
 
 impl Block {
@@ -149,22 +151,7 @@ impl Block {
         positive("p", d.p)?;
         positive("eta", d.eta)?;
         not_negative("xi_v", d.xi_v)?;
-        let omega_v = d.eta * d.p;
-        let (sin, cos) = libm::sincos(d.alpha);
-        let r0 = common.gamma / (1.0 + common.gamma) * common.gravity / (d.p * d.p);
-        Block {
-            alpha: d.alpha,
-            r0,
-            b: r0 * sin,
-            h: r0 * cos,
-            p: d.p,
-            omega_v,
-            xi_v: d.xi_v,
-            stiffness: 0.5 * common.mass * omega_v * omega_v,
-            damping: d.xi_v * common.mass * omega_v,
-            ..Block::unfinished(common, r0)
-        }
-        .checked()
+        Block::of_dimensionless(d, common).checked()
     }
 
     /// The block with these sizes. Errors name the first parameter that is not valid.
@@ -174,43 +161,7 @@ impl Block {
         positive("height", physical.height)?;
         positive("K", physical.stiffness)?;
         not_negative("C", physical.damping)?;
-        let (b, h) = (0.5 * physical.width, 0.5 * physical.height);
-        let r0 = libm::hypot(b, h);
-        let omega_v = (2.0 * physical.stiffness / common.mass).sqrt();
-        Block {
-            alpha: libm::atan2(b, h),
-            r0,
-            b,
-            h,
-            p: (common.gamma / (1.0 + common.gamma) * common.gravity / r0).sqrt(),
-            omega_v,
-            xi_v: physical.damping / (common.mass * omega_v),
-            stiffness: physical.stiffness,
-            damping: physical.damping,
-            ..Block::unfinished(common, r0)
-        }
-        .checked()
-    }
-
-    fn unfinished(common: &Common, r0: f64) -> Block {
-        Block {
-            mass: common.mass,
-            gravity: common.gravity,
-            gamma: common.gamma,
-            epsilon: common.epsilon,
-            foundation: common.foundation,
-            restitution_factor: common.restitution_factor,
-            i0: r0 * r0 / common.gamma,
-            r0,
-            alpha: 0.0,
-            b: 0.0,
-            h: 0.0,
-            p: 0.0,
-            omega_v: 0.0,
-            xi_v: 0.0,
-            stiffness: 0.0,
-            damping: 0.0,
-        }
+        Block::of_physical(physical, common).checked()
     }
 
     /// Each parameter may be fine and their product still overflow or vanish.
@@ -245,30 +196,92 @@ impl Block {
         }
         Ok(self)
     }
+}
+
+impl<T: Scalar> Block<T> {
+    /// The block with the paper's parameters, which are not checked.
+    pub fn of_dimensionless(d: &Dimensionless<T>, common: &Common<T>) -> Block<T> {
+        let omega_v = d.eta * d.p;
+        let (sin, cos) = d.alpha.sin_cos();
+        let r0 = common.gamma / (common.gamma + 1.0) * common.gravity / (d.p * d.p);
+        Block {
+            alpha: d.alpha,
+            r0,
+            b: r0 * sin,
+            h: r0 * cos,
+            p: d.p,
+            omega_v,
+            xi_v: d.xi_v,
+            stiffness: common.mass * 0.5 * omega_v * omega_v,
+            damping: d.xi_v * common.mass * omega_v,
+            ..Block::unfinished(common, r0)
+        }
+    }
+
+    /// The block with these sizes, which are not checked.
+    pub fn of_physical(physical: &Physical<T>, common: &Common<T>) -> Block<T> {
+        let (b, h) = (physical.width * 0.5, physical.height * 0.5);
+        let r0 = b.hypot(h);
+        let omega_v = (physical.stiffness * 2.0 / common.mass).sqrt();
+        Block {
+            alpha: b.atan2(h),
+            r0,
+            b,
+            h,
+            p: (common.gamma / (common.gamma + 1.0) * common.gravity / r0).sqrt(),
+            omega_v,
+            xi_v: physical.damping / (common.mass * omega_v),
+            stiffness: physical.stiffness,
+            damping: physical.damping,
+            ..Block::unfinished(common, r0)
+        }
+    }
+
+    fn unfinished(common: &Common<T>, r0: T) -> Block<T> {
+        let zero = T::from(0.0);
+        Block {
+            mass: common.mass,
+            gravity: common.gravity,
+            gamma: common.gamma,
+            epsilon: common.epsilon,
+            foundation: common.foundation,
+            restitution_factor: common.restitution_factor,
+            i0: r0 * r0 / common.gamma,
+            r0,
+            alpha: zero,
+            b: zero,
+            h: zero,
+            p: zero,
+            omega_v: zero,
+            xi_v: zero,
+            stiffness: zero,
+            damping: zero,
+        }
+    }
 
     /// Centroidal moment of inertia I0 = M R0²/γ (kg.m²).
-    pub fn inertia(&self) -> f64 {
+    pub fn inertia(&self) -> T {
         self.mass * self.i0
     }
 
     /// Stiffness ratio η = ω_v/p (1).
-    pub fn eta(&self) -> f64 {
+    pub fn eta(&self) -> T {
         self.omega_v / self.p
     }
 
     /// Static deflection δ_s = M g/(2K) = g/ω_v² (m).
-    pub fn static_deflection(&self) -> f64 {
+    pub fn static_deflection(&self) -> T {
         self.gravity / (self.omega_v * self.omega_v)
     }
 
     /// Rate K/C at which a lifted support creeps back to its free height (1/s); infinite without damping.
-    pub fn creep_rate(&self) -> f64 {
+    pub fn creep_rate(&self) -> T {
         self.stiffness / self.damping
     }
 
     /// The restitution e of the rotation: on the rigid base the part of θ̇ that an impact leaves, which is Housner's e
     /// times the factor; on supports Housner's e that ε amounts to (1).
-    pub fn restitution(&self) -> f64 {
+    pub fn restitution(&self) -> T {
         match self.foundation {
             Foundation::Rigid => self.housner_restitution() * self.restitution_factor,
             Foundation::Viscoelastic => self.housner_restitution(),
@@ -276,21 +289,21 @@ impl Block {
     }
 
     /// Housner's restitution e that ε amounts to (1), eq. (6).
-    pub fn housner_restitution(&self) -> f64 {
-        let cos = libm::cos(2.0 * self.alpha);
-        (1.0 + self.gamma * self.epsilon + (1.0 - self.epsilon) * self.gamma * cos) / (1.0 + self.gamma)
+    pub fn housner_restitution(&self) -> T {
+        let cos = (self.alpha * 2.0).cos();
+        (self.gamma * self.epsilon + 1.0 + (-self.epsilon + 1.0) * self.gamma * cos) / (self.gamma + 1.0)
     }
 
     /// Greatest e without jumps, at ε = 0 (1), eq. (2).
-    pub fn max_restitution(&self) -> f64 {
-        (1.0 + self.gamma * libm::cos(2.0 * self.alpha)) / (1.0 + self.gamma)
+    pub fn max_restitution(&self) -> T {
+        (self.gamma * (self.alpha * 2.0).cos() + 1.0) / (self.gamma + 1.0)
     }
 
     /// Rotation at which one corner lifts quasi-statically (rad), eq. (29); π/2 where the supports are so soft that
     /// none does.
-    pub fn separation_angle(&self) -> f64 {
+    pub fn separation_angle(&self) -> T {
         let sin = self.static_deflection() / self.b;
-        if sin < 1.0 { libm::asin(sin) } else { std::f64::consts::FRAC_PI_2 }
+        if sin.value() < 1.0 { sin.asin() } else { T::from(std::f64::consts::FRAC_PI_2) }
     }
 }
 

@@ -6,52 +6,53 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
+use crate::scalar::Scalar;
 
 /// A value that changes linearly in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Ramp {
+pub struct Ramp<T = f64> {
     /// Value at the reference time of the [`Inputs`].
-    pub value: f64,
+    pub value: T,
     /// Its rate of change, per second.
-    pub rate: f64,
+    pub rate: T,
 }
 
-impl Ramp {
+impl<T: Scalar> Ramp<T> {
     /// A constant.
-    pub fn held(value: f64) -> Ramp {
-        Ramp { value, rate: 0.0 }
+    pub fn held(value: T) -> Ramp<T> {
+        Ramp { value, rate: T::from(0.0) }
     }
 
     #[inline]
-    fn at(self, elapsed: f64) -> f64 {
+    fn at(self, elapsed: T) -> T {
         self.value + self.rate * elapsed
     }
 
     /// The ramp seen from a reference time `elapsed` seconds later.
-    pub fn moved(self, elapsed: f64) -> Ramp {
+    pub fn moved(self, elapsed: T) -> Ramp<T> {
         Ramp { value: self.at(elapsed), rate: self.rate }
     }
 
-    fn minus(self, force: Ramp, mass: f64) -> Ramp {
+    fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
         Ramp { value: self.value - force.value / mass, rate: self.rate - force.rate / mass }
     }
 }
 
 /// The inputs from a reference time on, each linear in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Inputs {
+pub struct Inputs<T = f64> {
     /// Reference time of the ramps (s).
-    pub time: f64,
+    pub time: T,
     /// Horizontal ground acceleration (m/s²), positive to the right.
-    pub a_gx: Ramp,
+    pub a_gx: Ramp<T>,
     /// Vertical ground acceleration (m/s²), positive up.
-    pub a_gz: Ramp,
+    pub a_gz: Ramp<T>,
     /// Horizontal load on the centre of mass (N), positive to the right.
-    pub f_x: Ramp,
+    pub f_x: Ramp<T>,
     /// Vertical load on the centre of mass (N), positive up.
-    pub f_z: Ramp,
+    pub f_z: Ramp<T>,
     /// Moment on the block (N.m), positive clockwise.
-    pub m_y: Ramp,
+    pub m_y: Ramp<T>,
 }
 
 impl Inputs {
@@ -101,15 +102,15 @@ pub enum PulseShape {
 
 /// A ground pulse; outside its duration it is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pulse {
+pub struct Pulse<T = f64> {
     /// Its shape.
     pub shape: PulseShape,
     /// Amplitude a_p of the acceleration (m/s²).
-    pub amplitude: f64,
+    pub amplitude: T,
     /// Period T_p (s).
-    pub period: f64,
+    pub period: T,
     /// Time at which it begins (s).
-    pub start: f64,
+    pub start: T,
 }
 
 impl Pulse {
@@ -151,15 +152,17 @@ impl Pulse {
     pub fn acceleration(&self, time: f64) -> f64 {
         if self.acts_at(time) { self.wave().at(time) } else { 0.0 }
     }
+}
 
-    fn wave(&self) -> Wave {
+impl<T: Scalar> Pulse<T> {
+    fn wave(&self) -> Wave<T> {
         let phase = match self.shape {
             PulseShape::None | PulseShape::OneSine => 0.0,
             PulseShape::OneCosine => 0.5 * PI,
             PulseShape::C1 => 0.5 * PI + C1_PHASE,
             PulseShape::C2 => 0.5 * PI + C2_PHASE,
         };
-        Wave { amplitude: self.amplitude, omega: TAU / self.period, phase, start: self.start }
+        Wave { amplitude: self.amplitude, omega: T::from(TAU) / self.period, phase, start: self.start }
     }
 }
 
@@ -172,17 +175,17 @@ const C2_PHASE: f64 = 0.12872979703677595;
 
 /// `amplitude · sin(ω (t − start) + phase)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Wave {
-    amplitude: f64,
-    omega: f64,
+struct Wave<T = f64> {
+    amplitude: T,
+    omega: T,
     phase: f64,
-    start: f64,
+    start: T,
 }
 
-impl Wave {
+impl<T: Scalar> Wave<T> {
     #[inline]
-    fn at(&self, time: f64) -> f64 {
-        self.amplitude * libm::sin(self.omega * (time - self.start) + self.phase)
+    fn at(&self, time: T) -> T {
+        self.amplitude * (self.omega * (time - self.start) + self.phase).sin()
     }
 }
 
@@ -210,37 +213,44 @@ impl Forcing<f64> {
 
 /// The excitation over a piece of time in which it is smooth: no pulse begins or ends inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Excitation {
-    time: f64,
-    x: Ramp,
-    z: Ramp,
-    moment: Ramp,
-    wave: Option<Wave>,
+pub struct Excitation<T = f64> {
+    time: T,
+    x: Ramp<T>,
+    z: Ramp<T>,
+    moment: Ramp<T>,
+    wave: Option<Wave<T>>,
+}
+
+impl<T: Scalar> Excitation<T> {
+    /// The excitation of a block of this mass (kg), with a pulse if there is one that acts.
+    pub fn new(inputs: &Inputs<T>, pulse: Option<&Pulse<T>>, mass: T) -> Excitation<T> {
+        Excitation {
+            time: inputs.time,
+            x: inputs.a_gx.minus(inputs.f_x, mass),
+            z: inputs.a_gz.minus(inputs.f_z, mass),
+            moment: Ramp::held(T::from(0.0)).minus(inputs.m_y, -mass),
+            wave: pulse.map(Pulse::wave),
+        }
+    }
+
+    /// What drives the block at `time` (s).
+    #[inline]
+    pub fn at(&self, time: T) -> Forcing<T> {
+        let elapsed = time - self.time;
+        let pulse = self.wave.map_or(T::from(0.0), |wave| wave.at(time));
+        Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed) }
+    }
 }
 
 impl Excitation {
     /// The excitation of `block` from `time` to the pulse's next kink.
     pub fn from_time(time: f64, inputs: &Inputs, pulse: &Pulse, block: &Block) -> Excitation {
-        Excitation {
-            time: inputs.time,
-            x: inputs.a_gx.minus(inputs.f_x, block.mass),
-            z: inputs.a_gz.minus(inputs.f_z, block.mass),
-            moment: Ramp::default().minus(inputs.m_y, -block.mass),
-            wave: pulse.acts_at(time).then(|| pulse.wave()),
-        }
+        Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), block.mass)
     }
 
     /// Nothing drives the block.
     pub fn none() -> Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
-    }
-
-    /// What drives the block at `time` (s).
-    #[inline]
-    pub fn at(&self, time: f64) -> Forcing<f64> {
-        let elapsed = time - self.time;
-        let pulse = self.wave.map_or(0.0, |wave| wave.at(time));
-        Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed) }
     }
 
     /// The rate at which that changes at `time`, per second.

@@ -7,6 +7,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`records`] | accelerogram files → ground accelerations, linear between their samples |
+//! | [`scalar`] | what formulas need of a number: `f64`, and dual numbers for derivatives |
 //! | [`block`] | parameters → all that the equations need |
 //! | [`excitation`] | inputs over a step, pulses → what drives the block at any time |
 //! | [`contact`] | what each corner does → the regime |
@@ -23,6 +24,8 @@
 //! Arrows run one way: what the block is does not know how it is stepped, and neither knows how it is shown.
 
 pub mod records;
+
+pub mod scalar;
 
 pub mod block;
 

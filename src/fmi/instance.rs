@@ -140,7 +140,7 @@ impl<V: Version> Instance<V> {
         write(self.unit.output_derivatives(references, orders)?, values)
     }
 
-    /// Derivatives of outputs with respect to inputs, in a direction.
+    /// Derivatives in a direction.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],

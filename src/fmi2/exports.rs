@@ -345,7 +345,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     }
 }
 
-/// Derivatives of outputs with respect to inputs, in a direction.
+/// Derivatives of outputs, while initializing of calculated parameters too, in a direction of inputs, states or parameters.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     component: fmi2Component,

@@ -453,9 +453,9 @@ macro_rules! derivatives {
 }
 
 derivatives! {
-    /// Derivatives of outputs with respect to inputs, in a direction.
+    /// Derivatives of outputs, while initializing of calculated parameters too, in a direction of inputs, states or parameters.
     fmi3GetDirectionalDerivative GetDirectionalDerivative Instance::directional;
-    /// Derivatives of a weighted sum of outputs with respect to inputs.
+    /// Derivatives of a weighted sum of these.
     fmi3GetAdjointDerivative GetAdjointDerivative Instance::adjoint_derivative;
 }
 

@@ -8,7 +8,7 @@ use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
 use crate::model::variables::{Kind, Own, Role, VARIABLES};
 
-const FLOAT64: &str = "Float64";
+pub(super) const FLOAT64: &str = "Float64";
 
 /// What FMI 3.0 calls the type of a variable.
 fn type_name(kind: Kind) -> &'static str {
@@ -22,12 +22,12 @@ fn type_name(kind: Kind) -> &'static str {
 }
 
 /// The variable of this number that only FMI 3.0 has.
-fn own(reference: u32) -> Option<Own> {
+pub(super) fn own(reference: u32) -> Option<Own> {
     Own::ALL.get((reference as usize).checked_sub(VARIABLES.len())?).copied()
 }
 
 /// Name and type of a variable.
-fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
+pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
     if let Some(metadata) = VARIABLES.get(reference as usize) {
         return Ok((metadata.name, type_name(metadata.kind)));
     }
@@ -47,7 +47,7 @@ pub fn of_no_type(references: &[u32], wanted: &str) -> Answer {
     Err(mismatch(reference, wanted))
 }
 
-fn mismatch(reference: u32, wanted: &str) -> Fault {
+pub(super) fn mismatch(reference: u32, wanted: &str) -> Fault {
     match known(reference) {
         Ok((name, found)) => {
             Fault::new(format!("{name} (value reference {reference}) is of type {found}, not {wanted}"))
@@ -57,7 +57,7 @@ fn mismatch(reference: u32, wanted: &str) -> Fault {
 }
 
 /// Refuses variables that are not exactly of this kind.
-fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
+pub(super) fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
     let wrong = |&&reference: &&u32| VARIABLES.get(reference as usize).is_none_or(|metadata| metadata.kind != kind);
     references.iter().find(wrong).map_or(Ok(()), |&reference| Err(mismatch(reference, type_name(kind))))
 }
@@ -69,7 +69,7 @@ fn check_sizes(references: &[u32]) -> Result<(), Fault> {
 }
 
 /// Refuses arrays of values that do not hold as many as the variables have.
-fn fits(expected: usize, found: usize) -> Result<(), Fault> {
+pub(super) fn fits(expected: usize, found: usize) -> Result<(), Fault> {
     if expected == found {
         return Ok(());
     }
@@ -204,44 +204,6 @@ impl Instance {
         check(references, Kind::String)?;
         fits(references.len(), count)?;
         self.may_read(references)
-    }
-
-    /// `fmi3GetAdjointDerivative`: the derivatives of a sum of Real outputs, each times its seed, with respect to inputs.
-    pub fn adjoint_derivative(
-        &mut self,
-        unknowns: &[u32],
-        knowns: &[u32],
-        seed: &[f64],
-        sensitivities: &mut [MaybeUninit<f64>],
-    ) -> Answer {
-        fits(unknowns.len(), seed.len())?;
-        fits(knowns.len(), sensitivities.len())?;
-        if let Some(wrong) = seed.iter().find(|x| !x.is_finite()) {
-            return Err(Fault::new(format!("seed {wrong}; expected finite numbers")));
-        }
-        // At most five inputs and eight states: that few directions are not worth a reverse mode.
-        for (known, place) in knowns.iter().zip(sensitivities) {
-            let derivatives = self.unit.directional_derivative(unknowns, &[*known], &[1.0])?;
-            let mut sum = 0.0;
-            for (derivative, factor) in derivatives.zip(seed) {
-                sum += derivative? * factor;
-            }
-            place.write(sum);
-        }
-        Ok(Status::Ok)
-    }
-
-    /// `fmi3GetDirectionalDerivative`.
-    pub fn directional(
-        &mut self,
-        unknowns: &[u32],
-        knowns: &[u32],
-        seed: &[f64],
-        sensitivities: &mut [MaybeUninit<f64>],
-    ) -> Answer {
-        fits(knowns.len(), seed.len())?;
-        fits(unknowns.len(), sensitivities.len())?;
-        self.directional_derivative(unknowns, knowns, seed, sensitivities)
     }
 
     /// `fmi3GetOutputDerivatives`, order 1 only.

@@ -3,7 +3,7 @@
 //!
 //! [`variables`] is the description, [`values`] what its variables mean, those of FMI 3.0 alone in [`own`];
 //! [`mod@unit`] is an instance with its [`life_cycle`], whose steps may be done in [`parts`], and [`snapshot`] its saved
-//! states.
+//! states; [`unit::derivatives`] are derivatives in a direction.
 
 pub mod fault;
 pub mod life_cycle;

@@ -101,18 +101,19 @@ impl OwnValues {
 impl Values {
     /// The records that act inside, from arrays or files; the error is one line.
     pub fn ground(&self) -> Result<Ground, String> {
-        let ground = match (self.own.has_record(), self.has_file()) {
-            (false, _) => self.ground_of_files()?,
-            (true, false) => self.own.ground(self[Variable::RecordDt])?,
-            (true, true) => {
-                return Err(
-                    "record.horizontal_samples or record.vertical_samples holds a record, and record.horizontal \
-                            or record.vertical names one; expected one of both"
-                        .into(),
-                );
-            }
-        };
+        let ground = self.unscaled_ground()?;
         Ok(ground.scaled(self[Variable::RecordScale]).shifted(self[Variable::RecordStart]))
+    }
+
+    /// The same as they are given, neither scaled nor shifted.
+    pub(super) fn unscaled_ground(&self) -> Result<Ground, String> {
+        match (self.own.has_record(), self.has_file()) {
+            (false, _) => self.ground_of_files(),
+            (true, false) => self.own.ground(self[Variable::RecordDt]),
+            (true, true) => Err("record.horizontal_samples or record.vertical_samples holds a record, and \
+                                 record.horizontal or record.vertical names one; expected one of both"
+                .into()),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Calls of an importer, whatever the version of FMI → a block in motion: all of an instance but its messages.
 
+pub mod derivatives;
 pub mod exchange;
 
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use crate::excitation::Inputs;
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
 use crate::model::parts::Part;
-use crate::model::values::{DerivedSource, PerInput, Values, derived, inputs, source, state};
+use crate::model::values::{DerivedSource, PerInput, Values, derived, source};
 use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
 use crate::records::ground::Ground;
 use crate::simulation::exchange::States;
@@ -314,7 +315,7 @@ impl Unit {
     fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
         let Metadata { name, causality, variability, .. } = metadata;
         if !metadata.is_settable() {
-            return Err(Fault::new(format!("{name} is a {causality}, which cannot be set")));
+            return Err(Fault::new(format!("{name} is {}, which cannot be set", causality.one())));
         }
         if self.phase.is_initialized() && *variability == Variability::Fixed {
             return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));
@@ -366,7 +367,7 @@ impl Unit {
             Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
                 (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
                 (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
-                (DerivedSource::Ground(of), _) => Ok(of(&*self.ground()?)),
+                (DerivedSource::Ground(of), _) => Ok(of.value(&*self.ground()?)),
             },
             Role::Output(output) => {
                 let (seen, energies) = match self.seen {
@@ -473,37 +474,6 @@ impl Unit {
         let rate = move |output| source(output).rate(&rates, &energy_rates, &channels, &peaks);
         Ok(references.iter().map(move |&reference| output(reference).map(&rate)))
     }
-
-    /// Exact derivatives of Real outputs with respect to inputs and states, in a direction, at the present time.
-    pub fn directional_derivative<'a>(
-        &mut self,
-        unknowns: &'a [u32],
-        knowns: &[u32],
-        direction: &[f64],
-    ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
-        let output = |reference| output(reference, "can be differentiated");
-        unknowns.iter().try_for_each(|&reference| output(reference).map(|_| ()))?;
-        let (mut components, mut states) = (PerInput::default(), None::<States>);
-        for (&reference, &component) in knowns.iter().zip(direction) {
-            if !component.is_finite() {
-                let name = known(reference, Kind::Real)?.name;
-                return Err(Fault::new(format!("direction {component} of {name}; expected a finite number")));
-            }
-            match known(reference, Kind::Real)?.role {
-                Role::Output(output) if let Some(i) = state(output) => states.get_or_insert_default()[i] += component,
-                _ => components[input(reference, "or a state is a direction")?.0 as usize] += component,
-            }
-        }
-        let along = inputs(0.0, components, &PerInput::default());
-        let (simulation, at) = self.preview()?;
-        let (derivative, energies) = match states {
-            None => (simulation.observe_direction(&at, &along), Energies::default()),
-            Some(states) => simulation.directional(&at, &states, &along),
-        };
-        let derivative = derivative.map(|x| x.eps);
-        let sensitivity = move |output| source(output).sensitivity(&derivative, &energies);
-        Ok(unknowns.iter().map(move |&reference| output(reference).map(&sensitivity)))
-    }
 }
 
 /// The inputs and the piece of the records that acts at `time` (s), and the end of that piece (s).
@@ -545,7 +515,7 @@ fn output(reference: u32, what: &str) -> Result<Output, Fault> {
         Role::Output(output) => Ok(output),
         Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is a {causality}; only an output {what}")))
+            Err(Fault::new(format!("{name} is {}; only an output {what}", causality.one())))
         }
     }
 }
@@ -557,7 +527,7 @@ fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault
         Role::Input(input) => Ok((input, metadata)),
         Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
             let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is a {causality}; only an input {what}")))
+            Err(Fault::new(format!("{name} is {}; only an input {what}", causality.one())))
         }
     }
 }

@@ -10,9 +10,12 @@ use crate::model::variables::{
 };
 use crate::records::ground::Ground;
 use crate::records::{self, ReadOptions, Record, Setting};
+use crate::scalar::Scalar;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
-use crate::simulation::{Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation};
+use crate::simulation::{
+    AtBeginning, Ending, Energies, Initial, LiftOff, OnOverturning, OnSeparation, Settings, Simulation,
+};
 
 /// Values of all inputs, in the order of [`Input::ALL`], or what else there is one of for each.
 pub type PerInput = [f64; Input::ALL.len()];
@@ -64,6 +67,12 @@ impl std::ops::IndexMut<Variable> for Values {
     }
 }
 
+/// The parameters of the block that are read.
+pub(super) enum GivenBlock<T> {
+    Dimensionless(Dimensionless<T>),
+    Physical(Physical<T>),
+}
+
 /// The variables that say which record is read, and how.
 struct RecordSettings {
     path: Text,
@@ -85,31 +94,39 @@ impl Values {
 
     /// The block that the parameters amount to.
     pub fn block(&self) -> Result<Block, BlockError> {
-        let common = Common {
-            mass: self[Variable::Mass],
-            gamma: self[Variable::Gamma],
-            epsilon: self[Variable::Epsilon],
-            gravity: self[Variable::G],
-            foundation: self.foundation(),
-            restitution_factor: self[Variable::RestitutionFactor],
-        };
-        if self.is_physical() {
-            let physical = Physical {
-                width: self[Variable::PhysicalWidth],
-                height: self[Variable::PhysicalHeight],
-                stiffness: self[Variable::PhysicalK],
-                damping: self[Variable::PhysicalC],
-            };
-            Block::from_physical(&physical, &common)
-        } else {
-            let dimensionless = Dimensionless {
-                alpha: self[Variable::DimensionlessAlpha],
-                p: self[Variable::DimensionlessP],
-                eta: self[Variable::DimensionlessEta],
-                xi_v: self[Variable::DimensionlessXiV],
-            };
-            Block::from_dimensionless(&dimensionless, &common)
+        let (given, common) = self.given_block(|variable| self[variable]);
+        match given {
+            GivenBlock::Dimensionless(dimensionless) => Block::from_dimensionless(&dimensionless, &common),
+            GivenBlock::Physical(physical) => Block::from_physical(&physical, &common),
         }
+    }
+
+    /// The parameters of the block as they are read, in the numbers that `of` gives for variables.
+    pub(super) fn given_block<T>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
+        let common = Common {
+            mass: of(Variable::Mass),
+            gamma: of(Variable::Gamma),
+            epsilon: of(Variable::Epsilon),
+            gravity: of(Variable::G),
+            foundation: self.foundation(),
+            restitution_factor: of(Variable::RestitutionFactor),
+        };
+        let given = if self.is_physical() {
+            GivenBlock::Physical(Physical {
+                width: of(Variable::PhysicalWidth),
+                height: of(Variable::PhysicalHeight),
+                stiffness: of(Variable::PhysicalK),
+                damping: of(Variable::PhysicalC),
+            })
+        } else {
+            GivenBlock::Dimensionless(Dimensionless {
+                alpha: of(Variable::DimensionlessAlpha),
+                p: of(Variable::DimensionlessP),
+                eta: of(Variable::DimensionlessEta),
+                xi_v: of(Variable::DimensionlessXiV),
+            })
+        };
+        (given, common)
     }
 
     /// The item of an enumeration.
@@ -274,16 +291,26 @@ impl Values {
 
     /// The beginning.
     pub fn initial(&self) -> Initial {
-        let vertical = (self[Variable::InitialV], self[Variable::InitialVDot]);
+        self.initial_of(|variable| self[variable])
+    }
+
+    /// The same in the numbers that `of` gives for variables.
+    pub(super) fn initial_of<T>(&self, of: impl Fn(Variable) -> T) -> Initial<T> {
+        let vertical = (of(Variable::InitialV), of(Variable::InitialVDot));
         Initial {
-            theta: self[Variable::InitialTheta],
-            theta_dot: self[Variable::InitialThetaDot],
+            theta: of(Variable::InitialTheta),
+            theta_dot: of(Variable::InitialThetaDot),
             vertical: (self[Variable::InitialSettled] == 0.0).then_some(vertical),
         }
     }
 
     /// The pulse.
     pub fn pulse(&self) -> Pulse {
+        self.pulse_of(|variable| self[variable])
+    }
+
+    /// The same in the numbers that `of` gives for variables.
+    pub(super) fn pulse_of<T>(&self, of: impl Fn(Variable) -> T) -> Pulse<T> {
         Pulse {
             shape: match self.choice(Variable::PulseShape) {
                 choices::PulseShape::None => PulseShape::None,
@@ -292,9 +319,9 @@ impl Values {
                 choices::PulseShape::C1 => PulseShape::C1,
                 choices::PulseShape::C2 => PulseShape::C2,
             },
-            amplitude: self[Variable::PulseAmplitude],
-            period: self[Variable::PulsePeriod],
-            start: self[Variable::PulseStart],
+            amplitude: of(Variable::PulseAmplitude),
+            period: of(Variable::PulsePeriod),
+            start: of(Variable::PulseStart),
         }
     }
 
@@ -326,18 +353,19 @@ impl Values {
 
 /// Inputs from their values and rates.
 pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
-    let mut inputs = Inputs { time, ..Inputs::default() };
-    for ((input, value), &rate) in Input::ALL.into_iter().zip(values).zip(rates) {
-        let ramp = match input {
-            Input::AGx => &mut inputs.a_gx,
-            Input::AGz => &mut inputs.a_gz,
-            Input::FX => &mut inputs.f_x,
-            Input::FZ => &mut inputs.f_z,
-            Input::MY => &mut inputs.m_y,
-        };
-        *ramp = Ramp { value, rate };
+    inputs_of(time, |input| Ramp { value: values[input as usize], rate: rates[input as usize] })
+}
+
+/// Inputs with their reference at `time` (s).
+pub(super) fn inputs_of<T>(time: T, of: impl Fn(Input) -> Ramp<T>) -> Inputs<T> {
+    Inputs {
+        time,
+        a_gx: of(Input::AGx),
+        a_gz: of(Input::AGz),
+        f_x: of(Input::FX),
+        f_z: of(Input::FZ),
+        m_y: of(Input::MY),
     }
-    inputs
 }
 
 /// One of the inputs.
@@ -352,19 +380,39 @@ pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
 }
 
 /// Where the value of a calculated parameter comes from.
-pub enum DerivedSource {
+pub enum DerivedSource<T = f64> {
     /// The block.
-    Block(fn(&Block) -> f64),
+    Block(fn(&Block<T>) -> T),
     /// The records.
-    Ground(fn(&Ground) -> f64),
+    Ground(OfGround),
+}
+
+/// What is calculated from the records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfGround {
+    /// The peak acceleration of the horizontal one.
+    Peak,
+    /// The peak acceleration of the vertical one.
+    VerticalPeak,
+    /// The time of the last sample.
+    End,
+}
+
+impl OfGround {
+    /// The value.
+    pub fn value(self, ground: &Ground) -> f64 {
+        let greatest = |record: &Option<Record>| record.as_ref().map_or(0.0, |record| record.peak().acceleration.abs());
+        match self {
+            OfGround::Peak => greatest(&ground.horizontal),
+            OfGround::VerticalPeak => greatest(&ground.vertical),
+            OfGround::End => ground.end().unwrap_or(0.0),
+        }
+    }
 }
 
 /// Where a calculated parameter comes from.
-pub fn derived(parameter: Derived) -> DerivedSource {
-    use DerivedSource::{Block as OfBlock, Ground as OfGround};
-    fn greatest(record: &Option<Record>) -> f64 {
-        record.as_ref().map_or(0.0, |record| record.peak().acceleration.abs())
-    }
+pub fn derived<T: Scalar>(parameter: Derived) -> DerivedSource<T> {
+    use DerivedSource::Block as OfBlock;
     match parameter {
         Derived::DerivedAlpha => OfBlock(|block| block.alpha),
         Derived::DerivedR0 => OfBlock(|block| block.r0),
@@ -379,11 +427,11 @@ pub fn derived(parameter: Derived) -> DerivedSource {
         Derived::DerivedE => OfBlock(Block::restitution),
         Derived::DerivedEMax => OfBlock(Block::max_restitution),
         Derived::DerivedThetaSeparation => OfBlock(Block::separation_angle),
-        Derived::DerivedWidth => OfBlock(|block| 2.0 * block.b),
-        Derived::DerivedHeight => OfBlock(|block| 2.0 * block.h),
-        Derived::RecordPGA => OfGround(|ground| greatest(&ground.horizontal)),
-        Derived::RecordPGAVertical => OfGround(|ground| greatest(&ground.vertical)),
-        Derived::RecordEnd => OfGround(|ground| ground.end().unwrap_or(0.0)),
+        Derived::DerivedWidth => OfBlock(|block| block.b * 2.0),
+        Derived::DerivedHeight => OfBlock(|block| block.h * 2.0),
+        Derived::RecordPGA => DerivedSource::Ground(OfGround::Peak),
+        Derived::RecordPGAVertical => DerivedSource::Ground(OfGround::VerticalPeak),
+        Derived::RecordEnd => DerivedSource::Ground(OfGround::End),
     }
 }
 
@@ -482,6 +530,16 @@ impl Source {
             Source::Seen(of) => of(rates),
             Source::Energy(of) => of(energy_rates),
             Source::Peak(channel) => peaks.rate(*channel, now),
+            Source::Discrete(_) => 0.0,
+        }
+    }
+
+    /// Its derivative at the beginning in a direction of what the block begins from.
+    pub fn at_beginning(&self, along: &AtBeginning) -> f64 {
+        match self {
+            Source::Seen(of) => of(&along.seen),
+            Source::Energy(of) => of(&along.energies),
+            Source::Peak(channel) => along.peaks.of(*channel),
             Source::Discrete(_) => 0.0,
         }
     }

@@ -60,6 +60,18 @@ impl std::fmt::Display for Causality {
     }
 }
 
+impl Causality {
+    /// One of its variables, in a sentence.
+    pub fn one(self) -> &'static str {
+        match self {
+            Causality::Input => "an input",
+            Causality::Parameter => "a parameter",
+            Causality::CalculatedParameter => "a calculated parameter",
+            Causality::Output => "an output",
+        }
+    }
+}
+
 /// The part to which a variable belongs. Who handles a part handles each of its variables, or does not compile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {

@@ -1,9 +1,11 @@
 //! Records → inputs that are linear in time between their samples.
 
+use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Inputs, Ramp};
 use crate::records::Record;
+use crate::scalar::Scalar;
 
 /// Ground motion: records, linear between samples and zero outside, each with a time step of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -104,11 +106,59 @@ pub fn fingerprint(record: &Record) -> String {
 fn ramp_from(record: &Record, time: f64) -> (Ramp, f64) {
     let Some(i) = record.sample_at(time) else { return (Ramp::default(), record.start_time) };
     match (record.acceleration.get(i), record.acceleration.get(i + 1)) {
-        (Some(a), Some(b)) => {
-            let rate = (b - a) / record.time_step;
-            (Ramp { value: a + rate * (time - record.sample_time(i)), rate }, record.sample_time(i + 1))
-        }
+        (Some(a), Some(b)) => (line(*a, *b, record.time_step, time - record.sample_time(i)), record.sample_time(i + 1)),
         _ => (Ramp::default(), f64::INFINITY),
+    }
+}
+
+/// The straight line from one sample to the next, a step later, seen from a time `elapsed` after the first.
+fn line<T: Scalar>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
+    let rate = (b - a) / step;
+    Ramp { value: a + rate * elapsed, rate }
+}
+
+/// A record with the derivatives of its samples and of its time axis in some direction.
+pub struct Varied<'a, F> {
+    /// The record.
+    pub record: &'a Record,
+    /// The derivative of the sample of this number [m/s²].
+    pub sample: F,
+    /// The derivative of the time of the first sample (s).
+    pub start_time: f64,
+    /// The derivative of the time between two samples (s).
+    pub time_step: f64,
+}
+
+impl<F: Fn(usize) -> f64> Varied<'_, F> {
+    /// What acts at `time` (s), as [`Ground::piece_at`] has it, and its derivative.
+    pub fn at(&self, time: Dual64) -> Dual64 {
+        let Varied { record, .. } = self;
+        let zero = Dual64::from(0.0);
+        let Some(i) = record.sample_at(time.re) else { return zero };
+        if i + 1 >= record.acceleration.len() {
+            return zero;
+        }
+        let [a, b] = [i, i + 1].map(|i| Dual64::new(record.acceleration[i], (self.sample)(i)));
+        let step = Dual64::new(record.time_step, self.time_step);
+        let start = Dual64::new(record.start_time, self.start_time);
+        line(a, b, step, time - (start + step * i as f64)).value
+    }
+
+    /// How the peak ground acceleration changes: with the sample of largest magnitude, and where several are that large, or all
+    /// are zero, with the one whose magnitude grows most.
+    pub fn peak(&self) -> f64 {
+        let peak = self.record.peak().acceleration.abs();
+        let samples = self.record.acceleration.iter().enumerate().filter(|(_, a)| a.abs() == peak);
+        let grows = samples.map(|(i, &a)| match (self.sample)(i) {
+            rate if a == 0.0 => rate.abs(),
+            rate => rate * a.signum(),
+        });
+        grows.reduce(f64::max).unwrap_or(0.0)
+    }
+
+    /// How the time of the last sample changes.
+    pub fn end(&self) -> f64 {
+        self.start_time + self.time_step * self.record.acceleration.len().saturating_sub(1) as f64
     }
 }
 

@@ -1,5 +1,6 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
+mod beginning;
 mod energies;
 pub mod exchange;
 pub mod outputs;
@@ -20,7 +21,8 @@ use crate::system::transitions::{Tally, Transition};
 use peaks::Peaks;
 
 pub use crate::system::LiftOff;
-pub use crate::system::transitions::Initial;
+pub use crate::system::transitions::{Initial, Start};
+pub use beginning::AtBeginning;
 pub use energies::{Energies, EnergySums};
 use exchange::Piece;
 

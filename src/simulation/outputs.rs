@@ -6,10 +6,10 @@ use crate::block::Block;
 use crate::contact::{Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::roots::Sample;
+use crate::scalar::{Beside, Scalar};
 use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
 use crate::system::dynamics::{Instant, instant};
 use crate::system::now::{Motion, Now};
-use crate::system::scalar::Scalar;
 
 /// Greatest friction demand that is reported: where the supports bear almost nothing the ratio has no bound.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
@@ -54,8 +54,8 @@ pub struct Observation<T> {
 }
 
 /// The observation that belongs to the equations of motion at an instant; `tops` are the heights of the supports.
-pub fn observe<T: Scalar>(
-    block: &Block,
+pub fn observe<P: Scalar, T: Beside<P>>(
+    block: &Block<P>,
     regime: Regime,
     x: &Instant<T>,
     tops: [T; 2],
@@ -128,15 +128,13 @@ impl<T: Scalar> Observation<T> {
 
     /// The block held where it is: no rates, accelerations and reactions, and nothing that could change them.
     pub fn frozen(&self) -> Observation<T> {
-        let still = |x: T| T::from(x.value());
+        self.map(|x| T::from(x.value())).without_motion()
+    }
+
+    /// The block held where it is: no rates, accelerations and reactions.
+    pub fn without_motion(&self) -> Observation<T> {
         let zero = T::from(0.0);
         Observation {
-            regime: self.regime,
-            theta: still(self.theta),
-            v: still(self.v),
-            u: still(self.u),
-            corner: self.corner.map(still),
-            uplift: self.uplift.map(still),
             theta_dot: zero,
             theta_ddot: zero,
             v_dot: zero,
@@ -148,6 +146,7 @@ impl<T: Scalar> Observation<T> {
             base_moment: zero,
             friction_demand: zero,
             power: [zero; 2],
+            ..*self
         }
     }
 }

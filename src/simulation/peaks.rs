@@ -163,6 +163,29 @@ impl Peaks {
     }
 }
 
+impl Channels {
+    /// The peaks of a motion that begins with these values, and in place of their rates derivatives in a direction: how the peaks
+    /// change in that direction. Where several values are greatest, or all are zero, it is the one that grows most that matters.
+    pub fn peaks_along(&self) -> Peaks {
+        // Both reactions of a block at rest are the same number up to rounding.
+        const SAME: f64 = 1.0 - 1e-13;
+        let along = |channel: Channel| {
+            let zero = Sample::default();
+            let of_it = || self.candidates().into_iter().filter(|&(of, _)| of == channel).map(|(_, sample)| sample);
+            let greatest = of_it().fold(0.0, |most, sample| greater(most, sample.value));
+            let at_it = of_it().chain([zero]).filter(|sample| sample.value >= SAME * greatest);
+            at_it.map(|sample| sample.rate).reduce(greater).unwrap_or(0.0)
+        };
+        Peaks {
+            theta: along(Channel::Theta),
+            reaction: along(Channel::Reaction),
+            horizontal: along(Channel::Horizontal),
+            uplift: along(Channel::Uplift),
+            friction_demand: along(Channel::FrictionDemand),
+        }
+    }
+}
+
 /// The greater value; of 0 and −0 the first, where `f64::max` takes one or the other by processor and compiler.
 pub fn greater(first: f64, second: f64) -> f64 {
     if second > first { second } else { first }

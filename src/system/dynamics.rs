@@ -14,7 +14,7 @@ use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::excitation::Forcing;
 use crate::numerics;
-use crate::system::scalar::Scalar;
+use crate::scalar::{Beside, Scalar};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State = numerics::State;
@@ -108,8 +108,8 @@ impl Footing<f64> {
 ///
 /// The excitation may be that of any smooth piece; see [`Forcing`] for signs.
 #[inline]
-pub fn instant<T: Scalar>(
-    block: &Block,
+pub fn instant<P: Scalar, T: Beside<P>>(
+    block: &Block<P>,
     regime: Regime,
     state: [T; 4],
     footing: Footing<T>,
@@ -121,8 +121,8 @@ pub fn instant<T: Scalar>(
 /// What `pick` takes of [`instant`]: only that is computed, since it is inlined into the equations of each regime. Of a
 /// `foundation` (that of the block) and a `regime` that the compiler knows only their equations are left.
 #[inline(always)]
-pub fn instant_of<T: Scalar, R>(
-    block: &Block,
+pub fn instant_of<P: Scalar, T: Beside<P>, R>(
+    block: &Block<P>,
     foundation: Foundation,
     regime: Regime,
     state: [T; 4],
@@ -166,8 +166,8 @@ pub fn along(
 }
 
 /// The state with its sine and cosine.
-pub(super) struct Posture<'a, T> {
-    pub(super) block: &'a Block,
+pub(super) struct Posture<'a, P, T> {
+    pub(super) block: &'a Block<P>,
     pub(super) theta: T,
     pub(super) theta_dot: T,
     w: T,
@@ -185,9 +185,9 @@ struct Horizontal<T> {
     reaction: T,
 }
 
-impl<'a, T: Scalar> Posture<'a, T> {
+impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     #[inline(always)]
-    fn new(block: &'a Block, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, T> {
+    fn new(block: &'a Block<P>, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, P, T> {
         let (sin, cos) = theta.sin_cos();
         Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
     }
@@ -200,7 +200,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
             Footing::Grips { .. } => {
                 (-(arm * (forcing.x - centripetal)) + vertical + forcing.moment) / (arm * arm + self.block.i0)
             }
-            Footing::Free { .. } => (vertical + forcing.moment) * T::from(1.0 / self.block.i0),
+            Footing::Free { .. } => (vertical + forcing.moment) * T::from(P::from(1.0) / self.block.i0),
         }
     }
 
@@ -223,7 +223,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
     #[inline(always)]
     fn support(&self, height: T, rate: T) -> T {
         let Block { gravity, omega_v, xi_v, .. } = *self.block;
-        -(height * (0.5 * omega_v * omega_v)) - rate * (xi_v * omega_v) + 0.5 * gravity
+        -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * 0.5
     }
 
     /// Heights of the corners, their rates and their accelerations, from those of the middle of the base, b from either.
@@ -245,7 +245,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
     fn full_contact(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { b, h, gravity, omega_v, xi_v, .. } = *block;
-        let (omega2, damping) = (omega_v * omega_v, 2.0 * xi_v * omega_v);
+        let (omega2, damping) = (omega_v * omega_v, xi_v * 2.0 * omega_v);
         let tilt = sin * b;
         let tilt_dot = cos * theta_dot * b;
         // v̈ + a_gz = (N_L + N_R)/M − g, and the couple of the supports: N_L − N_R.
@@ -298,7 +298,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let Block { h, i0, gravity, .. } = *block;
         let zero = T::from(0.0);
-        let theta_ddot = forcing.moment * T::from(1.0 / i0);
+        let theta_ddot = forcing.moment * T::from(P::from(1.0) / i0);
         let v_ddot = -forcing.z - gravity;
         let (middle, middle_dot) = (w + self.versine() * h, w_dot + sin * theta_dot * h);
         let middle_ddot = v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h;
@@ -327,13 +327,13 @@ impl<'a, T: Scalar> Posture<'a, T> {
     /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass (m).
     #[inline(always)]
     pub(super) fn reach(&self, s: f64) -> T {
-        self.cos * self.block.b + self.sin * (s * self.block.h)
+        self.cos * self.block.b + self.sin * (self.block.h * s)
     }
 
     /// `R0 cos φ`: height of the centre of mass over the corner (m).
     #[inline(always)]
     pub(super) fn height(&self, s: f64) -> T {
-        self.cos * self.block.h - self.sin * (s * self.block.b)
+        self.cos * self.block.h - self.sin * (self.block.b * s)
     }
 
     /// Kinematics of the block about its one standing corner.
@@ -352,12 +352,12 @@ impl<'a, T: Scalar> Posture<'a, T> {
         let s = corner.sign();
         let (reach, height) = (self.reach(s), self.height(s));
         let along = self.horizontal(
-            sin * h - self.versine() * (s * b),
+            sin * h - self.versine() * (b * s),
             height * theta_dot,
             height * theta_ddot - reach * theta_dot * theta_dot * s,
             forcing,
         );
-        let across = 2.0 * s * b;
+        let across = b * (2.0 * s);
         let standing = |pair: [T; 2]| match corner {
             Corner::Left => pair,
             Corner::Right => [pair[1], pair[0]],
@@ -371,7 +371,7 @@ impl<'a, T: Scalar> Posture<'a, T> {
             u: along.u,
             u_dot: along.u_dot,
             u_ddot: along.u_ddot,
-            v: w - self.versine() * h - sin * (s * b),
+            v: w - self.versine() * h - sin * (b * s),
             v_dot: w_dot - reach * theta_dot * s,
             v_ddot,
             corner: standing([w, w - sin * across]),
@@ -387,7 +387,10 @@ impl<T: Scalar> Instant<T> {
     /// Powers of the excitation and of the dashpots per unit mass (m²/s³); the first is `−a_gx u̇ − a_gz v̇` with the
     /// loads' work in it.
     #[inline(always)]
-    pub fn powers(&self, block: &Block, regime: Regime, forcing: Forcing<T>) -> [T; 2] {
+    pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
+    where
+        T: Beside<P>,
+    {
         let input = forcing.moment * self.theta_dot - forcing.x * self.u_dot - forcing.z * self.v_dot;
         let [left, right] = self.corner_dot;
         let squares = match regime {
@@ -418,22 +421,22 @@ pub fn height_of_what_stands<T: Scalar>(block: &Block, regime: Regime, [theta, t
 ///
 /// `E = ½ I0 θ̇² + ½ M (u̇² + v̇²) + M g v + ½ K Σ_touching (δ_s − v_I)² − ½ M g δ_s`, with the terms that cancel at rest
 /// taken together.
-pub fn energy<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>) -> (T, T) {
+pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> (T, T) {
     let Block { b, h, i0, gravity, omega_v, .. } = *block;
     let kinetic = (x.theta_dot * x.theta_dot * i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
     let (sin, cos) = x.theta.sin_cos();
     let sunk = sin * sin / (cos + 1.0) * h;
     let omega2 = omega_v * omega_v;
-    let springs = |height: T| height * height * (0.25 * omega2);
-    let rest = 0.25 * gravity * block.static_deflection();
+    let springs = |height: T| height * height * (omega2 * 0.25);
+    let rest = gravity * 0.25 * block.static_deflection();
     let potential = match (block.foundation, regime) {
         (Foundation::Rigid, _) => x.v * gravity,
         (Foundation::Viscoelastic, Regime::FullContact) => springs(x.corner[0]) + springs(x.corner[1]) - sunk * gravity,
         (Foundation::Viscoelastic, Regime::TiltingLeft) => {
-            springs(x.corner[0]) + x.corner[0] * (0.5 * gravity) - (sunk + sin * b) * gravity - rest
+            springs(x.corner[0]) + x.corner[0] * (gravity * 0.5) - (sunk + sin * b) * gravity - rest
         }
         (Foundation::Viscoelastic, Regime::TiltingRight) => {
-            springs(x.corner[1]) + x.corner[1] * (0.5 * gravity) - (sunk - sin * b) * gravity - rest
+            springs(x.corner[1]) + x.corner[1] * (gravity * 0.5) - (sunk - sin * b) * gravity - rest
         }
         (Foundation::Viscoelastic, Regime::Separated) => x.v * gravity - rest * 2.0,
     };

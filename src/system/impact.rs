@@ -2,18 +2,18 @@
 
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
+use crate::scalar::Scalar;
 use crate::system::dynamics::Instant;
-use crate::system::scalar::Scalar;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Velocities {
+pub struct Velocities<T = f64> {
     /// u̇ (m/s), positive to the right.
-    pub u_dot: f64,
+    pub u_dot: T,
     /// v̇ (m/s), positive up.
-    pub v_dot: f64,
+    pub v_dot: T,
     /// θ̇ (rad/s), positive clockwise.
-    pub theta_dot: f64,
+    pub theta_dot: T,
 }
 
 impl Velocities {
@@ -52,18 +52,18 @@ pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot:
 }
 
 /// v̇ of a corner from v̇ of the centre of mass and θ̇ [m/s]: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
-pub fn corner_rate(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot: f64) -> f64 {
+pub fn corner_rate<T: Scalar>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> T {
     let (s, reach, _) = lever(block, corner, theta);
-    v_dot + s * reach * theta_dot
+    v_dot + reach * s * theta_dot
 }
 
 /// θ̇ after the other corner's lift-off from full contact (rad/s), if the angular momentum about the `pivot` that is
 /// left is kept while v̇ is: the middle of the base moves no more without friction, the pivot does.
 ///
 /// `(I0 + M Q²) θ̇_a = (I0 + M Q h cos θ) θ̇_b` with `Q = R0 cos(α + sθ)`.
-pub fn new_pivot(block: &Block, pivot: Corner, theta: f64, theta_dot: f64) -> f64 {
+pub fn new_pivot<T: Scalar>(block: &Block<T>, pivot: Corner, theta: T, theta_dot: T) -> T {
     let height = height_over(block, pivot, theta);
-    (block.i0 + height * block.h * libm::cos(theta)) / (block.i0 + height * height) * theta_dot
+    (block.i0 + height * block.h * theta.cos()) / (block.i0 + height * height) * theta_dot
 }
 
 /// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
@@ -133,7 +133,7 @@ pub fn thrown_by_grip<T: Scalar>(block: &Block, corner: Corner, x: &Instant<T>) 
 }
 
 /// Height of the centre of mass over a corner, `R0 cos(α + sθ)` (m).
-pub fn height_over(block: &Block, corner: Corner, theta: f64) -> f64 {
+pub fn height_over<T: Scalar>(block: &Block<T>, corner: Corner, theta: T) -> T {
     lever(block, corner, theta).2
 }
 
@@ -147,9 +147,9 @@ pub fn landing_loss(block: &Block, corner: Corner, theta: f64, rate: f64) -> f64
 }
 
 /// `s`, and `R0 sin φ`, `R0 cos φ` with `φ = α + sθ` (m): the centre of mass as seen from a corner.
-fn lever(block: &Block, corner: Corner, theta: f64) -> (f64, f64, f64) {
+fn lever<T: Scalar>(block: &Block<T>, corner: Corner, theta: T) -> (f64, T, T) {
     let Block { b, h, .. } = *block;
-    let (sin, cos) = libm::sincos(theta);
+    let (sin, cos) = theta.sin_cos();
     let s = corner.sign();
-    (s, b * cos + s * h * sin, h * cos - s * b * sin)
+    (s, b * cos + h * s * sin, h * cos - b * s * sin)
 }

@@ -2,21 +2,19 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`scalar`] | the numbers that the equations are written in: `f64`, and dual numbers for derivatives |
 //! | [`dynamics`] | state, regime, forcing → accelerations, reactions, energy |
 //! | `rigid_base` | the same on the rigid base |
 //! | [`law`] | a pose → which of these equations hold, and which surfaces end them |
 //! | [`now`] | a pose and an excitation → the block at any instant while the pose's contacts last |
 //! | [`surfaces`] | an instant → the functions whose fall through zero is an event |
 //! | [`impact`] | velocities before a landing → velocities after |
-//! | [`transitions`] | a pose and an event → the pose right after, and what happened |
+//! | [`transitions`] | initial values → the pose at the beginning; a pose and an event → the pose right after, and what happened |
 
 pub mod dynamics;
 pub mod impact;
 pub mod law;
 pub mod now;
 mod rigid_base;
-pub mod scalar;
 pub mod surfaces;
 pub mod transitions;
 

@@ -3,10 +3,10 @@
 use crate::block::Block;
 use crate::contact::Corner;
 use crate::excitation::Forcing;
+use crate::scalar::{Beside, Scalar};
 use crate::system::dynamics::{Footing, Instant, Posture};
-use crate::system::scalar::Scalar;
 
-impl<T: Scalar> Posture<'_, T> {
+impl<P: Scalar, T: Beside<P>> Posture<'_, P, T> {
     /// Housner's block about the corner on which it stands; w = 0. A corner that slides bears what keeps it on the base:
     /// `v̈ = −s P θ̈ − Q θ̇²` with `θ̈ i0 = s P N/M + m`.
     #[inline(always)]
@@ -17,7 +17,7 @@ impl<T: Scalar> Posture<'_, T> {
         let weight = forcing.z + gravity;
         let theta_ddot = match self.footing {
             Footing::Grips { .. } => {
-                (reach * weight * s - height * forcing.x + forcing.moment) * T::from(1.0 / (i0 + r0 * r0))
+                (reach * weight * s - height * forcing.x + forcing.moment) * T::from(P::from(1.0) / (i0 + r0 * r0))
             }
             Footing::Free { .. } => {
                 let pressing = weight - height * self.theta_dot * self.theta_dot;
@@ -40,7 +40,7 @@ impl<T: Scalar> Posture<'_, T> {
             Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, zero),
         };
         let half = (forcing.z + gravity) * 0.5;
-        let couple = (horizontal * h - forcing.moment) * (0.5 / b);
+        let couple = (horizontal * h - forcing.moment) * (P::from(0.5) / b);
         Instant {
             theta: self.theta,
             theta_dot: self.theta_dot,

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::numerics::roots::Sample;
+use crate::scalar::Scalar;
 use crate::system::dynamics::{Footing, Instant, instant};
 use crate::system::impact;
 use crate::system::now::Now;
-use crate::system::scalar::Scalar;
 
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,6 +12,8 @@ use crate::functions::*;
 pub struct Fmu {
     pub functions: Functions,
     pub description: Description,
+    /// modelDescription.xml.
+    pub xml: String,
     pub binary: Vec<u8>,
 }
 
@@ -24,7 +26,8 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
         bytes
     };
     let binary = entry("binaries/linux64/rocking_block.so");
-    let description = description::read(&String::from_utf8(entry("modelDescription.xml")).unwrap());
+    let xml = String::from_utf8(entry("modelDescription.xml")).unwrap();
+    let description = description::read(&xml);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("rocking_block.so");
     std::fs::write(&path, &binary).unwrap();
@@ -33,7 +36,7 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
     let functions = Functions::load(&library);
     // Not unloaded: the function pointers outlive this closure.
     std::mem::forget(library);
-    Fmu { functions, description, binary }
+    Fmu { functions, description, xml, binary }
 });
 
 /// A message as the logger got it.

@@ -5,12 +5,15 @@
 mod common;
 #[path = "../common/compare.rs"]
 mod compare;
+#[path = "../common/beginning/mod.rs"]
+mod differences;
 
 mod arrays;
 mod bad_start;
 mod bad_state;
 mod bad_step;
 mod bad_value;
+mod beginning;
 mod callbacks;
 mod derivatives;
 mod description;

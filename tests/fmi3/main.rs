@@ -1,6 +1,10 @@
 //! The FMU of FMI 3.0 as an importer meets it: the packed library, through its C interface, against the FMI standard 3.0.1.
 
 mod arrays;
+mod beginning;
+#[path = "../common/beginning/mod.rs"]
+#[allow(dead_code, reason = "the file of FMI 3.0 is read here")]
+mod differences;
 mod events;
 mod exchange;
 #[allow(dead_code, reason = "that all functions are there is tested; not all are called")]

@@ -69,7 +69,7 @@ fn variables_have_one_type_each() {
 fn what_is_out_of_place_is_refused() {
     let block = ready();
     block.refuses(block.try_set("mass", 2.0), &["mass is a fixed parameter"]);
-    block.refuses(block.try_set("theta", 2.0), &["theta is a output"]);
+    block.refuses(block.try_set("theta", 2.0), &["theta is an output"]);
     block.refuses(block.try_set("time", 2.0), &["time"]);
     block.refuses(block.try_set("a_gx", f64::INFINITY), &["a_gx = inf"]);
     block.refuses(block.try_step(1.0, 0.1).0, &["currentCommunicationPoint = 1.0"]);

@@ -3,6 +3,7 @@
 //! Everything here is a function of its arguments. A `Change` is where the new pose is put together: it begins as the pose
 //! before and is taken apart into a [`Transition`] at the end.
 
+mod along;
 mod beginning;
 mod flight;
 mod placement;
@@ -19,6 +20,7 @@ use crate::system::now::{Motion, Now, Pose};
 use crate::system::surfaces::{EventKind, Surface};
 use placement::Placement;
 
+pub use along::{Along, Start};
 pub use beginning::Initial;
 
 /// What became of a pose.
@@ -113,8 +115,15 @@ impl System {
 
     /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base; nothing if all can.
     pub fn released(&self, pose: &Pose, now: &Now) -> Option<Pose> {
+        self.released_by(pose, now).map(|(pose, _)| pose)
+    }
+
+    /// The same, and the regimes through which it comes there.
+    fn released_by(&self, pose: &Pose, now: &Now) -> Option<(Pose, Path)> {
         let corner = self.leaving_rigid_base(now)?;
-        Some(self.transition(pose, now, Surface::Reaction(corner)).pose)
+        let mut change = Change::begin(self, pose, now.excitation);
+        change.lift_from_rigid_base(corner, now);
+        Some((change.pose, change.path))
     }
 }
 
@@ -124,11 +133,15 @@ struct Change<'a> {
     excitation: &'a Excitation,
     pose: Pose,
     tally: Tally,
+    path: Path,
 }
+
+/// The first regimes through which a pose passes in one instant: no block has more than three at its beginning.
+type Path = [Option<Regime>; 3];
 
 impl<'a> Change<'a> {
     fn begin(system: &'a System, pose: &Pose, excitation: &'a Excitation) -> Change<'a> {
-        Change { system, excitation, pose: *pose, tally: Tally::default() }
+        Change { system, excitation, pose: *pose, tally: Tally::default(), path: [None; 3] }
     }
 
     fn regime(&self) -> Regime {
@@ -148,7 +161,11 @@ impl<'a> Change<'a> {
 
     /// Goes on from a placement on the present contacts.
     fn place(&mut self, placement: &Placement) {
-        self.pose.state = placement.state(self.regime());
+        let regime = self.regime();
+        self.pose.state = placement.state(regime).into();
+        if let Some(place) = self.path.iter_mut().find(|place| place.is_none()) {
+            *place = Some(regime);
+        }
     }
 
     /// What touches is held from here on where it is, with velocities that agree with that.

@@ -2,27 +2,29 @@
 
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
-use crate::system::dynamics::{Instant, State};
+use crate::scalar::Scalar;
+use crate::system::LiftOff;
+use crate::system::dynamics::Instant;
 use crate::system::impact::{self, Velocities};
 
 /// Where the block is while its regime is decided. Heights and rates of the corners stand beside those of the centre of
 /// mass, since their exact values (a rate of zero, say) decide.
 #[derive(Clone, Copy)]
-pub(super) struct Placement {
+pub(super) struct Placement<T = f64> {
     /// Height (m) and vertical rate (m/s) of each corner.
-    pub(super) corners: [(f64, f64); 2],
+    pub(super) corners: [(T, T); 2],
     /// θ (rad).
-    pub(super) theta: f64,
+    pub(super) theta: T,
     /// Horizontal place of the centre of mass (m).
-    pub(super) u: f64,
+    pub(super) u: T,
     /// Its height above its place at rest (m).
-    pub(super) v: f64,
+    pub(super) v: T,
     /// Velocities of the block.
-    pub(super) velocities: Velocities,
+    pub(super) velocities: Velocities<T>,
 }
 
-impl Placement {
-    pub(super) fn of(x: &Instant<f64>) -> Placement {
+impl<T: Scalar> Placement<T> {
+    pub(super) fn of(x: &Instant<T>) -> Placement<T> {
         Placement {
             corners: [(x.corner[0], x.corner_dot[0]), (x.corner[1], x.corner_dot[1])],
             theta: x.theta,
@@ -32,24 +34,34 @@ impl Placement {
         }
     }
 
-    /// The state by which the motion goes on in a regime.
-    pub(super) fn state(&self, regime: Regime) -> State {
+    /// The state `[θ, θ̇, w, ẇ]` by which the motion goes on in a regime.
+    pub(super) fn state(&self, regime: Regime) -> [T; 4] {
         let [left, right] = self.corners;
         let (w, w_dot) = match regime {
-            Regime::FullContact => (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1)),
+            Regime::FullContact => ((left.0 + right.0) * 0.5, (left.1 + right.1) * 0.5),
             Regime::TiltingLeft => left,
             Regime::TiltingRight => right,
             Regime::Separated => (self.v, self.velocities.v_dot),
         };
-        State::new(self.theta, self.velocities.theta_dot, w, w_dot)
+        [self.theta, self.velocities.theta_dot, w, w_dot]
     }
 
     /// Gives the block other velocities, and its corners the rates that go with them.
-    pub(super) fn strike(&mut self, block: &Block, velocities: Velocities) {
+    pub(super) fn strike(&mut self, block: &Block<T>, velocities: Velocities<T>) {
         let Velocities { v_dot, theta_dot, .. } = velocities;
         self.velocities = velocities;
         for corner in Corner::BOTH {
             self.corners[corner.index()].1 = impact::corner_rate(block, corner, self.theta, v_dot, theta_dot);
         }
+    }
+
+    /// The other corner has left full contact: from here on the `pivot` is held, and the middle of the base is free.
+    pub(super) fn hold_pivot(&mut self, block: &Block<T>, lift_off: LiftOff, pivot: Corner) {
+        let before = self.velocities;
+        if lift_off == LiftOff::KeepMomentum {
+            let theta_dot = impact::new_pivot(block, pivot, self.theta, before.theta_dot);
+            self.strike(block, Velocities { theta_dot, ..before });
+        }
+        self.velocities.u_dot = impact::height_over(block, pivot, self.theta) * self.velocities.theta_dot;
     }
 }

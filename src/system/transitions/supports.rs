@@ -2,7 +2,6 @@
 
 use crate::contact::{Contact, Creep};
 use crate::contact::{Corner, Regime};
-use crate::system::LiftOff;
 use crate::system::dynamics::Footing;
 use crate::system::impact::{self, Velocities};
 use crate::system::now::Now;
@@ -124,16 +123,11 @@ impl Change<'_> {
         }
     }
 
-    /// The other corner has left full contact: from here on the `pivot` is held, and the middle of the base is free.
+    /// [`Placement::hold_pivot`], and the energy that comes with it.
     fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement) {
         let block = &self.system.block;
         let before = placement.velocities;
-        if self.system.lift_off == LiftOff::KeepMomentum {
-            let theta_dot = impact::new_pivot(block, pivot, placement.theta, before.theta_dot);
-            placement.strike(block, Velocities { theta_dot, ..before });
-        }
-        placement.velocities.u_dot =
-            impact::height_over(block, pivot, placement.theta) * placement.velocities.theta_dot;
+        placement.hold_pivot(block, self.system.lift_off, pivot);
         self.tally.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
     }
 

@@ -1,0 +1,147 @@
+//! The beginning in numbers that carry derivatives along: through the same regimes, which their values decide.
+
+use crate::block::{Block, Foundation};
+use crate::contact::{Contact, Corner, Creep, Regime};
+use crate::excitation::{Excitation, Forcing};
+use crate::scalar::Scalar;
+use crate::system::System;
+use crate::system::dynamics::{Footing, Instant, instant};
+use crate::system::impact::Velocities;
+use crate::system::now::{Motion, Pose};
+use crate::system::transitions::beginning::{Initial, beginning_on_rigid_base};
+use crate::system::transitions::placement::Placement;
+
+/// What a block begins from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<T> {
+    /// The block.
+    pub block: Block<T>,
+    /// Where it is.
+    pub initial: Initial<T>,
+    /// What drives it.
+    pub forcing: Forcing<T>,
+}
+
+/// A block at its beginning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Along<T> {
+    /// The regime in which it begins, and what the equations of motion say.
+    pub begins: (Regime, Instant<T>),
+    /// The same as it goes on in that instant: on the rigid base a corner that would have to be pulled has lifted.
+    pub goes_on: (Regime, Instant<T>),
+    /// Heights of the supports that nothing touches then (m); zeros for the others.
+    pub tops: [T; 2],
+}
+
+impl System {
+    /// The beginning at `time` (s) from `initial` under `excitation`, in the numbers of `start`, whose values are the same.
+    pub fn beginning_along<T: Scalar>(
+        &self,
+        initial: &Initial,
+        time: f64,
+        excitation: &Excitation,
+        start: &Start<T>,
+    ) -> Along<T> {
+        let zero = T::from(0.0);
+        match self.block.foundation {
+            Foundation::Viscoelastic => {
+                let (pose, path) = self.beginning_on_supports(initial, time, excitation);
+                let mut regimes = path.into_iter().flatten();
+                let first = regimes.next().unwrap_or(pose.contacts.regime());
+                let mut walk = Walk::begin(start, first, Placement::on_supports(&start.block, &start.initial));
+                for regime in regimes {
+                    if let (Regime::FullContact, Some(pivot)) = (walk.regime, regime.pivot()) {
+                        walk.placement.hold_pivot(&start.block, self.lift_off, pivot);
+                    }
+                    walk.enter(regime);
+                }
+                walk.slide_like(&pose);
+                let here = (walk.regime, walk.instant);
+                Along { begins: here, goes_on: here, tops: walk.tops(&pose) }
+            }
+            Foundation::Rigid => {
+                let pose = beginning_on_rigid_base(initial, time);
+                let Initial { theta, theta_dot, .. } = start.initial;
+                let velocities = Velocities { u_dot: zero, v_dot: zero, theta_dot };
+                let level = Placement { corners: [(zero, zero); 2], theta, u: zero, v: zero, velocities };
+                let mut walk = Walk::begin(start, pose.contacts.regime(), level);
+                let begins = (walk.regime, walk.instant);
+                let now = Motion::from_pose(&self.block, &pose, excitation).at(time, pose.state);
+                if let Some((pose, path)) = self.released_by(&pose, &now) {
+                    for regime in path.into_iter().flatten() {
+                        walk.placement = Placement::of(&walk.instant);
+                        walk.enter(regime);
+                    }
+                    walk.slide_like(&pose);
+                }
+                Along { begins, goes_on: (walk.regime, walk.instant), tops: [zero; 2] }
+            }
+        }
+    }
+}
+
+/// A block on its way through the regimes of one instant.
+struct Walk<'a, T> {
+    start: &'a Start<T>,
+    placement: Placement<T>,
+    footing: Footing<T>,
+    regime: Regime,
+    instant: Instant<T>,
+}
+
+impl<'a, T: Scalar> Walk<'a, T> {
+    fn begin(start: &'a Start<T>, regime: Regime, placement: Placement<T>) -> Walk<'a, T> {
+        let footing = match regime {
+            Regime::Separated => free(&placement),
+            Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => Footing::Grips { offset: T::from(0.0) },
+        };
+        let instant = instant(&start.block, regime, placement.state(regime), footing, start.forcing);
+        let mut walk = Walk { start, placement, footing, regime, instant };
+        walk.take_along();
+        walk
+    }
+
+    /// Goes on in another regime.
+    fn enter(&mut self, regime: Regime) {
+        if regime == Regime::Separated && self.footing.grips() {
+            self.footing = free(&self.placement);
+        }
+        self.regime = regime;
+        self.look();
+    }
+
+    /// What touches slides from here on, if it does in this pose.
+    fn slide_like(&mut self, pose: &Pose) {
+        if self.footing.grips() && !pose.footing.grips() {
+            self.footing = free(&self.placement);
+            self.look();
+        }
+    }
+
+    fn look(&mut self) {
+        let Walk { start, placement, footing, regime, .. } = self;
+        self.instant = instant(&start.block, *regime, placement.state(*regime), *footing, start.forcing);
+        self.take_along();
+    }
+
+    /// The horizontal motion is that of the regime.
+    fn take_along(&mut self) {
+        (self.placement.u, self.placement.velocities.u_dot) = (self.instant.u, self.instant.u_dot);
+    }
+
+    /// Heights of the supports under the corners that have lifted in this pose: free, or where the corner has just left them.
+    fn tops(&self, pose: &Pose) -> [T; 2] {
+        let block = &self.start.block;
+        Corner::each(|corner| match pose.contacts.of(corner) {
+            Contact::Bearing | Contact::Held => T::from(0.0),
+            Contact::Lifted(Creep { depth, .. }) if depth == 0.0 || block.damping.value() == 0.0 => {
+                block.static_deflection()
+            }
+            Contact::Lifted(_) => self.instant.corner[corner.index()],
+        })
+    }
+}
+
+fn free<T: Scalar>(placement: &Placement<T>) -> Footing<T> {
+    Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot }
+}

@@ -1,0 +1,177 @@
+//! Derivatives in Initialization Mode, of what InitialUnknowns declares with respect to inputs and parameters.
+
+use std::f64::consts::FRAC_PI_2;
+
+use proptest::test_runner::TestRunner;
+
+use crate::differences::draw::{Draw, KNOWNS};
+use crate::differences::{Host, Pairs, compare, declared, real_unknowns};
+use crate::functions::*;
+use crate::host::{FMU, Instance, call, reference};
+
+/// Samples of a record in parts of g, every `record.dt`.
+const RECORD: &str = "0.1\n0.3\n-0.2\n0.25\n0.1\n";
+
+impl Host for Instance {
+    fn set(&mut self, name: &str, value: f64) {
+        Instance::set(self, name, value);
+    }
+
+    fn get(&mut self, name: &str) -> f64 {
+        Instance::get(self, name)
+    }
+
+    fn derivatives(&mut self, unknowns: &[&str], known: &str) -> Vec<f64> {
+        let unknowns: Vec<Reference> = unknowns.iter().map(|name| reference(name)).collect();
+        let mut found = vec![f64::NAN; unknowns.len()];
+        let (known, count) = (reference(known), unknowns.len());
+        let status =
+            call!(self, get_directional_derivative, unknowns.as_ptr(), count, &known, 1, &1.0, found.as_mut_ptr());
+        assert_eq!(status, OK, "{:?}", self.messages());
+        found
+    }
+}
+
+/// An instance in Initialization Mode with these values.
+fn begin(values: &[(&str, f64)]) -> Instance {
+    let instance = Instance::new("beginning");
+    values.iter().for_each(|(name, value)| instance.set(name, *value));
+    assert_eq!(instance.setup(None, 0.0, None), OK);
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    instance
+}
+
+#[test]
+fn derivatives_are_those_of_the_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.txt");
+    std::fs::write(&path, RECORD).unwrap();
+    let declared = declared(&FMU.xml);
+    let (mut runner, mut pairs) = (TestRunner::deterministic(), Pairs::new());
+    for i in 0..100 {
+        let draw = Draw::next(&mut runner);
+        let mut instance = begin(&draw.values);
+        if i % 2 == 0 {
+            instance.set_text("record.horizontal", path.to_str().unwrap());
+            instance.set_text("record.horizontal_unit", "g");
+        }
+        compare(&mut instance, &draw, &declared, &mut pairs);
+    }
+    for unknown in real_unknowns(&declared) {
+        for known in KNOWNS.iter().filter(|known| declared[unknown].contains(known.name)) {
+            let found = pairs[&(unknown.to_string(), known.name.to_string())];
+            assert!(found.compared > 0, "d{unknown}/d{}", known.name);
+        }
+    }
+}
+
+/// α = atan(width/height): closed forms, in a direction of several knowns.
+#[test]
+fn directions_add_up() {
+    let instance = begin(&[("parameterization", 2.0), ("physical.width", 3.0), ("physical.height", 4.0)]);
+    let (unknowns, knowns) =
+        (["derived.alpha", "derived.R0"].map(reference), ["physical.width", "physical.height"].map(reference));
+    let mut found = [f64::NAN; 2];
+    let direction = [0.1, -0.2];
+    let (at, along) = (unknowns.as_ptr(), knowns.as_ptr());
+    let status = call!(instance, get_directional_derivative, at, 2, along, 2, direction.as_ptr(), found.as_mut_ptr());
+    assert_eq!(status, OK);
+    let expected = [(4.0 * 0.1 + 3.0 * 0.2) / 25.0, 0.5 * (3.0 * 0.1 - 4.0 * 0.2) / 5.0];
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-15, "{found}, not {expected}");
+    }
+}
+
+/// The derivative of the group of parameters that is not read is zero, as are those of what does not act.
+#[test]
+fn what_is_not_read_has_no_effect() {
+    let mut instance = begin(&[("initial.theta", 0.1)]);
+    let declared = declared(&FMU.xml);
+    let unknowns = real_unknowns(&declared);
+    for known in ["physical.width", "physical.K", "restitution_factor", "initial.v", "pulse.amplitude", "record.start"]
+    {
+        assert!(instance.derivatives(&unknowns, known).iter().all(|derivative| *derivative == 0.0), "{known}");
+    }
+}
+
+/// A block at rest stands at many kinks: `|H|`, the greater of two equal reactions, the sign of a rotation that is zero. A peak
+/// grows whichever way it is left; for the rest it is the side on which the block is.
+#[test]
+fn at_a_kink_it_is_one_side() {
+    let mut rigid = begin(&[("foundation", 2.0), ("initial.theta", 0.0)]);
+    let couple = 0.5 / 3.640549260430305 * 2.0;
+    let [left, right, peak] = rigid.derivatives(&["N_L", "N_R", "peak.N"], "M_y")[..] else { panic!() };
+    assert!((left + couple).abs() < 1e-12 && (right - couple).abs() < 1e-12, "{left} {right}");
+    assert!((peak - couple).abs() < 1e-12, "{peak}");
+    assert_eq!(rigid.derivatives(&["peak.theta", "peak.H", "H"], "initial.theta"), [1.0, 0.0, 0.0]);
+    let [shear, peak] = rigid.derivatives(&["H", "peak.H"], "a_gx")[..] else { panic!() };
+    assert_eq!([shear, peak], [1000.0, 1000.0]);
+    // Supports so soft that no corner lifts end the arc sine.
+    let mut soft = begin(&[("dimensionless.eta", 1.0)]);
+    assert_eq!(soft.get("derived.theta_separation"), FRAC_PI_2);
+    assert_eq!(soft.derivatives(&["derived.theta_separation"], "dimensionless.eta"), [0.0]);
+}
+
+/// A factor of zero leaves nothing of a record; it is read again for what a little of it would do.
+#[test]
+fn a_record_can_be_scaled_from_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.txt");
+    std::fs::write(&path, RECORD).unwrap();
+    let mut instance = begin(&[("record.scale", 0.0), ("record.dt", 0.5), ("record.start", -0.75), ("g", 10.0)]);
+    instance.set_text("record.horizontal", path.to_str().unwrap());
+    instance.set_text("record.horizontal_unit", "g");
+    let [shear, peak] = instance.derivatives(&["u_ddot", "record.PGA"], "record.scale")[..] else { panic!() };
+    // Half way from 0.3 g to −0.2 g; of the greatest sample 0.3 g.
+    let whole = instance.derivatives(&["u_ddot"], "a_gx")[0] * 0.5;
+    assert!((shear - whole).abs() < 1e-15 && (peak - 3.0).abs() < 1e-15, "{shear}, not {whole}; {peak}");
+    std::fs::remove_file(&path).unwrap();
+    let (mut found, known) = (f64::NAN, reference("record.scale"));
+    let status = call!(instance, get_directional_derivative, &reference("u_ddot"), 1, &known, 1, &1.0, &mut found);
+    instance.refuses(status, &["record.horizontal", "record.txt"]);
+}
+
+#[test]
+fn what_is_declared_nowhere_is_refused() {
+    let instance = begin(&[]);
+    let refuses = |unknown: u32, known: u32, direction: f64, words: &[&str]| {
+        let mut found = -1.5;
+        let status = call!(instance, get_directional_derivative, &unknown, 1, &known, 1, &direction, &mut found);
+        instance.refuses(status, words);
+        assert_eq!(found, -1.5, "nothing is written");
+    };
+    let [theta, alpha, a_gx] = ["theta", "dimensionless.alpha", "a_gx"].map(reference);
+    refuses(alpha, alpha, 1.0, &["dimensionless.alpha is a parameter", "an output or a calculated parameter"]);
+    refuses(a_gx, alpha, 1.0, &["a_gx is an input", "an output or a calculated parameter"]);
+    refuses(reference("regime"), alpha, 1.0, &["regime", "Integer"]);
+    refuses(theta, theta, 1.0, &["theta is an output", "an input or a parameter"]);
+    refuses(theta, reference("derived.p"), 1.0, &["derived.p is a calculated parameter", "an input or a parameter"]);
+    refuses(theta, reference("foundation"), 1.0, &["foundation", "Integer"]);
+    refuses(theta, reference("record.horizontal"), 1.0, &["record.horizontal", "String"]);
+    refuses(theta, 98, 1.0, &["98 does not exist"]);
+    refuses(98, alpha, 1.0, &["98 does not exist"]);
+    refuses(theta, alpha, f64::NAN, &["NaN", "dimensionless.alpha", "finite"]);
+    // What makes no block has no derivatives.
+    instance.set("parameterization", 2.0);
+    instance.set("physical.width", 0.0);
+    refuses(theta, alpha, 1.0, &["width = 0"]);
+    // Once there is a block only inputs and states are directions.
+    instance.set("physical.width", 3.0);
+    assert_eq!(call!(instance, exit_initialization_mode), OK);
+    refuses(reference("theta_ddot"), alpha, 1.0, &["dimensionless.alpha is a parameter", "only an input"]);
+    refuses(reference("derived.p"), a_gx, 1.0, &["derived.p is a calculated parameter", "only an output"]);
+}
+
+/// Asking for derivatives changes nothing.
+#[test]
+fn asking_leaves_no_trace() {
+    let (mut asked, other) = (begin(&[("initial.theta", 0.1)]), begin(&[("initial.theta", 0.1)]));
+    let before = asked.bits();
+    asked.derivatives(&["N_L", "derived.p"], "dimensionless.alpha");
+    assert_eq!(asked.bits(), before);
+    for instance in [&asked, &other] {
+        assert_eq!(call!(instance, exit_initialization_mode), OK);
+        instance.step(0.0, 0.3);
+    }
+    assert_eq!(asked.bits(), other.bits());
+}

@@ -1,0 +1,154 @@
+//! Random beginnings: parameters of all kinds, within ranges in which all regimes occur.
+
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+
+use super::Sizes;
+
+/// A Real input or parameter.
+pub struct Known {
+    pub name: &'static str,
+    /// Its least value, if it is zero.
+    pub least: Option<f64>,
+}
+
+/// All of them that FMI 2.0 has.
+pub const KNOWNS: [Known; 28] = {
+    const fn free(name: &'static str) -> Known {
+        Known { name, least: None }
+    }
+    const fn from_zero(name: &'static str) -> Known {
+        Known { name, least: Some(0.0) }
+    }
+    [
+        free("a_gx"),
+        free("a_gz"),
+        free("F_x"),
+        free("F_z"),
+        free("M_y"),
+        free("dimensionless.alpha"),
+        free("dimensionless.p"),
+        free("dimensionless.eta"),
+        from_zero("dimensionless.xi_v"),
+        free("physical.width"),
+        free("physical.height"),
+        free("physical.K"),
+        from_zero("physical.C"),
+        free("mass"),
+        free("gamma"),
+        from_zero("epsilon"),
+        free("g"),
+        from_zero("restitution_factor"),
+        free("initial.theta"),
+        free("initial.theta_dot"),
+        free("initial.v"),
+        free("initial.v_dot"),
+        free("pulse.amplitude"),
+        free("pulse.period"),
+        free("pulse.start"),
+        free("record.scale"),
+        free("record.start"),
+        from_zero("record.dt"),
+    ]
+};
+
+/// A beginning: values by names.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    pub values: Vec<(&'static str, f64)>,
+}
+
+impl Draw {
+    /// The next one.
+    pub fn next(runner: &mut TestRunner) -> Draw {
+        strategy().new_tree(runner).unwrap().current()
+    }
+
+    /// The value of a variable.
+    pub fn of(&self, name: &str) -> f64 {
+        self.values.iter().find(|(of, _)| *of == name).unwrap_or_else(|| panic!("no {name}")).1
+    }
+
+    /// What a known is measured by: so much of it makes a change of the order of the whole.
+    pub fn measure(&self, known: &str, sizes: &Sizes) -> f64 {
+        let mass = self.of("mass");
+        match known {
+            "a_gx" | "a_gz" | "pulse.amplitude" => 1.0,
+            "F_x" | "F_z" => mass,
+            "M_y" => mass * sizes.r0,
+            // On stiff supports a small part of the block's size changes a reaction by all of it.
+            "initial.theta" | "initial.v" => 0.01,
+            "physical.width" | "physical.height" => 0.1 * self.of(known),
+            "pulse.start" | "record.start" => 0.1,
+            "initial.theta_dot" | "initial.v_dot" => 0.5,
+            "epsilon" => 0.5,
+            "dimensionless.xi_v" | "restitution_factor" | "record.scale" => self.of(known).max(0.1),
+            "physical.C" => self.of(known).max(0.1 * mass),
+            _ => self.of(known),
+        }
+    }
+}
+
+/// Numbers from 0 to 1, of which a beginning is made.
+const NUMBERS: usize = 48;
+
+fn strategy() -> impl Strategy<Value = Draw> {
+    prop::collection::vec(0.0..1.0_f64, NUMBERS).prop_map(|numbers| {
+        let mut numbers = numbers.into_iter();
+        let mut next = || numbers.next().unwrap();
+        let mut values = Vec::new();
+        let mut between = |least: f64, most: f64| least + (most - least) * next();
+        let alpha = between(0.1, 0.9);
+        let mass = between(10.0, 1000.0);
+        let mut item = |last: f64| between(1.0, last + 1.0).floor();
+        values.extend([
+            ("parameterization", item(2.0)),
+            ("foundation", item(2.0)),
+            ("on_separation", item(3.0)),
+            ("on_overturning", item(2.0)),
+            ("lift_off", item(2.0)),
+            ("pulse.shape", item(5.0)),
+            ("initial.settled", item(2.0) - 1.0),
+        ]);
+        // Some are exactly zero now and then.
+        let step = between(0.3, 0.4);
+        let mut or_zero = |value: f64| if between(0.0, 1.0) < 0.15 { 0.0 } else { value };
+        let theta = or_zero(1.0);
+        let theta_dot = or_zero(1.0);
+        let damping = or_zero(1.0);
+        values.extend([
+            ("dimensionless.alpha", alpha),
+            ("dimensionless.p", between(0.5, 2.5)),
+            ("dimensionless.eta", between(3.0, 60.0)),
+            ("dimensionless.xi_v", damping * between(0.01, 1.0)),
+            ("physical.width", between(0.5, 2.5)),
+            ("physical.height", between(2.5, 7.0)),
+            ("physical.K", mass * between(20.0, 5000.0)),
+            ("physical.C", damping * mass * between(0.1, 10.0)),
+            ("mass", mass),
+            ("gamma", between(0.5, 4.5)),
+            ("epsilon", between(0.01, 0.99)),
+            ("g", between(2.0, 12.0)),
+            ("restitution_factor", between(0.3, 0.9)),
+            ("initial.theta", theta * alpha * between(-0.5, 0.5)),
+            ("initial.theta_dot", theta_dot * between(-0.5, 0.5)),
+            ("initial.v", between(-0.2, 0.2)),
+            ("initial.v_dot", between(-1.0, 1.0)),
+            ("pulse.amplitude", between(-2.0, 2.0)),
+            ("pulse.period", between(1.0, 2.0)),
+            // Most have begun, none of them right now.
+            ("pulse.start", if between(0.0, 1.0) < 0.1 { 0.3 } else { between(-0.9, -0.02) }),
+            ("record.scale", between(0.2, 1.2)),
+            // Between two samples.
+            ("record.start", -step * (between(0.0, 3.0).floor() + between(0.05, 0.95))),
+            ("record.dt", step),
+            ("a_gx", between(-1.5, 1.5)),
+            ("a_gz", between(-1.5, 1.5)),
+            ("F_x", mass * between(-0.5, 0.5)),
+            ("F_z", mass * between(-0.5, 0.5)),
+            ("M_y", mass * between(-0.5, 0.5)),
+        ]);
+        Draw { values }
+    })
+}

@@ -1,0 +1,187 @@
+//! Derivatives at the beginning, of all that ModelStructure/InitialUnknowns declares, against differences of the values: for
+//! whoever gives both, the model itself or an FMU through one of its interfaces.
+
+pub mod draw;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use draw::Draw;
+
+/// An instance in Initialization Mode.
+pub trait Host {
+    fn set(&mut self, name: &str, value: f64);
+    fn get(&mut self, name: &str) -> f64;
+    /// Derivatives of several unknowns with respect to one known.
+    fn derivatives(&mut self, unknowns: &[&str], known: &str) -> Vec<f64>;
+}
+
+/// What InitialUnknowns says: the names of the dependencies of each unknown.
+pub type Declared = BTreeMap<String, BTreeSet<String>>;
+
+/// Reads modelDescription.xml as FMI 2.0 has it.
+pub fn declared(xml: &str) -> Declared {
+    let document = roxmltree::Document::parse(xml).unwrap();
+    let names: Vec<&str> = document
+        .descendants()
+        .filter(|node| node.has_tag_name("ScalarVariable"))
+        .map(|node| node.attribute("name").unwrap())
+        .collect();
+    let name = |index: &str| names[index.parse::<usize>().unwrap() - 1].to_string();
+    let list = document.descendants().find(|node| node.has_tag_name("InitialUnknowns")).unwrap();
+    list.children()
+        .filter(|node| node.is_element())
+        .map(|node| {
+            let dependencies = node.attribute("dependencies").unwrap().split_whitespace().map(name);
+            (name(node.attribute("index").unwrap()), dependencies.collect())
+        })
+        .collect()
+}
+
+/// The unknowns of which derivatives are defined.
+pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
+    const OTHERS: [&str; 5] = ["regime", "events.impacts", "events.liftoffs", "separated", "overturned"];
+    declared.keys().map(String::as_str).filter(|name| !OTHERS.contains(name)).collect()
+}
+
+/// How large what an unknown is made from is: what rounding is relative to.
+pub struct Sizes {
+    mass: f64,
+    r0: f64,
+    force: f64,
+    rate: f64,
+    energy: f64,
+}
+
+impl Sizes {
+    pub fn of(host: &mut impl Host) -> Sizes {
+        let [mass, r0, g] = ["mass", "derived.R0", "g"].map(|name| host.get(name));
+        let greatest = |host: &mut dyn FnMut(&str) -> f64, names: &[&str], least: f64| {
+            names.iter().map(|name| host(name).abs()).fold(least, f64::max)
+        };
+        let mut get = |name: &str| host.get(name);
+        let force = greatest(&mut get, &["N_L", "N_R", "H"], mass * g);
+        let rate = greatest(&mut get, &["v_dot", "u_dot"], (g * r0).sqrt());
+        let energy = greatest(&mut get, &["energy.kinetic", "energy.potential"], mass * g * r0);
+        Sizes { mass, r0, force, rate, energy }
+    }
+
+    pub fn unknown(&self, name: &str, value: f64) -> f64 {
+        let Sizes { mass, r0, force, rate, energy } = *self;
+        match name {
+            "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => force,
+            "M_base" => force * r0,
+            "theta_ddot" => force / mass / r0 * 10.0,
+            "v_ddot" | "u_ddot" => force / mass,
+            "v_dot" | "u_dot" => rate,
+            "v" | "u" | "v_L" | "v_R" | "uplift_L" | "uplift_R" | "peak.uplift" => r0,
+            "friction_demand" | "peak.friction_demand" => value.abs().max(1.0),
+            _ if name.starts_with("energy") => energy,
+            _ if name.starts_with("power") => force * rate,
+            _ => value.abs().max(0.1),
+        }
+    }
+}
+
+/// Values by which it is told whether a function is smooth between two points.
+struct Side {
+    regime: [f64; 3],
+    shear: f64,
+    pressed: bool,
+    /// θ_sep (rad).
+    separation: f64,
+    lean: f64,
+    heavier: f64,
+    higher: f64,
+}
+
+impl Side {
+    fn of(host: &mut impl Host, sizes: &Sizes) -> Side {
+        let sign = |value: f64, size: f64| if value.abs() <= 1e-9 * size { 0.0 } else { value.signum() };
+        let mut get = |name: &str| host.get(name);
+        Side {
+            regime: ["regime", "separated", "overturned"].map(&mut get),
+            shear: sign(get("H"), sizes.force),
+            // With less a quotient by it is steep.
+            pressed: get("N_L") + get("N_R") > 0.3 * sizes.force,
+            separation: get("derived.theta_separation"),
+            lean: sign(get("theta"), 1.0),
+            heavier: sign(get("N_L") - get("N_R"), sizes.force),
+            higher: sign(get("uplift_L") - get("uplift_R"), sizes.r0),
+        }
+    }
+
+    /// Whether an unknown is smooth between two sides of one point, as far as it is made from these.
+    fn joins(&self, other: &Side, unknown: &str) -> bool {
+        let same = |a: f64, b: f64| a == b && a != 0.0;
+        self.regime == other.regime
+            && match unknown {
+                "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && self.pressed,
+                // An arc sine, which is steep towards a quarter turn and ends there.
+                "derived.theta_separation" => self.separation < 0.8,
+                // Of a separated block they remember which corner lifted first.
+                "u" | "u_dot" if self.regime[0] == 2.0 => same(self.lean, other.lean),
+                "peak.H" => same(self.shear, other.shear),
+                "peak.theta" => same(self.lean, other.lean),
+                "peak.N" => same(self.heavier, other.heavier),
+                "peak.uplift" => same(self.higher, other.higher),
+                _ => true,
+            }
+    }
+}
+
+/// What was found of a pair of unknown and known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Found {
+    /// How often derivative and difference were compared.
+    pub compared: u32,
+    /// How often the derivative was more than rounding.
+    pub nonzero: u32,
+}
+
+/// Pairs by their names.
+pub type Pairs = BTreeMap<(String, String), Found>;
+
+/// Compares all derivatives in a random beginning with differences.
+///
+/// The differences are central ones over 1e-3 and 5e-4 of what the known is measured by, extrapolated. Of the size of the
+/// unknown, rounding leaves 1e-16/1e-3 times the ten or so sums in which it is made, some 1e-12, and the fifth derivative as
+/// much; where supports are stiff both are up to 50 times that, since reactions are differences of larger numbers.
+pub fn compare(host: &mut impl Host, draw: &Draw, declared: &Declared, pairs: &mut Pairs) {
+    let unknowns = real_unknowns(declared);
+    let sizes = Sizes::of(host);
+    let values: Vec<f64> = unknowns.iter().map(|name| host.get(name)).collect();
+    for known in draw::KNOWNS {
+        let exact = host.derivatives(&unknowns, known.name);
+        let (at, by) = (host.get(known.name), draw.measure(known.name, &sizes));
+        if known.least.is_some_and(|least| at - 1e-3 * by < least) {
+            continue;
+        }
+        let mut look = |shift: f64| {
+            host.set(known.name, at + shift * by);
+            (Side::of(host, &sizes), unknowns.iter().map(|name| host.get(name)).collect::<Vec<f64>>())
+        };
+        let [ahead, behind, near_ahead, near_behind] = [1e-3, -1e-3, 5e-4, -5e-4].map(&mut look);
+        host.set(known.name, at);
+        for (i, unknown) in unknowns.iter().enumerate() {
+            let size = sizes.unknown(unknown, values[i]);
+            let found = exact[i] * by;
+            if !declared[*unknown].contains(known.name) {
+                assert_eq!(exact[i], 0.0, "InitialUnknowns says that {unknown} does not depend on {}", known.name);
+            }
+            if !ahead.0.joins(&behind.0, unknown) {
+                continue;
+            }
+            let wide = (ahead.1[i] - behind.1[i]) / 2e-3;
+            let near = (near_ahead.1[i] - near_behind.1[i]) / 1e-3;
+            let expected = (4.0 * near - wide) / 3.0;
+            assert!(
+                (found - expected).abs() <= 1e-9 * expected.abs() + 1e-10 * size,
+                "d{unknown}/d{} times {by} is {found:e}, not {expected:e}, in units of {size:e}: {draw:?}",
+                known.name
+            );
+            let pair = pairs.entry((unknown.to_string(), known.name.to_string())).or_default();
+            pair.compared += 1;
+            pair.nonzero += u32::from(found.abs() > 1e-9 * size);
+        }
+    }
+}
