@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::description::{Description, Variable};
+use crate::fmi3::Own;
 use crate::read;
 
 use super::library::Version;
@@ -27,9 +28,9 @@ pub fn pack(
     files.insert("modelDescription.xml".to_string(), packed.clone().into_bytes());
     files.insert(library::place(version)?, load(binary)?);
     files.insert(version.icon().to_string(), load(Path::new("documentation/model.png"))?);
-    let page = read("documentation/index.html")?
+    let page = of_version(&read("documentation/index.html")?, version)?
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
-        .replace("<!-- variables -->", &tables(description));
+        .replace("<!-- variables -->", &tables(description, version));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
     for path in super::files(Path::new("documentation/licenses"))? {
         files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
@@ -37,15 +38,46 @@ pub fn pack(
     container::write(fmu, &files)
 }
 
+/// The page of a version: what stands between `<!-- FMI 2.0 -->` or `<!-- FMI 3.0 -->` and `<!-- end -->` is for one of them, and
+/// the functions of the standard have the names of the version.
+fn of_version(page: &str, version: Version) -> Result<String, String> {
+    let (own, other) = match version {
+        Version::Fmi2 => ("<!-- FMI 2.0 -->", "<!-- FMI 3.0 -->"),
+        Version::Fmi3 => ("<!-- FMI 3.0 -->", "<!-- FMI 2.0 -->"),
+    };
+    let mut parts = page.split(other);
+    let mut kept = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (_, rest) = part.split_once("<!-- end -->").ok_or("documentation/index.html: a part has no end")?;
+        kept += rest;
+    }
+    let kept = kept.replace(own, "").replace("<!-- end -->", "");
+    Ok(match version {
+        Version::Fmi2 => kept,
+        Version::Fmi3 => kept.replace("fmi2", "fmi3"),
+    })
+}
+
 /// The variables as tables of HTML, one for each causality.
-fn tables(description: &Description) -> String {
+fn tables(description: &Description, version: Version) -> String {
     let mut html = String::new();
-    for (causality, title) in [
-        ("Input", "Inputs"),
-        ("Parameter", "Parameters"),
-        ("CalculatedParameter", "Calculated parameters"),
-        ("Output", "Outputs"),
+    for (causality, of_fmi3, title) in [
+        ("Input", &[][..], "Inputs"),
+        ("Parameter", &["parameter", "structuralParameter"], "Parameters"),
+        ("CalculatedParameter", &[], "Calculated parameters"),
+        ("Output", &[], "Outputs"),
+        ("", &["independent", "local"], "Time and event indicators"),
     ] {
+        let own = match version {
+            Version::Fmi2 => &[][..],
+            Version::Fmi3 => &description.fmi3.own,
+        };
+        let own = own.iter().filter(|own| of_fmi3.contains(&own.causality.as_str())).map(row_of_own);
+        let rows: Vec<Row> =
+            description.variables.iter().filter(|v| v.causality == causality).map(row).chain(own).collect();
+        if rows.is_empty() {
+            continue;
+        }
         // What the FMU computes has neither start value nor limits.
         let set = matches!(causality, "Input" | "Parameter");
         let columns = if set { "<th>Start</th><th>Limits</th>" } else { "" };
@@ -54,33 +86,44 @@ fn tables(description: &Description) -> String {
             "<h3>{title}</h3>\n<div class=\"wide\"><table class=\"variables\">\n\
              <thead><tr><th>Name</th><th>Unit</th>{columns}<th>Meaning</th></tr></thead>\n<tbody>"
         );
-        for v in description.variables.iter().filter(|v| v.causality == causality) {
-            let values = if set { format!("<td>{}</td><td>{}</td>", start(v), limits(v)) } else { String::new() };
-            let items: String = v
-                .items
-                .iter()
-                .map(|item| format!("<li>{} <b>{}</b>: {}</li>", item.value, item.name, escaped(&item.description)))
-                .collect();
-            let items = if items.is_empty() { items } else { format!("<ul>{items}</ul>") };
-            let _ = writeln!(
-                html,
-                "<tr><td><code>{}</code></td><td>{}</td>{values}<td>{}{items}</td></tr>",
-                v.name,
-                of_type(v),
-                escaped(&v.description)
-            );
+        for Row { name, of_type, start, limits, meaning } in rows {
+            let values = if set { format!("<td>{start}</td><td>{limits}</td>") } else { String::new() };
+            let _ = writeln!(html, "<tr><td><code>{name}</code></td><td>{of_type}</td>{values}<td>{meaning}</td></tr>");
         }
         html += "</tbody>\n</table></div>\n";
     }
     html
 }
 
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+/// A row of a table.
+struct Row {
+    name: String,
+    of_type: String,
+    start: String,
+    limits: String,
+    meaning: String,
 }
 
-fn of_type(v: &Variable) -> String {
-    v.unit.clone().unwrap_or_else(|| v.kind.to_string())
+fn row(v: &Variable) -> Row {
+    let items: String = v
+        .items
+        .iter()
+        .map(|item| format!("<li>{} <b>{}</b>: {}</li>", item.value, item.name, escaped(&item.description)))
+        .collect();
+    let items = if items.is_empty() { items } else { format!("<ul>{items}</ul>") };
+    let limits = if v.items.is_empty() { limits([v.min, v.max]) } else { String::new() };
+    let of_type = v.unit.clone().unwrap_or_else(|| v.kind.to_string());
+    Row { name: v.name.clone(), of_type, start: start(v), limits, meaning: escaped(&v.description) + &items }
+}
+
+fn row_of_own(own: &Own) -> Row {
+    let start = own.start.map(number).unwrap_or_default();
+    let of_type = own.unit.clone().unwrap_or_default();
+    Row { name: own.name.clone(), of_type, start, limits: limits(own.limits), meaning: escaped(&own.description) }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 fn start(v: &Variable) -> String {
@@ -93,10 +136,13 @@ fn start(v: &Variable) -> String {
     }
 }
 
-fn limits(v: &Variable) -> String {
-    let number = |x: f64| if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") };
-    match (v.min, v.max) {
-        (Some(min), Some(max)) if v.items.is_empty() => format!("{} … {}", number(min), number(max)),
-        _ => String::new(),
+fn limits([min, max]: [Option<f64>; 2]) -> String {
+    match (min, max) {
+        (Some(min), Some(max)) => format!("{} … {}", number(min), number(max)),
+        (Some(_) | None, _) => String::new(),
     }
+}
+
+fn number(x: f64) -> String {
+    if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }

@@ -16,6 +16,21 @@ fn holds_what_the_standard_names() {
     assert!(FMU.files.contains_key("documentation/licenses/license.txt"));
 }
 
+/// The page is that of this version: its variables, its functions, its file.
+#[test]
+fn page_describes_this_unit() {
+    let page = std::str::from_utf8(&FMU.files["documentation/index.html"]).unwrap();
+    for name in FMU.variables.keys() {
+        assert!(page.contains(&format!("<td><code>{name}</code></td>")), "{name}");
+    }
+    for name in ["RockingBlock-fmi3.fmu", "terminateSimulation", "fmi3Error", "record.samples", "FMI 3.0"] {
+        assert!(page.contains(name), "{name}");
+    }
+    for other in ["fmi2", "FMI 2.0", "\"RockingBlock.fmu\"", "<!-- FMI", "<!-- end", "<!-- variables", "<!-- version"] {
+        assert!(!page.contains(other), "{other}");
+    }
+}
+
 #[test]
 fn the_functions_of_the_standard_and_nothing_else() {
     let file = object::File::parse(FMU.files[BINARY].as_slice()).unwrap();
