@@ -114,7 +114,7 @@ def test_event_mode_early_return_and_fmi_2_give_the_same_bits(fmu, fmu3):
     assert {two[1], whole[1], early[1], events[1]} == {whole[1]}
 
 
-@pytest.mark.parametrize("name", ["sine_eta40", "sine_rigid", "free_095", "tilted_release", "gamma_1_5"])
+@pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
 def test_references_are_met(fmu3, reference, name, interface):
     from test_model_exchange import start_values
