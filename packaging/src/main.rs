@@ -1,16 +1,20 @@
 //! FMUs of single targets → the packages of a release, with what their binaries need from a system checked.
 //!
 //! `packaging merge OUT IN…` puts the binaries of several FMUs into one; `packaging check FMU…` tells what the binaries
-//! need and fails if that is more than docs/packaging.md promises; `packaging unpack FMU FOLDER` lays its files out.
+//! need and fails if that is more than docs/packaging.md promises; `packaging only OUT FMU PLATFORM…` keeps the binaries of
+//! these folders of `binaries` alone; `packaging unpack FMU FOLDER` lays its files out.
 
 #[path = "../../build/container.rs"]
 mod container;
 mod merge;
 mod needs;
+mod standard;
 
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
+
+use standard::Standard;
 
 /// The files of an FMU, by path.
 type Files = BTreeMap<String, Vec<u8>>;
@@ -21,8 +25,9 @@ fn main() {
     let done = match words.as_slice() {
         ["merge", out, fmus @ ..] if !fmus.is_empty() => merge_all(out, fmus),
         ["check", fmus @ ..] if !fmus.is_empty() => fmus.iter().try_for_each(|fmu| check(fmu)),
+        ["only", out, fmu, platforms @ ..] if !platforms.is_empty() => only(out, fmu, platforms),
         ["unpack", fmu, folder] => unpack(fmu, Path::new(folder)),
-        _ => Err("expected: merge OUT IN…, check FMU…, or unpack FMU FOLDER".into()),
+        _ => Err("expected: merge OUT IN…, check FMU…, only OUT FMU PLATFORM…, or unpack FMU FOLDER".into()),
     };
     if let Err(message) = done {
         eprintln!("error: {message}");
@@ -55,6 +60,7 @@ fn merge_all(out: &str, fmus: &[&str]) -> Result<(), String> {
 
 fn check(fmu: &str) -> Result<(), String> {
     let files = read(fmu)?;
+    let standard = Standard::of(&files).map_err(|error| format!("{fmu}: {error}"))?;
     let size = std::fs::metadata(fmu).map_err(|e| format!("{fmu}: {e}"))?.len();
     println!("{fmu}: {size} bytes");
     let binaries: Vec<_> = files.iter().filter(|(path, _)| path.starts_with("binaries/")).collect();
@@ -65,9 +71,16 @@ fn check(fmu: &str) -> Result<(), String> {
         let failed = |error| format!("{fmu}: {path}: {error}");
         let needs = needs::of(content).map_err(failed)?;
         println!("  {path}: {} bytes, needs {needs}", content.len());
-        needs.check().map_err(failed)?;
+        standard.check_place(path, needs.platform).map_err(failed)?;
+        needs.check(&standard.functions()).map_err(failed)?;
     }
     Ok(())
+}
+
+fn only(out: &str, fmu: &str, platforms: &[&str]) -> Result<(), String> {
+    let mut files = read(fmu)?;
+    merge::keep(&mut files, platforms).map_err(|e| format!("{fmu}: {e}"))?;
+    container::write(Path::new(out), &files)
 }
 
 fn unpack(fmu: &str, folder: &Path) -> Result<(), String> {

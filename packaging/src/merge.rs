@@ -1,4 +1,4 @@
-//! Two FMUs of one source → one with the binaries of both.
+//! Two FMUs of one source → one with the binaries of both; one → one with some of its binaries.
 
 use serde_json::Value;
 
@@ -24,6 +24,18 @@ pub fn add(files: &mut Files, other: Files) -> Result<(), String> {
             Some(_) => {}
         }
     }
+    Ok(())
+}
+
+/// Leaves out the binaries that are in none of these folders of `binaries`, each of which has to be there.
+pub fn keep(files: &mut Files, platforms: &[&str]) -> Result<(), String> {
+    let folder = |platform: &str| format!("binaries/{platform}/");
+    if let Some(missing) =
+        platforms.iter().find(|platform| !files.keys().any(|path| path.starts_with(&folder(platform))))
+    {
+        return Err(format!("no {}", folder(missing)));
+    }
+    files.retain(|path, _| !is_binary(path) || platforms.iter().any(|platform| path.starts_with(&folder(platform))));
     Ok(())
 }
 
@@ -90,6 +102,15 @@ mod tests {
             let error = add(&mut linux.clone(), other).unwrap_err();
             assert!(error.starts_with(expected), "{error}");
         }
+    }
+
+    #[test]
+    fn binaries_of_other_platforms_are_left_out() {
+        let mut files = fmu(&[("binaries/a-linux/a.so", "1"), ("binaries/b-linux/a.so", "2"), ("model.png", "p")]);
+        let error = keep(&mut files, &["a-linux", "c-linux"]).unwrap_err();
+        assert_eq!(error, "no binaries/c-linux/");
+        keep(&mut files, &["a-linux"]).unwrap();
+        assert_eq!(files, fmu(&[("binaries/a-linux/a.so", "1"), ("model.png", "p")]));
     }
 
     #[test]

@@ -7,7 +7,9 @@ use std::fmt;
 use object::read::NameOrOrdinal;
 use object::read::elf::{Dyn, ElfFile64, SectionHeader};
 use object::read::pe::PeFile64;
-use object::{Endianness, Object, elf};
+use object::{Architecture, Endianness, Object, elf};
+
+use crate::standard::Platform;
 
 /// The newest glibc whose symbols a Linux binary may need: that of the oldest systems still met.
 const GLIBC: Version = Version(2, 17);
@@ -35,9 +37,6 @@ const WINDOWS: [&str; 8] = [
     "api-ms-win-core-synch-l1-2-0.dll",
 ];
 
-/// How many functions the standard's headers declare; tests/abi/exports.rs has their names.
-const FUNCTIONS: usize = 44;
-
 /// A version of glibc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Version(u32, u32);
@@ -45,6 +44,7 @@ pub struct Version(u32, u32);
 /// What a binary needs.
 #[derive(Debug)]
 pub struct Needs {
+    pub platform: Platform,
     allowed: &'static [&'static str],
     libraries: BTreeSet<String>,
     /// The names of all versions that symbols are asked for in.
@@ -53,12 +53,15 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// The first thing that is needed and is not on every system, or is exported and not of the standard.
-    pub fn check(&self) -> Result<(), String> {
-        let of_standard = self.exports.iter().filter(|name| name.starts_with("fmi2")).count();
-        if (of_standard, self.exports.len()) != (FUNCTIONS, FUNCTIONS) {
-            let exports = &self.exports;
-            return Err(format!("exports {exports:?}; expected the {FUNCTIONS} functions of the standard"));
+    /// The first thing that is needed and is not on every system, or is exported and not one of these functions, or is one and
+    /// not exported.
+    pub fn check(&self, functions: &BTreeSet<&str>) -> Result<(), String> {
+        let exports: BTreeSet<&str> = self.exports.iter().map(String::as_str).collect();
+        if let Some(name) = exports.difference(functions).next() {
+            return Err(format!("exports {name:?}; expected nothing but the functions of the standard"));
+        }
+        if let Some(name) = functions.difference(&exports).next() {
+            return Err(format!("does not export {name}; expected all functions of the standard"));
         }
         if let Some(library) = self.libraries.iter().find(|name| !self.allowed.contains(&name.to_lowercase().as_str()))
         {
@@ -121,7 +124,8 @@ fn of_elf(binary: &[u8]) -> object::Result<Needs> {
             }
         }
     }
-    Ok(Needs { allowed: &LINUX, libraries, versions, exports: exports(&file)? })
+    let platform = if file.architecture() == Architecture::Aarch64 { Platform::LinuxOnArm } else { Platform::Linux };
+    Ok(Needs { platform, allowed: &LINUX, libraries, versions, exports: exports(&file)? })
 }
 
 fn of_pe(binary: &[u8]) -> object::Result<Needs> {
@@ -141,7 +145,8 @@ fn of_pe(binary: &[u8]) -> object::Result<Needs> {
             insert(table.name(descriptor.dll_name_rva.get(object::LittleEndian))?);
         }
     }
-    Ok(Needs { allowed: &WINDOWS, libraries, versions: BTreeSet::new(), exports: exports(&file)? })
+    let exports = exports(&file)?;
+    Ok(Needs { platform: Platform::Windows, allowed: &WINDOWS, libraries, versions: BTreeSet::new(), exports })
 }
 
 fn exports<'data>(file: &impl Object<'data>) -> object::Result<BTreeSet<String>> {
@@ -158,11 +163,22 @@ fn exports<'data>(file: &impl Object<'data>) -> object::Result<BTreeSet<String>>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::standard::Standard;
 
     fn needs(libraries: &[&str], versions: &[&str]) -> Needs {
         let set = |names: &[&str]| names.iter().map(ToString::to_string).collect();
-        let exports = (0..FUNCTIONS).map(|i| format!("fmi2Function{i}")).collect();
-        Needs { allowed: &LINUX, libraries: set(libraries), versions: set(versions), exports }
+        let exports = Standard::Fmi2.functions().into_iter().map(str::to_string).collect();
+        Needs {
+            platform: Platform::Linux,
+            allowed: &LINUX,
+            libraries: set(libraries),
+            versions: set(versions),
+            exports,
+        }
+    }
+
+    fn check(needs: &Needs) -> Result<(), String> {
+        needs.check(&Standard::Fmi2.functions())
     }
 
     #[test]
@@ -174,23 +190,29 @@ mod tests {
 
     #[test]
     fn what_not_every_system_has_is_told() {
-        needs(&["libc.so.6", "libm.so.6"], &["GLIBC_2.2.5", "GLIBC_2.17"]).check().unwrap();
+        check(&needs(&["libc.so.6", "libm.so.6"], &["GLIBC_2.2.5", "GLIBC_2.17"])).unwrap();
         for (libraries, versions, expected) in [
             (&["libc.so.6", "libgcc_s.so.1"], "GLIBC_2.17", "needs libgcc_s.so.1"),
             (&["libc.so.6", "libm.so.6"], "GLIBC_2.18", "needs symbols of GLIBC_2.18"),
             (&["libc.so.6", "libm.so.6"], "GLIBC_PRIVATE", "needs symbols of GLIBC_PRIVATE"),
         ] {
-            let error = needs(libraries, &[versions]).check().unwrap_err();
+            let error = check(&needs(libraries, &[versions])).unwrap_err();
             assert!(error.starts_with(expected), "{error}");
         }
     }
 
     #[test]
-    fn more_exports_than_the_standards_are_told() {
-        let mut needs = needs(&["libc.so.6"], &["GLIBC_2.17"]);
-        needs.exports.insert("rust_panic".into());
-        let error = needs.check().unwrap_err();
-        assert!(error.contains("\"rust_panic\""), "{error}");
+    fn other_exports_than_the_standards_are_told() {
+        let fine = || needs(&["libc.so.6"], &["GLIBC_2.17"]);
+        let mut more = fine();
+        more.exports.insert("fmi2GetFloat64".into());
+        let error = check(&more).unwrap_err();
+        assert!(error.contains("\"fmi2GetFloat64\""), "{error}");
+        let mut less = fine();
+        less.exports.remove("fmi2DoStep");
+        let error = check(&less).unwrap_err();
+        assert!(error.contains("does not export fmi2DoStep"), "{error}");
+        fine().check(&Standard::Fmi3.functions()).unwrap_err();
     }
 
     /// This very program was linked by the system's linker, and needs libgcc_s or a newer glibc, or both.

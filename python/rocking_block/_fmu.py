@@ -1,16 +1,23 @@
-"""The Functional Mock-up Unit that comes with the package."""
+"""The Functional Mock-up Units that come with the package."""
 
 from pathlib import Path
 
 
-def fmu_path() -> Path:
-    """The path of `RockingBlock.fmu` (FMI 2.0), with the binary for this platform.
+NAMES = {2: "RockingBlock.fmu", 3: "RockingBlock-fmi3.fmu"}
+
+
+def fmu_path(version: int = 2) -> Path:
+    """The path of the unit of FMI 2.0 or, with `version` = 3, of FMI 3.0, with the binary for this platform.
 
     >>> import rocking_block as rb
     >>> rb.fmu_path().name
     'RockingBlock.fmu'
+    >>> rb.fmu_path(version=3).name
+    'RockingBlock-fmi3.fmu'
     """
-    path = Path(__file__).with_name("RockingBlock.fmu")
+    if version not in NAMES:
+        raise ValueError(f"version = {version!r}; expected 2 or 3, for FMI 2.0 or FMI 3.0")
+    path = Path(__file__).with_name(NAMES[version])
     if not path.exists():
         raise FileNotFoundError(f"{path}: is missing; expected it in the package, where its build puts it")
     return path

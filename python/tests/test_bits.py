@@ -6,6 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 from conftest import numbers, same
+from fmpy import simulate_fmu
 from rocking import instance
 
 import rocking_block as rb
@@ -187,6 +188,20 @@ def test_a_run_under_a_record_is_that_of_the_fmu(record):
     assert run.counts.impacts > 4 and len(run) == len(rows) + 1
     for column, values in zip(COLUMNS, np.array(rows).T):
         assert np.array_equal(run[column][:-1], values), column
+
+
+def test_both_units_of_the_package_give_the_same_bits():
+    start = {"dimensionless.alpha": 0.2, "dimensionless.eta": 60.0, "epsilon": 0.3, "on_separation": 3, "pulse.shape": 2,
+             "pulse.amplitude": 5.0, "pulse.period": 1.2}
+    of_fmi2, of_fmi3 = (
+        simulate_fmu(str(rb.fmu_path(version)), start_values=start, stop_time=5.0, output_interval=0.05, output=COLUMNS)
+        for version in (2, 3)
+    )
+    assert of_fmi2["theta"].max() > 0.05
+    for column in COLUMNS:
+        assert np.array_equal(of_fmi2[column], of_fmi3[column]), column
+    with pytest.raises(ValueError, match="version = 1; expected 2 or 3"):
+        rb.fmu_path(1)
 
 
 @pytest.mark.parametrize("end", ["on_separation", "on_overturning"])

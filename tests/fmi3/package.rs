@@ -40,6 +40,8 @@ fn the_functions_of_the_standard_and_nothing_else() {
         .map(|symbol| symbol.name().unwrap())
         .collect();
     assert_eq!(exported, NAMES.iter().copied().collect());
+    // `packaging check` looks for these.
+    assert_eq!(exported, include_str!("../../packaging/src/fmi3.txt").lines().collect());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 cases.py commands MODEL_DESCRIPTION > COMMANDS
 cases.py check PRINTED MODEL_DESCRIPTION
+cases.py same PRINTED_BY_FMI_2 PRINTED_BY_FMI_3
 
 At a relative tolerance of 1e-10 the rotation is within 1e-7 of the slenderness angle, as in tests/abi/reference.rs.
 """
@@ -62,13 +63,19 @@ def parameters(case):
     }
 
 
+# What host.c and host3.c call a type.
+KINDS = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}
+KINDS |= {"Float64": "real", "Int32": "integer", "UInt64": "size", "Enumeration": "choice"}
+
+
 def commands(path):
     root = ElementTree.parse(path).getroot()
-    print("guid", root.get("guid"))
+    fmi3 = root.get("fmiVersion") == "3.0"
+    print("guid", root.get("instantiationToken" if fmi3 else "guid"))
     variables = {}
     for variable in root.find("ModelVariables"):
         name, reference, causality = (variable.get(key) for key in ("name", "valueReference", "causality"))
-        kind = {"Enumeration": "integer"}.get(variable[0].tag, variable[0].tag.lower())
+        kind = KINDS[variable.tag if fmi3 else variable[0].tag]
         variables[name] = (reference, kind)
         if causality in ("output", "calculatedParameter"):
             print("list", kind, reference)
@@ -97,8 +104,11 @@ def commands(path):
     for case in cases():
         run(case["name"], parameters(case), case["dt"], round(case["t_end"] / case["dt"]))
 
+    if fmi3:
+        return
+
     # Ground motions and loads that change in every step, which no case above has. Nothing to compare with but the
-    # other targets.
+    # other targets. FMI 3.0 has no input derivatives.
     def ramps(i):
         for j, name in enumerate(("a_gx", "a_gz", "F_x", "F_z", "M_y")):
             at = [2.0 * math.sin(0.11 * (k + 7 * j)) * math.exp(-0.002 * k) for k in (i, i + 1)]
@@ -144,10 +154,29 @@ def check(path, description):
     print(f"{len(cases())} reference cases, rotation at most {worst:.1e} alpha off, and 1 case of inputs that change")
 
 
+def same(one, other):
+    """What both versions print: not the states, and of the log nothing, where the end of a run stands in other words."""
+
+    def lines(path):
+        text = Path(path).read_text(encoding="utf-8").split("case ramps\n")[0]
+        return [line for line in text.splitlines() if not line.startswith(("log ", "state "))]
+
+    one, other = lines(one), lines(other)
+    ends = sum(line.startswith("end ") for line in one)
+    if ends != len(cases()):
+        sys.exit(f"error: {ends} cases of FMI 2.0 have come to their ends; expected {len(cases())}")
+    if one != other:
+        place = next((i for i, (a, b) in enumerate(zip(one, other)) if a != b), min(len(one), len(other)))
+        sys.exit(f"error: FMI 3.0 gives other bits than FMI 2.0 from line {place + 1} on, of {len(one)} and {len(other)}")
+    print(f"the same {len(one)} lines by FMI 2.0 and FMI 3.0")
+
+
 match sys.argv[1:]:
     case ["commands", description]:
         commands(description)
     case ["check", printed, description]:
         check(printed, description)
+    case ["same", one, other]:
+        same(one, other)
     case _:
         sys.exit(__doc__)

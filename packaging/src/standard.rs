@@ -1,0 +1,81 @@
+//! What the versions of FMI ask of a package: the functions that a binary exports, and the folder in which it is.
+
+use std::collections::BTreeSet;
+
+use crate::Files;
+
+/// A version of FMI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standard {
+    Fmi2,
+    Fmi3,
+}
+
+/// What a binary runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Platform {
+    Linux,
+    LinuxOnArm,
+    Windows,
+}
+
+impl Standard {
+    /// That of an FMU, by its description.
+    pub fn of(files: &Files) -> Result<Standard, String> {
+        let description = files.get("modelDescription.xml").ok_or("modelDescription.xml is missing")?;
+        let text = String::from_utf8_lossy(description);
+        let version =
+            text.split_once("fmiVersion=\"").and_then(|(_, rest)| rest.split_once('"')).map(|(value, _)| value);
+        match version {
+            Some("2.0") => Ok(Standard::Fmi2),
+            Some("3.0") => Ok(Standard::Fmi3),
+            other => Err(format!("modelDescription.xml: fmiVersion = {other:?}; expected 2.0 or 3.0")),
+        }
+    }
+
+    /// The names of all functions that its headers declare.
+    pub fn functions(self) -> BTreeSet<&'static str> {
+        let names = match self {
+            Standard::Fmi2 => include_str!("fmi2.txt"),
+            Standard::Fmi3 => include_str!("fmi3.txt"),
+        };
+        names.lines().collect()
+    }
+
+    /// Refuses a binary in a folder of another platform.
+    pub fn check_place(self, path: &str, platform: Platform) -> Result<(), String> {
+        // FMI 2.0 has no name for Arm; this is that of FMI 3.0.
+        let expected = match (self, platform) {
+            (Standard::Fmi2, Platform::Linux) => "binaries/linux64/rocking_block.so",
+            (Standard::Fmi2, Platform::Windows) => "binaries/win64/rocking_block.dll",
+            (Standard::Fmi3, Platform::Linux) => "binaries/x86_64-linux/rocking_block.so",
+            (Standard::Fmi3, Platform::Windows) => "binaries/x86_64-windows/rocking_block.dll",
+            (Standard::Fmi2 | Standard::Fmi3, Platform::LinuxOnArm) => "binaries/aarch64-linux/rocking_block.so",
+        };
+        if path == expected { Ok(()) } else { Err(format!("is for {platform:?}; expected it at {expected}")) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_fmu_is_of_the_version_that_it_says() {
+        let fmu = |text: &str| Files::from([("modelDescription.xml".to_string(), text.as_bytes().to_vec())]);
+        assert_eq!(Standard::of(&fmu(r#"<?xml version="1.0"?><a fmiVersion="2.0">"#)), Ok(Standard::Fmi2));
+        assert_eq!(Standard::of(&fmu(r#"<a fmiVersion="3.0" b="1">"#)), Ok(Standard::Fmi3));
+        assert!(Standard::of(&fmu(r#"<a fmiVersion="1.0">"#)).unwrap_err().contains("\"1.0\""));
+        assert!(Standard::of(&Files::new()).is_err());
+    }
+
+    #[test]
+    fn a_binary_is_where_importers_look_for_it() {
+        let at = |standard: Standard, path, platform| standard.check_place(path, platform);
+        at(Standard::Fmi2, "binaries/linux64/rocking_block.so", Platform::Linux).unwrap();
+        at(Standard::Fmi3, "binaries/x86_64-linux/rocking_block.so", Platform::Linux).unwrap();
+        let error = at(Standard::Fmi3, "binaries/linux64/rocking_block.so", Platform::Linux).unwrap_err();
+        assert!(error.contains("binaries/x86_64-linux/rocking_block.so"), "{error}");
+        at(Standard::Fmi2, "binaries/linux64/rocking_block.so", Platform::LinuxOnArm).unwrap_err();
+    }
+}
