@@ -1,25 +1,32 @@
 //! Two FMUs of one source → one with the binaries of both; one → one with some of its binaries.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::Files;
 
 const SBOM: &str = "documentation/sbom.cdx.json";
+const LICENCES: &str = "documentation/licenses/";
+const INDEX: &str = "documentation/licenses/license.txt";
 
-/// Adds the binaries of `other`. All else has to be the same, but for the bill of materials: where two compilers were
-/// used, it lists the standard library of each.
+/// Adds the binaries of `other`. All else has to be the same, but for the licences of what the binary of one of them alone holds,
+/// as crates for one kind of processor, and the bill of materials: where two compilers were used, it lists the standard library
+/// of each.
 pub fn add(files: &mut Files, other: Files) -> Result<(), String> {
-    if let Some(missing) = files.keys().find(|path| !is_binary(path) && !other.contains_key(*path)) {
+    let own = |path: &str| is_binary(path) || is_of_crate(path);
+    if let Some(missing) = files.keys().find(|path| !own(path) && !other.contains_key(*path)) {
         return Err(format!("{missing} is in one of them only"));
     }
     for (path, content) in other {
         match files.get_mut(&path) {
-            None if is_binary(&path) => {
+            None if own(&path) => {
                 files.insert(path, content);
             }
             None => return Err(format!("{path} is in one of them only")),
             Some(_) if is_binary(&path) => return Err(format!("both hold {path}")),
             Some(known) if path == SBOM => *known = united(known, &content).map_err(|e| format!("{path}: {e}"))?,
+            Some(known) if path == INDEX => *known = listed(known, &content).map_err(|e| format!("{path}: {e}"))?,
             Some(known) if *known != content => return Err(format!("{path} differs; expected the same sources")),
             Some(_) => {}
         }
@@ -41,6 +48,29 @@ pub fn keep(files: &mut Files, platforms: &[&str]) -> Result<(), String> {
 
 fn is_binary(path: &str) -> bool {
     path.starts_with("binaries/")
+}
+
+/// Whether this is a licence of a crate, not one of the project or of the list of them.
+fn is_of_crate(path: &str) -> bool {
+    path.strip_prefix(LICENCES).is_some_and(|rest| rest.contains('/'))
+}
+
+/// A list of licences with the lines of both, in order below what stands first.
+fn listed(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
+    if one == other {
+        return Ok(one.to_vec());
+    }
+    let parts = |bytes| {
+        let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+        text.split_once("\n\n").ok_or_else(|| "expected a list below an empty line".to_string())
+    };
+    let ((head, one), (other_head, other)) = (parts(one)?, parts(other)?);
+    if head != other_head {
+        return Err("differs above its list".into());
+    }
+    let lines: BTreeSet<&str> = one.lines().chain(other.lines()).collect();
+    let list: String = lines.into_iter().map(|line| format!("{line}\n")).collect();
+    Ok(format!("{head}\n\n{list}").into_bytes())
 }
 
 /// A bill with the components and dependencies of both.
@@ -102,6 +132,27 @@ mod tests {
             let error = add(&mut linux.clone(), other).unwrap_err();
             assert!(error.starts_with(expected), "{error}");
         }
+    }
+
+    /// A crate for one kind of processor is in one of the binaries only.
+    #[test]
+    fn licences_of_both_are_kept() {
+        let unit = |binary: &str, index: &str, crates: &[&str]| {
+            let mut files = fmu(&[(binary, "elf"), (INDEX, index)]);
+            files.extend(fmu(&crates.iter().map(|path| (*path, "text")).collect::<Vec<_>>()));
+            files
+        };
+        let [all, x86] = ["documentation/licenses/libm-1/MIT", "documentation/licenses/safe_arch-1/MIT"];
+        let mut files = unit("binaries/a/x.so", "These:\n\nlibm-1: MIT\nwide-1: MIT\n", &[all]);
+        add(&mut files, unit("binaries/b/x.so", "These:\n\nlibm-1: MIT\nsafe_arch-1: MIT\n", &[all, x86])).unwrap();
+        assert_eq!(files[INDEX], b"These:\n\nlibm-1: MIT\nsafe_arch-1: MIT\nwide-1: MIT\n");
+        assert!(files.contains_key(all) && files.contains_key(x86));
+        // Either way round.
+        let mut files = unit("binaries/a/x.so", "These:\n\nsafe_arch-1: MIT\n", &[all, x86]);
+        add(&mut files, unit("binaries/b/x.so", "These:\n\nlibm-1: MIT\n", &[all])).unwrap();
+        assert!(files.contains_key(x86));
+        let error = add(&mut files, unit("binaries/c/x.so", "Others:\n\nlibm-1: MIT\n", &[all])).unwrap_err();
+        assert!(error.contains("differs above its list"), "{error}");
     }
 
     #[test]
