@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 
 /// The paper's four parameters, in numbers of which derivatives may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,7 +106,8 @@ impl BlockError {
     }
 }
 
-/// A block on its foundation, in both parameterizations; one of `f64` is valid by construction.
+/// A block on its foundation, in both parameterizations; one of `f64` is valid by construction. Of several blocks side by side on
+/// foundations of the same kind each number may be several.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block<T = f64> {
     /// Mass M (kg).
@@ -198,7 +199,7 @@ impl Block {
     }
 }
 
-impl<T: Scalar> Block<T> {
+impl<T: Elementary> Block<T> {
     /// The block with the paper's parameters, which are not checked.
     pub fn of_dimensionless(d: &Dimensionless<T>, common: &Common<T>) -> Block<T> {
         let omega_v = d.eta * d.p;

@@ -6,7 +6,7 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 
 /// A value that changes linearly in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -17,7 +17,7 @@ pub struct Ramp<T = f64> {
     pub rate: T,
 }
 
-impl<T: Scalar> Ramp<T> {
+impl<T: Elementary> Ramp<T> {
     /// A constant.
     pub fn held(value: T) -> Ramp<T> {
         Ramp { value, rate: T::from(0.0) }
@@ -154,7 +154,7 @@ impl Pulse {
     }
 }
 
-impl<T: Scalar> Pulse<T> {
+impl<T: Elementary> Pulse<T> {
     fn wave(&self) -> Wave<T> {
         let phase = match self.shape {
             PulseShape::None | PulseShape::OneSine => 0.0,
@@ -182,7 +182,7 @@ struct Wave<T = f64> {
     start: T,
 }
 
-impl<T: Scalar> Wave<T> {
+impl<T: Elementary> Wave<T> {
     #[inline]
     fn at(&self, time: T) -> T {
         self.amplitude * (self.omega * (time - self.start) + self.phase).sin()
@@ -221,7 +221,7 @@ pub struct Excitation<T = f64> {
     wave: Option<Wave<T>>,
 }
 
-impl<T: Scalar> Excitation<T> {
+impl<T: Elementary> Excitation<T> {
     /// The excitation of a block of this mass (kg), with a pulse if there is one that acts.
     pub fn new(inputs: &Inputs<T>, pulse: Option<&Pulse<T>>, mass: T) -> Excitation<T> {
         Excitation {

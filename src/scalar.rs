@@ -1,14 +1,16 @@
-//! The numbers the equations are written in: `f64`, or a dual number that carries a derivative along.
+//! The numbers the equations are written in: `f64`, several of them side by side, or a dual number that carries a derivative
+//! along.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
 
-/// What the equations of motion, and the parameters in them, need of a number.
+use crate::numerics;
+
+/// What the equations of motion need of a number.
 ///
-/// `f64` runs the simulation. A dual number in its place gives exact derivatives of the same formulas. What is computed from an
-/// `f64` comes from the one implementation that gives the same bits on every platform (`libm`, a port of FreeBSD's msun: at
-/// most 1 ulp of error, no platform-dependent instruction).
+/// `f64` runs the simulation. A dual number in its place gives exact derivatives of the same formulas; several numbers side by
+/// side run several blocks.
 pub trait Scalar:
     Copy
     + Add<Output = Self>
@@ -21,9 +23,46 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + From<f64>
 {
-    /// Sine and cosine of an angle in radians.
+    /// The number without its derivative.
+    type Real: Real;
+
+    /// A number that does not change.
+    fn constant(value: Self::Real) -> Self;
+
+    /// Sine and cosine of an angle in radians, from the one implementation that gives the same bits on every platform
+    /// (`libm`, a port of FreeBSD's msun: at most 1 ulp of error, no platform-dependent instruction).
     fn sin_cos(self) -> (Self, Self);
 
+    /// The value without its derivative.
+    fn value(self) -> Self::Real;
+
+    /// `yes` where `a < b`, `no` elsewhere.
+    fn select_less(a: Self::Real, b: Self::Real, yes: Self, no: Self) -> Self;
+}
+
+/// A number without a derivative.
+pub trait Real: numerics::Real + Scalar<Real = Self> {
+    /// The number with a derivative.
+    type Dual: Dual<Real = Self> + Beside<Self>;
+}
+
+/// A number with its derivative.
+pub trait Dual: Scalar {
+    /// A number of this value with this derivative.
+    fn with_rate(value: Self::Real, rate: Self::Real) -> Self;
+
+    /// The derivative.
+    fn rate(self) -> Self::Real;
+}
+
+/// A number that goes together with the numbers `P` of a block: both are of the same kind, or the block's have no derivative
+/// while this one carries one.
+pub trait Beside<P>: Scalar + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self> + From<P> {}
+
+impl<P, T> Beside<P> for T where T: Scalar + Add<P, Output = T> + Sub<P, Output = T> + Mul<P, Output = T> + From<P> {}
+
+/// What is computed once from parameters and initial values needs more of a number, also from `libm`.
+pub trait Elementary: Scalar<Real = f64> {
     /// Sine of an angle in radians.
     fn sin(self) -> Self;
 
@@ -41,23 +80,37 @@ pub trait Scalar:
 
     /// The square root.
     fn sqrt(self) -> Self;
-
-    /// The value without its derivative.
-    fn value(self) -> f64;
 }
 
-/// A number that goes together with the numbers `P` of a block: all are `f64`, or the block's are while this one carries a
-/// derivative, or both carry one.
-pub trait Beside<P>: Scalar + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self> + From<P> {}
-
-impl<P, T> Beside<P> for T where T: Scalar + Add<P, Output = T> + Sub<P, Output = T> + Mul<P, Output = T> + From<P> {}
-
 impl Scalar for f64 {
+    type Real = f64;
+
+    #[inline(always)]
+    fn constant(value: f64) -> f64 {
+        value
+    }
+
     #[inline]
     fn sin_cos(self) -> (f64, f64) {
         libm::sincos(self)
     }
 
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn select_less(a: f64, b: f64, yes: f64, no: f64) -> f64 {
+        if a < b { yes } else { no }
+    }
+}
+
+impl Real for f64 {
+    type Dual = Dual64;
+}
+
+impl Elementary for f64 {
     #[inline]
     fn sin(self) -> f64 {
         libm::sin(self)
@@ -87,20 +140,46 @@ impl Scalar for f64 {
     fn sqrt(self) -> f64 {
         self.sqrt()
     }
-
-    #[inline]
-    fn value(self) -> f64 {
-        self
-    }
 }
 
 impl Scalar for Dual64 {
+    type Real = f64;
+
+    #[inline(always)]
+    fn constant(value: f64) -> Dual64 {
+        Dual64::from(value)
+    }
+
     #[inline]
     fn sin_cos(self) -> (Dual64, Dual64) {
         let (sin, cos) = libm::sincos(self.re);
         (Dual64::new(sin, cos * self.eps), Dual64::new(cos, -sin * self.eps))
     }
 
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.re
+    }
+
+    #[inline(always)]
+    fn select_less(a: f64, b: f64, yes: Dual64, no: Dual64) -> Dual64 {
+        if a < b { yes } else { no }
+    }
+}
+
+impl Dual for Dual64 {
+    #[inline(always)]
+    fn with_rate(value: f64, rate: f64) -> Dual64 {
+        Dual64::new(value, rate)
+    }
+
+    #[inline(always)]
+    fn rate(self) -> f64 {
+        self.eps
+    }
+}
+
+impl Elementary for Dual64 {
     #[inline]
     fn sin(self) -> Dual64 {
         self.sin_cos().0
@@ -128,10 +207,5 @@ impl Scalar for Dual64 {
     fn sqrt(self) -> Dual64 {
         let root = self.re.sqrt();
         Dual64::new(root, 0.5 * self.eps / root)
-    }
-
-    #[inline]
-    fn value(self) -> f64 {
-        self.re
     }
 }

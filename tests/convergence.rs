@@ -91,7 +91,7 @@ fn short_steps_are_of_order_five() {
         (0..steps).fold((start(), 0.0_f64), |(x, estimate), i| {
             let time = size * f64::from(i);
             let step = ShortStep::attempt(time, size, x, f(time, &x), &f);
-            (step.end, estimate.max(step.error(f(time + size, &step.end), &weights, 0.0)))
+            (step.end, estimate.max(step.error(f(time + size, &step.end), weights, 0.0)))
         })
     };
     let (errors, estimates): (Vec<_>, Vec<_>) = [40, 50, 64, 80, 100]

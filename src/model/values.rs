@@ -10,7 +10,7 @@ use crate::model::variables::{
 };
 use crate::records::ground::Ground;
 use crate::records::{self, ReadOptions, Record, Setting};
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{
@@ -411,7 +411,7 @@ impl OfGround {
 }
 
 /// Where a calculated parameter comes from.
-pub fn derived<T: Scalar>(parameter: Derived) -> DerivedSource<T> {
+pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
     use DerivedSource::Block as OfBlock;
     match parameter {
         Derived::DerivedAlpha => OfBlock(|block| block.alpha),

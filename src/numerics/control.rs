@@ -27,6 +27,13 @@ pub struct Attempt {
     grow: bool,
 }
 
+impl Attempt {
+    /// A step of `size` that leads to the stop.
+    pub fn to_stop(size: f64) -> Attempt {
+        Attempt { size, last: true, grow: true }
+    }
+}
+
 impl StepControl {
     /// Nothing is known yet: the first step is as long as it may be.
     pub const NEW: StepControl = StepControl { size: f64::INFINITY };

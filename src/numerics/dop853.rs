@@ -8,25 +8,25 @@ use nalgebra::SVector;
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::control::size_factor;
-use crate::numerics::{Equations, Quadratures, Rate, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, State, Vector};
 
 /// An attempted step, kept whole for its dense output.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub struct Step<R: Real = f64> {
     /// Time at its beginning (s).
-    pub time: f64,
+    pub time: R,
     /// Its size (s).
-    pub size: f64,
+    pub size: R,
     /// Time at its end (s).
-    pub end_time: f64,
+    pub end_time: R,
     /// State at its beginning.
-    pub start: State,
+    pub start: R::State,
     /// State at its end.
-    pub end: State,
+    pub end: R::State,
     /// What is integrated along, over the step.
-    pub work: Quadratures,
-    stages: [State; 12],
-    quadratures: [Quadratures; 12],
+    pub work: R::Quadratures,
+    stages: [R::State; 12],
+    quadratures: [R::Quadratures; 12],
 }
 
 /// Number of evaluations of the right-hand side in one attempted step, the first stage aside, which is known.
@@ -35,21 +35,63 @@ pub const EVALUATIONS_PER_STEP: u64 = 11;
 /// Number of evaluations for the dense output of a step.
 pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
 
-impl Step {
+impl<R: Real> Step<R> {
     /// Takes a step of `size` from `start` with known rate there. The right-hand side is evaluated
     /// [`EVALUATIONS_PER_STEP`] times, not at the end.
     #[inline(always)]
-    pub fn attempt(time: f64, size: f64, start: State, first: Rate, equations: &impl Equations) -> Step {
-        let mut k = [State::zeros(); 12];
-        let mut q = [Quadratures::zeros(); 12];
-        (k[0], q[0]) = (first.state, first.quadratures);
+    pub fn attempt(time: R, size: R, start: R::State, first: Rate<R>, equations: &impl Equations<R>) -> Step<R> {
+        let (mut k, mut q) = Step::begin(first);
         macro_rules! stages {
             ($($i:tt)*) => {$({
-                let Rate { state, quadratures } = equations.rate(time + NODES[$i] * size, &(start + increment!(k, $i) * size));
+                let Rate { state, quadratures } = equations.rate(time + size * NODES[$i], &(start + increment!(k, $i) * size));
                 (k[$i], q[$i]) = (state, quadratures);
             })*};
         }
         stages!(1 2 3 4 5 6 7 8 9 10 11);
+        Step::finish(time, size, start, k, q)
+    }
+
+    /// The same step by a loop with one copy of the right-hand side, which is less to compile. Of single numbers it takes twice
+    /// the time.
+    #[inline(always)]
+    pub fn attempt_in_loop(
+        time: R,
+        size: R,
+        start: R::State,
+        first: Rate<R>,
+        equations: &impl Equations<R>,
+    ) -> Step<R> {
+        let (mut k, mut q) = Step::begin(first);
+        for stage in 1..12 {
+            let increment = match stage {
+                1 => increment!(k, 1),
+                2 => increment!(k, 2),
+                3 => increment!(k, 3),
+                4 => increment!(k, 4),
+                5 => increment!(k, 5),
+                6 => increment!(k, 6),
+                7 => increment!(k, 7),
+                8 => increment!(k, 8),
+                9 => increment!(k, 9),
+                10 => increment!(k, 10),
+                _ => increment!(k, 11),
+            };
+            let Rate { state, quadratures } = equations.rate(time + size * NODES[stage], &(start + increment * size));
+            (k[stage], q[stage]) = (state, quadratures);
+        }
+        Step::finish(time, size, start, k, q)
+    }
+
+    #[inline(always)]
+    fn begin(first: Rate<R>) -> ([R::State; 12], [R::Quadratures; 12]) {
+        let mut k = [R::State::zero(); 12];
+        let mut q = [R::Quadratures::zero(); 12];
+        (k[0], q[0]) = (first.state, first.quadratures);
+        (k, q)
+    }
+
+    #[inline(always)]
+    fn finish(time: R, size: R, start: R::State, k: [R::State; 12], q: [R::Quadratures; 12]) -> Step<R> {
         Step {
             time,
             size,
@@ -66,13 +108,16 @@ impl Step {
     ///
     /// `weights` are the reciprocals of the errors allowed in each component of the state.
     #[inline(always)]
-    pub fn error(&self, weights: &State) -> f64 {
-        let fifth = difference!(self.stages, 5).component_mul(weights).norm_squared();
-        let third = difference!(self.stages, 3).component_mul(weights).norm_squared();
-        let denominator = fifth + 0.01 * third;
-        if denominator > 0.0 { self.size * fifth / denominator.sqrt() } else { 0.0 }
+    pub fn error(&self, weights: R::State) -> R {
+        let fifth = difference!(self.stages, 5).weighted(weights).square();
+        let third = difference!(self.stages, 3).weighted(weights).square();
+        let denominator = fifth + third * 0.01;
+        let zero = R::from(0.0);
+        R::where_less(zero, denominator, self.size * fifth / denominator.sqrt(), zero)
     }
+}
 
+impl Step {
     /// The factor by which the step size may change after a step of this error: `0.9 error^(−1/8)` within 1/3 … 6.
     /// Square roots are rounded alike everywhere, which a power is not.
     pub fn size_factor(error: f64) -> f64 {

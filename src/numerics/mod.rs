@@ -6,12 +6,17 @@
 //! | [`short`] | the same of order 5, to a stop close ahead, without the motion inside |
 //! | [`control`] | the error of a step → the size of the next |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
+//! | [`wide`] | several numbers side by side → the same operations on each, by the processor's vectors |
 
 mod coefficients;
 pub mod control;
 pub mod dop853;
 pub mod roots;
 pub mod short;
+#[cfg(feature = "studies")]
+pub mod wide;
+
+use std::ops::{Add, Div, Mul, Sub};
 
 use nalgebra::SVector;
 
@@ -21,13 +26,80 @@ pub type State = SVector<f64, 4>;
 /// What is integrated along with the state and does not act back on it: its rates, or their integrals.
 pub type Quadratures = SVector<f64, 2>;
 
+/// The numbers that steps are made of: `f64`, or several of them side by side.
+pub trait Real:
+    Copy
+    + Default
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The state of a system, as [`State`].
+    type State: Vector<Self>;
+    /// What is integrated along, as [`Quadratures`].
+    type Quadratures: Vector<Self>;
+
+    /// The square root.
+    fn sqrt(self) -> Self;
+
+    /// `yes` where `a < b`, `no` elsewhere.
+    fn where_less(a: Self, b: Self, yes: Self, no: Self) -> Self;
+}
+
+/// Numbers that are integrated together.
+pub trait Vector<R>: Copy + Add<Output = Self> + Mul<f64, Output = Self> + Mul<R, Output = Self> {
+    /// All components zero.
+    fn zero() -> Self;
+
+    /// Each component times that of `weights`.
+    fn weighted(self, weights: Self) -> Self;
+
+    /// Sum of the squares of the components.
+    fn square(self) -> R;
+}
+
+impl Real for f64 {
+    type State = State;
+    type Quadratures = Quadratures;
+
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn where_less(a: f64, b: f64, yes: f64, no: f64) -> f64 {
+        if a < b { yes } else { no }
+    }
+}
+
+impl<const N: usize> Vector<f64> for SVector<f64, N> {
+    #[inline(always)]
+    fn zero() -> Self {
+        SVector::zeros()
+    }
+
+    #[inline(always)]
+    fn weighted(self, weights: Self) -> Self {
+        self.component_mul(&weights)
+    }
+
+    #[inline(always)]
+    fn square(self) -> f64 {
+        self.norm_squared()
+    }
+}
+
 /// What a right-hand side gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rate {
+pub struct Rate<R: Real = f64> {
     /// Rate of the state.
-    pub state: State,
+    pub state: R::State,
     /// Rates of what is integrated along.
-    pub quadratures: Quadratures,
+    pub quadratures: R::Quadratures,
 }
 
 /// A right-hand side.
@@ -35,9 +107,9 @@ pub struct Rate {
 /// Steps are one piece of machine code with it, inlined into each of their stages: its result is in registers then. A
 /// function would leave it in memory number by number, where the sums over stages, which load pairs of numbers, have to wait
 /// for it.
-pub trait Equations {
+pub trait Equations<R: Real = f64> {
     /// Rate of a state at a time (s).
-    fn rate(&self, time: f64, state: &State) -> Rate;
+    fn rate(&self, time: R, state: &R::State) -> Rate<R>;
 }
 
 impl<F: Fn(f64, &State) -> Rate> Equations for F {

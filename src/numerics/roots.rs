@@ -2,17 +2,25 @@
 //! zero, and the greatest value in between.
 
 /// Value of a function and its rate of change at one time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Sample {
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Sample<R = f64> {
     /// Value.
-    pub value: f64,
+    pub value: R,
     /// Its derivative with respect to time.
-    pub rate: f64,
+    pub rate: R,
 }
 
-impl Sample {
+impl<R: Default> Default for Sample<R> {
+    #[inline(always)]
+    fn default() -> Sample<R> {
+        Sample { value: R::default(), rate: R::default() }
+    }
+}
+
+impl<R: std::ops::Neg<Output = R>> Sample<R> {
     /// The sample of the function with the other sign.
-    pub fn negated(self) -> Sample {
+    #[inline(always)]
+    pub fn negated(self) -> Sample<R> {
         Sample { value: -self.value, rate: -self.rate }
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Inputs, Ramp};
 use crate::records::Record;
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 
 /// Ground motion: records, linear between samples and zero outside, each with a time step of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -112,7 +112,7 @@ fn ramp_from(record: &Record, time: f64) -> (Ramp, f64) {
 }
 
 /// The straight line from one sample to the next, a step later, seen from a time `elapsed` after the first.
-fn line<T: Scalar>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
+fn line<T: Elementary>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
     let rate = (b - a) / step;
     Ramp { value: a + rate * elapsed, rate }
 }

@@ -54,6 +54,7 @@ pub struct Observation<T> {
 }
 
 /// The observation that belongs to the equations of motion at an instant; `tops` are the heights of the supports.
+#[inline(always)]
 pub fn observe<P: Scalar, T: Beside<P>>(
     block: &Block<P>,
     regime: Regime,
@@ -61,13 +62,9 @@ pub fn observe<P: Scalar, T: Beside<P>>(
     tops: [T; 2],
     forcing: Forcing<T>,
 ) -> Observation<T> {
-    let zero = T::from(0.0);
-    let reaction = x.reaction.map(|n| n * block.mass);
+    let reaction = [x.reaction[0] * block.mass, x.reaction[1] * block.mass];
     let horizontal = x.horizontal * block.mass;
-    let uplift = Corner::each(|corner| {
-        let gap = x.corner[corner.index()] - tops[corner.index()];
-        if regime.touches(corner) || gap.value() < 0.0 { zero } else { gap }
-    });
+    let power = x.powers(block, regime, forcing);
     Observation {
         regime,
         theta: x.theta,
@@ -83,23 +80,31 @@ pub fn observe<P: Scalar, T: Beside<P>>(
         horizontal,
         base_moment: (reaction[0] - reaction[1]) * block.b,
         corner: x.corner,
-        uplift,
+        uplift: [uplift(regime, x, tops, Corner::Left), uplift(regime, x, tops, Corner::Right)],
         friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
-        power: x.powers(block, regime, forcing).map(|power| power * block.mass),
+        power: [power[0] * block.mass, power[1] * block.mass],
     }
 }
 
+#[inline(always)]
+fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, tops: [T; 2], corner: Corner) -> T {
+    let (i, zero) = (corner.index(), T::from(0.0));
+    let gap = x.corner[i] - tops[i];
+    if regime.touches(corner) { zero } else { T::select_less(gap.value(), zero.value(), zero, gap) }
+}
+
+#[inline(always)]
 fn friction_demand<T: Scalar>(regime: Regime, horizontal: T, vertical: T) -> T {
-    let shear = if horizontal.value() < 0.0 { -horizontal } else { horizontal };
+    // Of what is not negative only zero is less.
+    const LEAST_ABOVE_ZERO: f64 = f64::from_bits(1);
+    let zero = T::from(0.0);
     if regime == Regime::Separated {
-        T::from(0.0)
-    } else if shear.value() < MOST_FRICTION_DEMAND * vertical.value() {
-        shear / vertical
-    } else if shear.value() == 0.0 {
-        T::from(0.0)
-    } else {
-        T::from(MOST_FRICTION_DEMAND)
+        return zero;
     }
+    let shear = T::select_less(horizontal.value(), T::Real::from(0.0), -horizontal, horizontal);
+    let unbounded = T::from(MOST_FRICTION_DEMAND);
+    let on_nothing = T::select_less(shear.value(), T::Real::from(LEAST_ABOVE_ZERO), zero, unbounded);
+    T::select_less(shear.value(), vertical.value() * MOST_FRICTION_DEMAND, shear / vertical, on_nothing)
 }
 
 impl<T: Scalar> Observation<T> {
@@ -128,7 +133,7 @@ impl<T: Scalar> Observation<T> {
 
     /// The block held where it is: no rates, accelerations and reactions, and nothing that could change them.
     pub fn frozen(&self) -> Observation<T> {
-        self.map(|x| T::from(x.value())).without_motion()
+        self.map(|x| T::constant(x.value())).without_motion()
     }
 
     /// The block held where it is: no rates, accelerations and reactions.

@@ -1,11 +1,15 @@
 //! Observations with their rates at the ends of a step → the greatest values since the start, from inside the step too.
 
-use num_dual::Dual64;
+use std::ops::Neg;
+
 use serde::{Deserialize, Serialize};
 
-use crate::contact::Corner;
+use crate::block::Block;
+use crate::contact::{Corner, Regime};
 use crate::numerics::roots::{Sample, greatest, upper_bound};
+use crate::scalar::{Dual, Real};
 use crate::simulation::outputs::Observation;
+use crate::system::dynamics::Instant;
 use crate::system::now::Now;
 use crate::system::surfaces::reaction_rate;
 
@@ -41,23 +45,23 @@ pub enum Channel {
 
 /// The quantities of which the greatest absolute values are peaks, with their rates of change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Channels {
+pub struct Channels<R = f64> {
     /// Rotation θ (rad).
-    pub theta: Sample,
+    pub theta: Sample<R>,
     /// Vertical reactions N_L, N_R (N).
-    pub reaction: [Sample; 2],
+    pub reaction: [Sample<R>; 2],
     /// Horizontal reaction H (N).
-    pub horizontal: Sample,
+    pub horizontal: Sample<R>,
     /// Heights of the corners above their supports (m).
-    pub uplift: [Sample; 2],
+    pub uplift: [Sample<R>; 2],
     /// Friction demand (1).
-    pub friction_demand: Sample,
+    pub friction_demand: Sample<R>,
 }
 
-impl Channels {
+impl<R: Copy + Neg<Output = R>> Channels<R> {
     /// All values that may be a peak, those with a sign in both directions.
     #[inline(always)]
-    pub fn candidates(&self) -> [(Channel, Sample); 9] {
+    pub fn candidates(&self) -> [(Channel, Sample<R>); 9] {
         let Channels { theta, reaction, horizontal, uplift, friction_demand } = *self;
         [
             (Channel::Theta, theta),
@@ -192,14 +196,51 @@ pub fn greater(first: f64, second: f64) -> f64 {
 }
 
 /// The channels of an observation whose dual parts are rates.
-pub fn channels(x: &Observation<Dual64>) -> Channels {
-    let of = |dual: Dual64| Sample { value: dual.re, rate: dual.eps };
+#[inline(always)]
+pub fn channels<D: Dual>(x: &Observation<D>) -> Channels<D::Real> {
     Channels {
-        theta: of(x.theta),
-        reaction: x.reaction.map(of),
-        horizontal: of(x.horizontal),
-        uplift: x.uplift.map(of),
-        friction_demand: of(x.friction_demand),
+        theta: sample(x.theta),
+        reaction: [sample(x.reaction[0]), sample(x.reaction[1])],
+        horizontal: sample(x.horizontal),
+        uplift: [sample(x.uplift[0]), sample(x.uplift[1])],
+        friction_demand: sample(x.friction_demand),
+    }
+}
+
+#[inline(always)]
+fn sample<D: Dual>(x: D) -> Sample<D::Real> {
+    Sample { value: x.value(), rate: x.rate() }
+}
+
+/// [`Now::cheap_channels`], of any numbers, inlined for a `regime` that the compiler knows; `tops` are the heights of the
+/// supports.
+#[inline(always)]
+pub fn cheap_channels<R: Real>(block: &Block<R>, regime: Regime, x: &Instant<R>, tops: [Sample<R>; 2]) -> Channels<R> {
+    Channels {
+        theta: Sample { value: x.theta, rate: x.theta_dot },
+        reaction: [reaction(block, regime, x, Corner::Left), reaction(block, regime, x, Corner::Right)],
+        horizontal: Sample::default(),
+        uplift: [uplift(regime, x, tops, Corner::Left), uplift(regime, x, tops, Corner::Right)],
+        friction_demand: Sample::default(),
+    }
+}
+
+#[inline(always)]
+fn reaction<R: Real>(block: &Block<R>, regime: Regime, x: &Instant<R>, corner: Corner) -> Sample<R> {
+    let i = corner.index();
+    let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
+    match regime.touches(corner) {
+        true => Sample { value: block.mass * x.reaction[i], rate: block.mass * rate },
+        false => Sample::default(),
+    }
+}
+
+#[inline(always)]
+fn uplift<R: Real>(regime: Regime, x: &Instant<R>, tops: [Sample<R>; 2], corner: Corner) -> Sample<R> {
+    let (i, top) = (corner.index(), tops[corner.index()]);
+    match regime.touches(corner) {
+        true => Sample::default(),
+        false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
     }
 }
 
@@ -214,27 +255,6 @@ impl Now<'_> {
     /// the rigid base for the rates of the reactions.
     #[inline(always)]
     pub fn cheap_channels(&self) -> Channels {
-        let (block, x) = (self.block, &self.instant);
-        let reaction = |corner: Corner| {
-            let i = corner.index();
-            let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
-            match self.regime.touches(corner) {
-                true => Sample { value: block.mass * x.reaction[i], rate: block.mass * rate },
-                false => Sample::default(),
-            }
-        };
-        let uplift = |corner: Corner| {
-            let (i, top) = (corner.index(), self.tops[corner.index()]);
-            match self.regime.touches(corner) {
-                true => Sample::default(),
-                false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
-            }
-        };
-        Channels {
-            theta: Sample { value: x.theta, rate: x.theta_dot },
-            reaction: Corner::each(reaction),
-            uplift: Corner::each(uplift),
-            ..Channels::default()
-        }
+        cheap_channels(self.block, self.regime, &self.instant, self.tops)
     }
 }

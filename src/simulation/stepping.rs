@@ -22,23 +22,45 @@ struct Piece<'a> {
     /// Where it ends (s).
     stop: f64,
     at_event: AtEvent,
+    /// Whether one step is taken, or as many as lead to its end.
+    single: bool,
+}
+
+/// What is known where steps begin.
+#[derive(Clone, Copy)]
+pub(super) struct Beginning {
+    /// Whether the smooth piece begins here.
+    pub(super) of_piece: bool,
+    /// Whether a short step from here, and from here only, has made too great an error already.
+    pub(super) short_failed: bool,
 }
 
 /// What a step may be.
-struct Limits {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
     /// Reciprocals of the errors that a step may make in each component of the state.
-    weights: State,
+    pub(super) weights: State,
     /// The reciprocal of the error that a step may make in each of the works.
-    work_weight: f64,
+    pub(super) work_weight: f64,
     /// The longest step (s).
-    longest: f64,
+    pub(super) longest: f64,
 }
 
 /// Steps that a call may take. What a call asks for in good faith takes far fewer; with this many it ends in seconds.
 pub(super) const MOST_STEPS: u64 = 2_000_000;
 
 /// The longest step over the reciprocal of the fastest circular frequency.
-const LONGEST: f64 = 2.0;
+pub(super) const LONGEST: f64 = 2.0;
+
+/// The growth of what is tried where a short step failed: another is tried before long, since the motion may have become slower.
+pub(super) const SHORT_GROWTH: f64 = 1.1;
+
+/// The least part of the size of a short step that failed by its error which the next one has.
+pub(super) const LEAST_SHORT_FACTOR: f64 = 0.1;
+
+/// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a short step may make
+/// a tenth of the error of others, in the motion and in the works.
+pub(super) const SHORT_SHARE: f64 = 0.1;
 
 impl Limits {
     /// The part of a peak that a value at one end of a step reaches if it may grow above the peak inside.
@@ -64,30 +86,48 @@ impl Simulation {
         at_event: AtEvent,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let piece = Piece { block, excitation, since: self.pose.time, stop, at_event };
+        let piece = Piece { block, excitation, since: self.pose.time, stop, at_event, single: false };
         self.counts.evaluations += 1;
-        let mut begins = true;
+        let mut beginning = Beginning { of_piece: true, short_failed: false };
         while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
-            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, begins, budget, observer))?;
-            begins = false;
+            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, beginning, budget, observer))?;
+            beginning.of_piece = false;
         }
         Ok(())
     }
 
-    /// Steps under one law to the end of the piece, or to what ends the law; `begins` says whether the piece does here.
+    /// A single step from the present time towards `stop`, over which the excitation is smooth.
+    #[cfg(feature = "studies")]
+    pub(super) fn single_step(
+        &mut self,
+        stop: f64,
+        excitation: &Excitation,
+        beginning: Beginning,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let block = &{ self.system.block };
+        let since = self.pose.time;
+        let piece = Piece { block, excitation, since, stop, at_event: AtEvent::Apply, single: true };
+        in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, beginning, budget, observer))
+    }
+
+    /// Steps under one law to the end of the piece, or to what ends the law.
     #[inline(never)]
     fn steps(
         &mut self,
         law: impl Law,
         piece: &Piece,
-        begins: bool,
+        beginning: Beginning,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let &Piece { block, excitation, stop, .. } = piece;
         // Where an event has just looked at the block this looks again, and counts no evaluation, rather than copy what was seen.
         let mut here = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
-        if begins && let Some(corner) = self.system.leaving_rigid_base(&here) {
+        if beginning.of_piece
+            && let Some(corner) = self.system.leaving_rigid_base(&here)
+        {
             return self.apply_or_stop(Surface::Reaction(corner), &here, piece, observer);
         }
         let steady = excitation.is_constant();
@@ -99,7 +139,7 @@ impl Simulation {
             }
             self.spend(budget, stop, limits.longest)?;
             let motion = Motion::under(law, block, &self.pose, excitation);
-            if self.short_step(stop, &motion, &here, &limits) {
+            if !beginning.short_failed && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
             }
             let step = self.accepted_step(stop, &motion, &here, &limits)?;
@@ -122,7 +162,7 @@ impl Simulation {
             if let Some((_, surface)) = event {
                 return self.apply_or_stop(surface, &there, piece, observer);
             }
-            if self.let_bear(&there) || self.pose.time >= stop {
+            if self.let_bear(&there) || self.pose.time >= stop || piece.single {
                 return Ok(());
             }
             here = there;
@@ -188,28 +228,22 @@ impl Simulation {
 
     /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way; whether it did.
     ///
-    /// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a step may make
-    /// a tenth of the error of others, in the motion and in the works.
     #[inline(always)]
     fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> bool {
-        // Where a short step failed another is tried before long, since the motion may have become slower.
-        const GROWTH: f64 = 1.1;
-        const LEAST: f64 = 0.1;
-        const SHARE: f64 = 0.1;
         let size = stop - self.pose.time;
         if LONGEST * size > limits.longest || motion.law().held().is_some() {
             return false;
         }
         if size > self.short_size {
-            self.short_size *= GROWTH;
+            self.short_size *= SHORT_GROWTH;
             return false;
         }
         let step = ShortStep::attempt(here.time, size, here.state, here.rate, motion);
         let there = motion.at(stop, step.end);
         self.counts.evaluations += ShortStep::EVALUATIONS + 1;
-        let error = step.error(there.rate, &limits.weights, limits.work_weight) / SHARE;
+        let error = step.error(there.rate, limits.weights, limits.work_weight) / SHORT_SHARE;
         // The root of order 4 is two square roots, and less than that of order 5.
-        let factor = (1.0 / error.sqrt().sqrt()).max(LEAST);
+        let factor = (1.0 / error.sqrt().sqrt()).max(LEAST_SHORT_FACTOR);
         if factor < 1.0 {
             self.short_size = size * factor;
             return false;
@@ -245,7 +279,7 @@ impl Simulation {
         loop {
             let mut step = Step::attempt(time, attempt.size, here.state, here.rate, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
-            let error = step.error(&weights);
+            let error = step.error(weights);
             let factor = Step::size_factor(error);
             if error <= 1.0 {
                 self.control.accept(&attempt, factor, longest);
@@ -275,7 +309,7 @@ impl Simulation {
     /// not more than what changes a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
-    fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
+    pub(super) fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
         let Block { alpha, p, b, h, i0, r0, omega_v, gravity, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.

@@ -14,7 +14,7 @@ use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::excitation::Forcing;
 use crate::numerics;
-use crate::scalar::{Beside, Scalar};
+use crate::scalar::{Beside, Dual, Elementary, Real, Scalar};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State = numerics::State;
@@ -152,17 +152,32 @@ pub fn along(
     x: &Instant<f64>,
     forcing: Forcing<Dual64>,
 ) -> Instant<Dual64> {
+    along_of(block, regime, (*state).into(), footing, x, forcing)
+}
+
+/// The same of any numbers, inlined into the equations of a `regime` that the compiler knows.
+#[inline(always)]
+pub fn along_of<R: Real>(
+    block: &Block<R>,
+    regime: Regime,
+    [_, _, w, _]: [R; 4],
+    footing: Footing<R>,
+    x: &Instant<R>,
+    forcing: Forcing<R::Dual>,
+) -> Instant<R::Dual> {
     let state = [
-        Dual64::new(x.theta, x.theta_dot),
-        Dual64::new(x.theta_dot, x.theta_ddot),
-        Dual64::new(state[2], x.w_dot),
-        Dual64::new(x.w_dot, x.w_ddot),
+        R::Dual::with_rate(x.theta, x.theta_dot),
+        R::Dual::with_rate(x.theta_dot, x.theta_ddot),
+        R::Dual::with_rate(w, x.w_dot),
+        R::Dual::with_rate(x.w_dot, x.w_ddot),
     ];
     let footing = match footing {
-        Footing::Grips { .. } => footing.map(Dual64::from),
-        Footing::Free { u, u_dot } => Footing::Free { u: Dual64::new(u, u_dot), u_dot: Dual64::new(u_dot, x.u_ddot) },
+        Footing::Grips { offset } => Footing::Grips { offset: R::Dual::constant(offset) },
+        Footing::Free { u, u_dot } => {
+            Footing::Free { u: R::Dual::with_rate(u, u_dot), u_dot: R::Dual::with_rate(u_dot, x.u_ddot) }
+        }
     };
-    instant(block, regime, state, footing, forcing)
+    instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
 }
 
 /// The state with its sine and cosine.
@@ -404,7 +419,11 @@ impl<T: Scalar> Instant<T> {
 }
 
 /// `[w, ẇ]`, height (m) and rate (m/s) of what stands, from `[θ, θ̇, v, v̇]`; zeros on the rigid base, which does not give way.
-pub fn height_of_what_stands<T: Scalar>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
+pub fn height_of_what_stands<T: Elementary>(
+    block: &Block,
+    regime: Regime,
+    [theta, theta_dot, v, v_dot]: [T; 4],
+) -> [T; 2] {
     let Block { b, h, .. } = *block;
     let (sin, cos) = theta.sin_cos();
     let (middle, middle_dot) = (v + sin * sin / (cos + 1.0) * h, v_dot + sin * theta_dot * h);
@@ -421,7 +440,7 @@ pub fn height_of_what_stands<T: Scalar>(block: &Block, regime: Regime, [theta, t
 ///
 /// `E = ½ I0 θ̇² + ½ M (u̇² + v̇²) + M g v + ½ K Σ_touching (δ_s − v_I)² − ½ M g δ_s`, with the terms that cancel at rest
 /// taken together.
-pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> (T, T) {
+pub fn energy<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> (T, T) {
     let Block { b, h, i0, gravity, omega_v, .. } = *block;
     let kinetic = (x.theta_dot * x.theta_dot * i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
     let (sin, cos) = x.theta.sin_cos();

@@ -2,7 +2,7 @@
 
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 use crate::system::dynamics::Instant;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
@@ -52,7 +52,7 @@ pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot:
 }
 
 /// v̇ of a corner from v̇ of the centre of mass and θ̇ [m/s]: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
-pub fn corner_rate<T: Scalar>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> T {
+pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> T {
     let (s, reach, _) = lever(block, corner, theta);
     v_dot + reach * s * theta_dot
 }
@@ -61,7 +61,7 @@ pub fn corner_rate<T: Scalar>(block: &Block<T>, corner: Corner, theta: T, v_dot:
 /// left is kept while v̇ is: the middle of the base moves no more without friction, the pivot does.
 ///
 /// `(I0 + M Q²) θ̇_a = (I0 + M Q h cos θ) θ̇_b` with `Q = R0 cos(α + sθ)`.
-pub fn new_pivot<T: Scalar>(block: &Block<T>, pivot: Corner, theta: T, theta_dot: T) -> T {
+pub fn new_pivot<T: Elementary>(block: &Block<T>, pivot: Corner, theta: T, theta_dot: T) -> T {
     let height = height_over(block, pivot, theta);
     (block.i0 + height * block.h * theta.cos()) / (block.i0 + height * height) * theta_dot
 }
@@ -124,7 +124,7 @@ pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Ve
 
 /// Vertical rate (m/s) with which a corner that slides along the rigid base leaves it if it is stopped by a horizontal
 /// impulse alone, negative if it is pressed on: `s P Q u̇_I/(i0 + Q²)`, with its horizontal velocity `u̇_I = u̇ − Q θ̇`.
-pub fn thrown_by_grip<T: Scalar>(block: &Block, corner: Corner, x: &Instant<T>) -> T {
+pub fn thrown_by_grip<T: Elementary>(block: &Block, corner: Corner, x: &Instant<T>) -> T {
     let Block { i0, b, h, .. } = *block;
     let (sin, cos) = x.theta.sin_cos();
     let s = corner.sign();
@@ -133,7 +133,7 @@ pub fn thrown_by_grip<T: Scalar>(block: &Block, corner: Corner, x: &Instant<T>) 
 }
 
 /// Height of the centre of mass over a corner, `R0 cos(α + sθ)` (m).
-pub fn height_over<T: Scalar>(block: &Block<T>, corner: Corner, theta: T) -> T {
+pub fn height_over<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> T {
     lever(block, corner, theta).2
 }
 
@@ -147,7 +147,7 @@ pub fn landing_loss(block: &Block, corner: Corner, theta: f64, rate: f64) -> f64
 }
 
 /// `s`, and `R0 sin φ`, `R0 cos φ` with `φ = α + sθ` (m): the centre of mass as seen from a corner.
-fn lever<T: Scalar>(block: &Block<T>, corner: Corner, theta: T) -> (f64, T, T) {
+fn lever<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> (f64, T, T) {
     let Block { b, h, .. } = *block;
     let (sin, cos) = theta.sin_cos();
     let s = corner.sign();

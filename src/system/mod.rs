@@ -8,6 +8,7 @@
 //! | [`now`] | a pose and an excitation → the block at any instant while the pose's contacts last |
 //! | [`surfaces`] | an instant → the functions whose fall through zero is an event |
 //! | [`impact`] | velocities before a landing → velocities after |
+//! | `wide` | the numbers of several blocks side by side → the same bits as those of each alone |
 //! | [`transitions`] | initial values → the pose at the beginning; a pose and an event → the pose right after, and what happened |
 
 pub mod dynamics;
@@ -17,6 +18,8 @@ pub mod now;
 mod rigid_base;
 pub mod surfaces;
 pub mod transitions;
+#[cfg(feature = "studies")]
+mod wide;
 
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::numerics::roots::Sample;
-use crate::scalar::Scalar;
+use crate::scalar::{Elementary, Real};
 use crate::system::dynamics::{Footing, Instant, instant};
 use crate::system::impact;
 use crate::system::now::Now;
@@ -105,8 +105,6 @@ impl Surface {
     /// What rounding leaves of a zero of this surface.
     #[inline]
     pub fn rounding(self, block: &Block) -> f64 {
-        // Some thousand ulp of the largest term that enters.
-        const ROUNDING: f64 = 1e-13;
         ROUNDING
             * match self {
                 Surface::Reaction(_) | Surface::Held(_) | Surface::Slide => block.gravity,
@@ -118,6 +116,9 @@ impl Surface {
             }
     }
 }
+
+/// What rounding leaves of a zero, beside the largest term that enters: some thousand ulp.
+pub(crate) const ROUNDING: f64 = 1e-13;
 
 /// [`Surface::Slide`].
 fn slide(at: &Now) -> Sample {
@@ -164,10 +165,10 @@ fn rigid_reaction_rate(at: &Now, corner: Corner) -> f64 {
 }
 
 /// `Ṅ_I/M = −(K v̇_I + C v̈_I)/M` of a corner on its support (m/s³).
-#[inline]
-pub fn reaction_rate(block: &Block, corner_dot: f64, corner_ddot: f64) -> f64 {
+#[inline(always)]
+pub fn reaction_rate<R: Real>(block: &Block<R>, corner_dot: R, corner_ddot: R) -> R {
     let omega_v = block.omega_v;
-    -0.5 * omega_v * omega_v * corner_dot - block.xi_v * omega_v * corner_ddot
+    omega_v * -0.5 * omega_v * corner_dot - block.xi_v * omega_v * corner_ddot
 }
 
 /// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one
@@ -200,7 +201,7 @@ pub fn gap_opening(at: &Now, corner: Corner, corner_dot: f64) -> f64 {
 ///
 /// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
 /// corner would leave it again, land, and grip, over and over.
-pub fn pressure_if_gripped<T: Scalar>(block: &Block, regime: Regime, x: &Instant<T>) -> T {
+pub fn pressure_if_gripped<T: Elementary>(block: &Block, regime: Regime, x: &Instant<T>) -> T {
     let Block { b, h, i0, omega_v, xi_v, .. } = *block;
     let (sin, cos) = x.theta.sin_cos();
     let reach = |s: f64| cos * b + sin * (s * h);

@@ -3,7 +3,7 @@
 use crate::block::{Block, Foundation};
 use crate::contact::{Contact, Corner, Creep, Regime};
 use crate::excitation::{Excitation, Forcing};
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 use crate::system::System;
 use crate::system::dynamics::{Footing, Instant, instant};
 use crate::system::impact::Velocities;
@@ -35,7 +35,7 @@ pub struct Along<T> {
 
 impl System {
     /// The beginning at `time` (s) from `initial` under `excitation`, in the numbers of `start`, whose values are the same.
-    pub fn beginning_along<T: Scalar>(
+    pub fn beginning_along<T: Elementary>(
         &self,
         initial: &Initial,
         time: f64,
@@ -89,7 +89,7 @@ struct Walk<'a, T> {
     instant: Instant<T>,
 }
 
-impl<'a, T: Scalar> Walk<'a, T> {
+impl<'a, T: Elementary> Walk<'a, T> {
     fn begin(start: &'a Start<T>, regime: Regime, placement: Placement<T>) -> Walk<'a, T> {
         let footing = match regime {
             Regime::Separated => free(&placement),
@@ -142,6 +142,6 @@ impl<'a, T: Scalar> Walk<'a, T> {
     }
 }
 
-fn free<T: Scalar>(placement: &Placement<T>) -> Footing<T> {
+fn free<T: Elementary>(placement: &Placement<T>) -> Footing<T> {
     Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot }
 }

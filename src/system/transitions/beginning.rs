@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Block, Foundation};
 use crate::contact::{Contacts, Corner};
 use crate::excitation::Excitation;
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 use crate::system::System;
 use crate::system::dynamics::{Footing, State};
 use crate::system::impact::Velocities;
@@ -48,7 +48,7 @@ impl System {
     }
 }
 
-impl<T: Scalar> Placement<T> {
+impl<T: Elementary> Placement<T> {
     /// Where a block on supports is at the beginning.
     pub(super) fn on_supports(block: &Block<T>, initial: &Initial<T>) -> Placement<T> {
         let Block { b, h, .. } = *block;

@@ -2,7 +2,7 @@
 
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
-use crate::scalar::Scalar;
+use crate::scalar::Elementary;
 use crate::system::LiftOff;
 use crate::system::dynamics::Instant;
 use crate::system::impact::{self, Velocities};
@@ -23,7 +23,7 @@ pub(super) struct Placement<T = f64> {
     pub(super) velocities: Velocities<T>,
 }
 
-impl<T: Scalar> Placement<T> {
+impl<T: Elementary> Placement<T> {
     pub(super) fn of(x: &Instant<T>) -> Placement<T> {
         Placement {
             corners: [(x.corner[0], x.corner_dot[0]), (x.corner[1], x.corner_dot[1])],

@@ -1,0 +1,310 @@
+//! Several numbers side by side → the same operations on each, in the same order, by the processor's vectors.
+//!
+//! Sums, differences, products, quotients and square roots of vectors are rounded as those of single numbers are, and none is
+//! fused with another; so each lane has the bits that the same operations give on `f64`.
+
+#[cfg(not(target_arch = "x86_64"))]
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::numerics::{Real, Vector};
+
+#[cfg(not(target_arch = "x86_64"))]
+use portable as processor;
+#[cfg(target_arch = "x86_64")]
+use x86 as processor;
+
+/// The most lanes that a vector has.
+pub const MOST_LANES: usize = 8;
+
+/// One number for each lane; those beyond the lanes of a vector are not read.
+pub type Array = [f64; MOST_LANES];
+
+/// A processor's vector of `f64`.
+pub trait Simd: Copy + 'static {
+    /// How many numbers it holds, at most [`MOST_LANES`].
+    const LANES: usize;
+    /// What is true of which of them.
+    type Mask: Copy;
+
+    /// The first of these numbers.
+    fn load(numbers: &Array) -> Self;
+    /// Its numbers, then zeros.
+    fn store(self) -> Array;
+    /// The same number everywhere.
+    fn splat(number: f64) -> Self;
+    /// Sums.
+    fn add(self, other: Self) -> Self;
+    /// Differences.
+    fn sub(self, other: Self) -> Self;
+    /// Products.
+    fn mul(self, other: Self) -> Self;
+    /// Quotients.
+    fn div(self, other: Self) -> Self;
+    /// Square roots.
+    fn sqrt(self) -> Self;
+    /// Each with the other sign.
+    fn neg(self) -> Self;
+    /// Each without its sign.
+    fn abs(self) -> Self;
+    /// Where this is less.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self` where `mask` is true, `other` elsewhere.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// Where both are true.
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Where one is true.
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// A bit for each lane in which it is true, the first the least.
+    fn bits(mask: Self::Mask) -> u32;
+}
+
+/// Work that is done with vectors of whatever size.
+pub trait Task {
+    /// What it gives.
+    type Output;
+
+    /// Does it. To be inlined, with all that it calls: only what is part of the function that [`Width::run`] enters is
+    /// compiled for the processor's vectors.
+    fn run<V: Simd>(self) -> Self::Output;
+}
+
+/// A size of vectors that this processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Width(processor::Vectors);
+
+impl Width {
+    /// The widest with at most so many lanes; nothing for a single one.
+    pub fn at_most(lanes: usize) -> Option<Width> {
+        processor::Vectors::at_most(lanes).map(Width)
+    }
+
+    /// How many lanes a vector has.
+    pub fn lanes(self) -> usize {
+        self.0.lanes()
+    }
+
+    /// Does a task with these vectors.
+    pub fn run<T: Task>(self, task: T) -> T::Output {
+        self.0.run(task)
+    }
+}
+
+/// A number in each lane.
+#[derive(Clone, Copy)]
+pub struct Wide<V>(V);
+
+/// What is true of which lane.
+#[derive(Clone, Copy)]
+pub struct Lanes<V: Simd>(V::Mask);
+
+impl<V: Simd> Wide<V> {
+    /// What `number` gives for each lane.
+    #[inline(always)]
+    pub fn each(mut number: impl FnMut(usize) -> f64) -> Wide<V> {
+        let mut numbers = [0.0; MOST_LANES];
+        for (lane, place) in numbers.iter_mut().enumerate().take(V::LANES) {
+            *place = number(lane);
+        }
+        Wide(V::load(&numbers))
+    }
+
+    /// The first of these numbers, as many as there are lanes.
+    #[inline(always)]
+    pub fn load(numbers: &Array) -> Wide<V> {
+        Wide(V::load(numbers))
+    }
+
+    /// The numbers of the lanes, then zeros.
+    #[inline(always)]
+    pub fn store(self) -> Array {
+        self.0.store()
+    }
+
+    /// The absolute values.
+    #[inline(always)]
+    pub fn abs(self) -> Wide<V> {
+        Wide(self.0.abs())
+    }
+
+    /// The lanes in which this is less.
+    #[inline(always)]
+    pub fn less(self, other: Wide<V>) -> Lanes<V> {
+        Lanes(self.0.less(other.0))
+    }
+
+    /// This in some lanes, `other` elsewhere.
+    #[inline(always)]
+    pub fn in_lanes(self, lanes: Lanes<V>, other: Wide<V>) -> Wide<V> {
+        Wide(self.0.select(lanes.0, other.0))
+    }
+
+    /// The greater number.
+    #[inline(always)]
+    pub fn max(self, other: Wide<V>) -> Wide<V> {
+        other.in_lanes(self.less(other), self)
+    }
+}
+
+impl<V: Simd> Lanes<V> {
+    /// The lanes of both.
+    #[inline(always)]
+    pub fn and(self, other: Lanes<V>) -> Lanes<V> {
+        Lanes(V::both(self.0, other.0))
+    }
+
+    /// The lanes of either.
+    #[inline(always)]
+    pub fn or(self, other: Lanes<V>) -> Lanes<V> {
+        Lanes(V::either(self.0, other.0))
+    }
+
+    /// A bit for each of the lanes, that of the first the least.
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        V::bits(self.0)
+    }
+
+    /// Whether it is all lanes.
+    #[inline(always)]
+    pub fn all(self) -> bool {
+        self.bits() == (1 << V::LANES) - 1
+    }
+
+    /// Whether it is any lane.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.bits() != 0
+    }
+}
+
+impl<V: Simd> From<f64> for Wide<V> {
+    #[inline(always)]
+    fn from(number: f64) -> Wide<V> {
+        Wide(V::splat(number))
+    }
+}
+
+impl<V: Simd> Default for Wide<V> {
+    #[inline(always)]
+    fn default() -> Wide<V> {
+        Wide(V::splat(0.0))
+    }
+}
+
+impl<V: Simd> Neg for Wide<V> {
+    type Output = Wide<V>;
+
+    #[inline(always)]
+    fn neg(self) -> Wide<V> {
+        Wide(self.0.neg())
+    }
+}
+
+/// An operator between vectors, and between a vector and a number.
+macro_rules! operator {
+    ($trait:ident, $operate:ident) => {
+        impl<V: Simd> $trait for Wide<V> {
+            type Output = Wide<V>;
+
+            #[inline(always)]
+            fn $operate(self, other: Wide<V>) -> Wide<V> {
+                Wide(self.0.$operate(other.0))
+            }
+        }
+
+        impl<V: Simd> $trait<f64> for Wide<V> {
+            type Output = Wide<V>;
+
+            #[inline(always)]
+            fn $operate(self, other: f64) -> Wide<V> {
+                Wide(self.0.$operate(V::splat(other)))
+            }
+        }
+    };
+}
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<V: Simd> Real for Wide<V> {
+    type State = Wides<V, 4>;
+    type Quadratures = Wides<V, 2>;
+
+    #[inline(always)]
+    fn sqrt(self) -> Wide<V> {
+        Wide(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn where_less(a: Wide<V>, b: Wide<V>, yes: Wide<V>, no: Wide<V>) -> Wide<V> {
+        yes.in_lanes(a.less(b), no)
+    }
+}
+
+/// Numbers that are integrated together, each in all lanes.
+#[derive(Clone, Copy)]
+pub struct Wides<V, const N: usize>(pub [Wide<V>; N]);
+
+impl<V: Simd, const N: usize> Add for Wides<V, N> {
+    type Output = Wides<V, N>;
+
+    #[inline(always)]
+    fn add(mut self, other: Wides<V, N>) -> Wides<V, N> {
+        for i in 0..N {
+            self.0[i] = self.0[i] + other.0[i];
+        }
+        self
+    }
+}
+
+impl<V: Simd, const N: usize> Mul<Wide<V>> for Wides<V, N> {
+    type Output = Wides<V, N>;
+
+    #[inline(always)]
+    fn mul(mut self, factor: Wide<V>) -> Wides<V, N> {
+        for i in 0..N {
+            self.0[i] = self.0[i] * factor;
+        }
+        self
+    }
+}
+
+impl<V: Simd, const N: usize> Mul<f64> for Wides<V, N> {
+    type Output = Wides<V, N>;
+
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Wides<V, N> {
+        self * Wide::from(factor)
+    }
+}
+
+impl<V: Simd, const N: usize> Vector<Wide<V>> for Wides<V, N> {
+    #[inline(always)]
+    fn zero() -> Wides<V, N> {
+        Wides([Wide::default(); N])
+    }
+
+    #[inline(always)]
+    fn weighted(mut self, weights: Wides<V, N>) -> Wides<V, N> {
+        for i in 0..N {
+            self.0[i] = self.0[i] * weights.0[i];
+        }
+        self
+    }
+
+    /// In the order of nalgebra, which adds every other one of four.
+    #[inline(always)]
+    fn square(self) -> Wide<V> {
+        let squares = self.weighted(self).0;
+        match *squares.as_slice() {
+            [a, b] => a + b,
+            [a, b, c, d] => (a + c) + (b + d),
+            _ => unreachable!("a state has four numbers, the quadratures two"),
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! The vectors of x86-64: two numbers with SSE2, which all of these processors have, four with AVX2, eight with AVX-512.
+//!
+//! The types are private: a value of one comes about only in a task that [`Vectors::run`] runs, and a [`Vectors`] only where the
+//! processor has its instructions.
+
+use std::arch::x86_64::*;
+
+use crate::numerics::wide::{Array, MOST_LANES, Simd, Task};
+
+/// Vectors that this processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Vectors(Set);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Set {
+    Sse2,
+    Avx2,
+    Avx512,
+}
+
+impl Vectors {
+    pub fn at_most(lanes: usize) -> Option<Vectors> {
+        if lanes >= F64x8::LANES && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            Some(Vectors(Set::Avx512))
+        } else if lanes >= F64x4::LANES && is_x86_feature_detected!("avx2") {
+            Some(Vectors(Set::Avx2))
+        } else {
+            (lanes >= F64x2::LANES).then_some(Vectors(Set::Sse2))
+        }
+    }
+
+    pub fn lanes(self) -> usize {
+        match self.0 {
+            Set::Sse2 => F64x2::LANES,
+            Set::Avx2 => F64x4::LANES,
+            Set::Avx512 => F64x8::LANES,
+        }
+    }
+
+    pub fn run<T: Task>(self, task: T) -> T::Output {
+        match self.0 {
+            Set::Sse2 => task.run::<F64x2>(),
+            // SAFETY: `at_most`, which alone makes this, has found AVX2 on the processor.
+            Set::Avx2 => unsafe { with_avx2(task) },
+            // SAFETY: `at_most`, which alone makes this, has found AVX512F and AVX512DQ on the processor.
+            Set::Avx512 => unsafe { with_avx512(task) },
+        }
+    }
+}
+
+#[target_feature(enable = "avx2")]
+fn with_avx2<T: Task>(task: T) -> T::Output {
+    task.run::<F64x4>()
+}
+
+#[target_feature(enable = "avx512f,avx512dq")]
+fn with_avx512<T: Task>(task: T) -> T::Output {
+    task.run::<F64x8>()
+}
+
+/// A vector type with its instructions; those that differ in more than their names are in the macro `$rest`.
+macro_rules! vector {
+    (
+        $name:ident($vector:ty), $lanes:literal, $mask:ty, $rest:ident;
+        $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident,
+        $xor:ident, $andnot:ident
+    ) => {
+        #[derive(Clone, Copy)]
+        struct $name($vector);
+
+        impl Simd for $name {
+            const LANES: usize = $lanes;
+            type Mask = $mask;
+
+            #[inline(always)]
+            fn load(numbers: &Array) -> $name {
+                // SAFETY: the array has at least as many numbers as are read; for the instruction, see the module.
+                $name(unsafe { $load(numbers.as_ptr()) })
+            }
+
+            #[inline(always)]
+            fn store(self) -> Array {
+                let mut numbers = [0.0; MOST_LANES];
+                // SAFETY: the array has room for as many numbers as are written; for the instruction, see the module.
+                unsafe { $store(numbers.as_mut_ptr(), self.0) };
+                numbers
+            }
+
+            #[inline(always)]
+            fn splat(number: f64) -> $name {
+                // SAFETY: this runs only where the processor has the instruction, see the module.
+                $name(unsafe { $splat(number) })
+            }
+
+            #[inline(always)]
+            fn add(self, other: $name) -> $name {
+                // SAFETY: a value of this type exists only where the processor has the instruction, see the module.
+                $name(unsafe { $add(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn sub(self, other: $name) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $sub(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn mul(self, other: $name) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $mul(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn div(self, other: $name) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $div(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $sqrt(self.0) })
+            }
+
+            #[inline(always)]
+            fn neg(self) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $xor(self.0, $splat(-0.0)) })
+            }
+
+            #[inline(always)]
+            fn abs(self) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $andnot($splat(-0.0), self.0) })
+            }
+
+            #[inline(always)]
+            fn less(self, other: $name) -> $mask {
+                // SAFETY: as in `add`.
+                unsafe { $rest!(less, self.0, other.0) }
+            }
+
+            #[inline(always)]
+            fn select(self, mask: $mask, other: $name) -> $name {
+                // SAFETY: as in `add`.
+                $name(unsafe { $rest!(select, mask, self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn both(a: $mask, b: $mask) -> $mask {
+                // SAFETY: as in `add`.
+                unsafe { $rest!(both, a, b) }
+            }
+
+            #[inline(always)]
+            fn either(a: $mask, b: $mask) -> $mask {
+                // SAFETY: as in `add`.
+                unsafe { $rest!(either, a, b) }
+            }
+
+            #[inline(always)]
+            fn bits(mask: $mask) -> u32 {
+                // SAFETY: as in `add`.
+                unsafe { $rest!(bits, mask) }
+            }
+        }
+    };
+}
+
+macro_rules! sse2 {
+    (less, $a:expr, $b:expr) => {
+        _mm_cmplt_pd($a, $b)
+    };
+    (select, $mask:expr, $yes:expr, $no:expr) => {
+        _mm_or_pd(_mm_and_pd($mask, $yes), _mm_andnot_pd($mask, $no))
+    };
+    (both, $a:expr, $b:expr) => {
+        _mm_and_pd($a, $b)
+    };
+    (either, $a:expr, $b:expr) => {
+        _mm_or_pd($a, $b)
+    };
+    (bits, $mask:expr) => {
+        _mm_movemask_pd($mask) as u32
+    };
+}
+
+macro_rules! avx2 {
+    (less, $a:expr, $b:expr) => {
+        _mm256_cmp_pd::<_CMP_LT_OQ>($a, $b)
+    };
+    (select, $mask:expr, $yes:expr, $no:expr) => {
+        _mm256_blendv_pd($no, $yes, $mask)
+    };
+    (both, $a:expr, $b:expr) => {
+        _mm256_and_pd($a, $b)
+    };
+    (either, $a:expr, $b:expr) => {
+        _mm256_or_pd($a, $b)
+    };
+    (bits, $mask:expr) => {
+        _mm256_movemask_pd($mask) as u32
+    };
+}
+
+macro_rules! avx512 {
+    (less, $a:expr, $b:expr) => {
+        _mm512_cmp_pd_mask::<_CMP_LT_OQ>($a, $b)
+    };
+    (select, $mask:expr, $yes:expr, $no:expr) => {
+        _mm512_mask_blend_pd($mask, $no, $yes)
+    };
+    (both, $a:expr, $b:expr) => {
+        _kand_mask8($a, $b)
+    };
+    (either, $a:expr, $b:expr) => {
+        _kor_mask8($a, $b)
+    };
+    (bits, $mask:expr) => {
+        _cvtmask8_u32($mask)
+    };
+}
+
+vector!(
+    F64x2(__m128d), 2, __m128d, sse2;
+    _mm_loadu_pd, _mm_storeu_pd, _mm_set1_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_xor_pd, _mm_andnot_pd
+);
+vector!(
+    F64x4(__m256d), 4, __m256d, avx2;
+    _mm256_loadu_pd, _mm256_storeu_pd, _mm256_set1_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
+    _mm256_sqrt_pd, _mm256_xor_pd, _mm256_andnot_pd
+);
+vector!(
+    F64x8(__m512d), 8, __mmask8, avx512;
+    _mm512_loadu_pd, _mm512_storeu_pd, _mm512_set1_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
+    _mm512_sqrt_pd, _mm512_xor_pd, _mm512_andnot_pd
+);
