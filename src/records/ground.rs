@@ -79,16 +79,23 @@ impl Ground {
 
     /// Inputs from `time` on, and the time until which they hold: the next sample of any record (s).
     pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
+        let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
+        self.inputs_near(time, &mut [guess(&self.horizontal), guess(&self.vertical)])
+    }
+
+    /// The same where the samples before `time` are near those of these numbers, horizontal and vertical: the numbers of those
+    /// that were found last, if one goes from sample to sample.
+    pub fn inputs_near(&self, time: f64, [horizontal, vertical]: &mut [usize; 2]) -> (Inputs, f64) {
         let mut until = f64::INFINITY;
-        let mut ramp = |record: &Option<Record>| match record {
+        let mut ramp = |record: &Option<Record>, near: &mut usize| match record {
             Some(record) => {
-                let (ramp, end) = ramp_from(record, time);
+                let (ramp, end) = ramp_from(record, time, near);
                 until = until.min(end);
                 ramp
             }
             None => Ramp::default(),
         };
-        let (a_gx, a_gz) = (ramp(&self.horizontal), ramp(&self.vertical));
+        let (a_gx, a_gz) = (ramp(&self.horizontal, horizontal), ramp(&self.vertical, vertical));
         (Inputs { time, a_gx, a_gz, ..Inputs::default() }, until)
     }
 }
@@ -102,9 +109,11 @@ pub fn fingerprint(record: &Record) -> String {
     format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}", acceleration.len())
 }
 
-/// The straight line on which a record is from `time` on, and the time of its end.
-fn ramp_from(record: &Record, time: f64) -> (Ramp, f64) {
-    let Some(i) = record.sample_at(time) else { return (Ramp::default(), record.start_time) };
+/// The straight line on which a record is from `time` on, and the time of its end; `near` as in [`Record::sample_near`], and the
+/// sample that was found.
+fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
+    let Some(i) = record.sample_near(time, *near) else { return (Ramp::default(), record.start_time) };
+    *near = i;
     match (record.acceleration.get(i), record.acceleration.get(i + 1)) {
         (Some(a), Some(b)) => (line(*a, *b, record.time_step, time - record.sample_time(i)), record.sample_time(i + 1)),
         _ => (Ramp::default(), f64::INFINITY),
@@ -169,12 +178,26 @@ impl Record {
 
     /// The sample at or before `time`, none before the first; after the last one, the last or the number of samples.
     fn sample_at(&self, time: f64) -> Option<usize> {
+        self.sample_near(time, self.guess(time))
+    }
+
+    /// About the sample at or before `time`: a division may be off by one either way. A time long after a short record has no
+    /// number among the integers.
+    fn guess(&self, time: f64) -> usize {
+        ((time - self.start_time) / self.time_step) as usize
+    }
+
+    /// The same as [`Record::sample_at`], which is soon found near a guess.
+    fn sample_near(&self, time: f64, guess: usize) -> Option<usize> {
         if time < self.start_time {
             return None;
         }
-        // A division may be off by one either way. A time long after a short record has no number among the integers.
         let end = self.acceleration.len();
-        let mut i = (((time - self.start_time) / self.time_step) as usize).min(end);
+        let mut i = guess.min(end);
+        // Who goes from sample to sample is at the next one.
+        if i < end && self.sample_time(i + 1) <= time && time < self.sample_time(i + 2) {
+            return Some(i + 1);
+        }
         while i > 0 && self.sample_time(i) > time {
             i -= 1;
         }

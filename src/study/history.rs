@@ -98,7 +98,7 @@ impl Run {
         Outcome::new(&simulation, flights, failure)
     }
 
-    fn begin(&self) -> Simulation {
+    pub(super) fn begin(&self) -> Simulation {
         let start = self.ground.start();
         let (inputs, _) = self.ground.inputs_from(start);
         Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs)
@@ -125,47 +125,43 @@ impl Run {
         events: &mut dyn FnMut(&Event),
         mut row: impl FnMut(f64, &Simulation, &Inputs),
     ) -> Result<(), SimulationError> {
-        let (start, block) = (simulation.time(), &self.block);
-        let (mut inputs, mut until) = self.ground.inputs_from(start);
-        let mut coming_down = self.duration.is_none().then(|| ComingDown::new(self.ground_at_rest()));
-        let end_of = |coming_down: &Option<ComingDown>| match (self.duration, coming_down) {
+        let mut course = self.course(simulation);
+        row(0.0, simulation, &course.inputs);
+        course.look(simulation);
+        while let Some(stop) = course.next_stop(simulation) {
+            simulation.advance(stop, &course.inputs, events)?;
+            if let Some(part) = course.stopped(self, simulation) {
+                row(part, simulation, &course.inputs);
+            }
+        }
+        Ok(())
+    }
+
+    /// The course of a run that begins.
+    pub(super) fn course(&self, simulation: &Simulation) -> Course {
+        let start = simulation.time();
+        let (inputs, until) = self.ground.inputs_from(start);
+        let Run { duration, output_step, ref block, .. } = *self;
+        let coming_down = duration.is_none().then(|| ComingDown::new(self.ground_at_rest()));
+        let next_look = coming_down.map_or(f64::INFINITY, |coming_down| coming_down.next_look(block));
+        let end = match (duration, &coming_down) {
             (Some(duration), _) => start + duration,
             (None, Some(coming_down)) => coming_down.end(block),
             (None, None) => start,
         };
-        let look = |coming_down: &mut Option<ComingDown>, simulation: &Simulation| {
-            if let Some(coming_down) = coming_down.as_mut().filter(|c| c.next_look(block) <= simulation.time()) {
-                coming_down.look(simulation);
-            }
-        };
-        // A block that is held stays in sight as long as was asked for; else nothing more is to be seen of it.
-        let is_over = |simulation: &Simulation| {
-            let is_held = simulation.is_frozen() && self.duration.is_some();
-            simulation.ending().is_some() && !is_held
-        };
-        row(0.0, simulation, &inputs);
-        look(&mut coming_down, simulation);
-        let mut rows = 0;
-        while simulation.time() < end_of(&coming_down) && !is_over(simulation) {
-            let end = end_of(&coming_down);
-            let next = start + (rows + 1) as f64 * self.output_step;
-            let next_look = coming_down.map_or(f64::INFINITY, |coming_down| coming_down.next_look(block));
-            let stop = until.min(next).min(next_look).min(end);
-            simulation.advance(stop, &inputs, events)?;
-            let ended = is_over(simulation);
-            if !ended && stop == until {
-                (inputs, until) = self.ground.inputs_from(stop);
-            }
-            look(&mut coming_down, simulation);
-            let end = end_of(&coming_down);
-            // The last row is at the end of the run, however short or long the step before it.
-            let is_row = stop == next && next < end - 1e-12 * (end - start);
-            if is_row || ended || stop >= end {
-                rows += 1;
-                row(((simulation.time() - start) / (end - start)).min(1.0), simulation, &inputs);
-            }
+        Course {
+            start,
+            duration,
+            output_step,
+            inputs,
+            until,
+            coming_down,
+            next_look,
+            end,
+            samples: [0; 2],
+            rows: 0,
+            stop: start,
         }
-        Ok(())
     }
 
     fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {
@@ -179,6 +175,75 @@ impl Run {
             energies: simulation.energies(),
             ground: [now.a_gx.value + self.pulse.acceleration(time), now.a_gz.value],
         }
+    }
+}
+
+/// Where a run under way stops next, and what drives the block until then.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    start: f64,
+    duration: Option<f64>,
+    output_step: f64,
+    /// Inputs to the next stop.
+    pub(super) inputs: Inputs,
+    /// Until when they hold (s).
+    until: f64,
+    coming_down: Option<ComingDown>,
+    /// Time of the next look whether the block has come down (s).
+    next_look: f64,
+    /// Time at which the run is over (s), as far as is known.
+    end: f64,
+    /// The samples of the records that came last.
+    samples: [usize; 2],
+    /// Rows so far, without that at the beginning.
+    rows: u64,
+    stop: f64,
+}
+
+impl Course {
+    /// A block that is held stays in sight as long as was asked for; else nothing more is to be seen of it.
+    fn is_over(&self, simulation: &Simulation) -> bool {
+        let is_held = simulation.is_frozen() && self.duration.is_some();
+        simulation.ending().is_some() && !is_held
+    }
+
+    /// Looks whether the block has come down, if it is time.
+    pub(super) fn look(&mut self, simulation: &Simulation) {
+        if let Some(coming_down) = self.coming_down.as_mut().filter(|_| self.next_look <= simulation.time()) {
+            coming_down.look(simulation);
+            (self.next_look, self.end) =
+                (coming_down.next_look(simulation.block()), coming_down.end(simulation.block()));
+        }
+    }
+
+    /// Where the run has to stop next (s), if it is not over.
+    pub(super) fn next_stop(&mut self, simulation: &Simulation) -> Option<f64> {
+        if simulation.time() >= self.end || self.is_over(simulation) {
+            return None;
+        }
+        self.stop = self.until.min(self.next_row()).min(self.next_look).min(self.end);
+        Some(self.stop)
+    }
+
+    fn next_row(&self) -> f64 {
+        self.start + (self.rows + 1) as f64 * self.output_step
+    }
+
+    /// Takes note that the run has come to the stop, or to its end before; the part that is done if a row belongs there.
+    pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
+        let ended = self.is_over(simulation);
+        if !ended && self.stop == self.until {
+            (self.inputs, self.until) = run.ground.inputs_near(self.stop, &mut self.samples);
+        }
+        self.look(simulation);
+        let Course { start, end, .. } = *self;
+        // The last row is at the end of the run, however short or long the step before it.
+        let is_row = self.stop == self.next_row() && self.stop < end - 1e-12 * (end - start);
+        if !(is_row || ended || self.stop >= end) {
+            return None;
+        }
+        self.rows += 1;
+        Some(((simulation.time() - start) / (end - start)).min(1.0))
     }
 }
 
