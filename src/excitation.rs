@@ -34,6 +34,10 @@ impl<T: Elementary> Ramp<T> {
     }
 
     fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
+        // No force needs no divisions.
+        if force.value.is_zero() && force.rate.is_zero() {
+            return self;
+        }
         Ramp { value: self.value - force.value / mass, rate: self.rate - force.rate / mass }
     }
 }
@@ -277,6 +281,11 @@ impl Excitation {
             way += amplitude / omega * (cos_from * duration - (sin_to - sin_from) / omega);
         }
         (velocity, way)
+    }
+
+    /// The reference time and the ground accelerations from there on, horizontal and vertical, where nothing else acts.
+    pub fn ground_alone(&self) -> Option<(f64, [Ramp; 2])> {
+        (self.wave.is_none() && self.moment == Ramp::default()).then_some((self.time, [self.x, self.z]))
     }
 
     /// Whether nothing of it changes.

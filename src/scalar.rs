@@ -80,6 +80,9 @@ pub trait Elementary: Scalar<Real = f64> {
 
     /// The square root.
     fn sqrt(self) -> Self;
+
+    /// Whether it is zero, and with it its derivative.
+    fn is_zero(self) -> bool;
 }
 
 impl Scalar for f64 {
@@ -139,6 +142,11 @@ impl Elementary for f64 {
     #[inline]
     fn sqrt(self) -> f64 {
         self.sqrt()
+    }
+
+    #[inline]
+    fn is_zero(self) -> bool {
+        self.to_bits() == 0
     }
 }
 
@@ -207,5 +215,9 @@ impl Elementary for Dual64 {
     fn sqrt(self) -> Dual64 {
         let root = self.re.sqrt();
         Dual64::new(root, 0.5 * self.eps / root)
+    }
+
+    fn is_zero(self) -> bool {
+        self.re.is_zero() && self.eps.is_zero()
     }
 }

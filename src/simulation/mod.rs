@@ -3,6 +3,8 @@
 mod beginning;
 mod energies;
 pub mod exchange;
+#[cfg(feature = "studies")]
+pub mod lanes;
 pub mod outputs;
 pub mod peaks;
 mod stepping;

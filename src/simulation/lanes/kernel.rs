@@ -1,0 +1,468 @@
+//! One step of several runs in the same regime, one in each lane: the operations of [`Simulation`](crate::simulation::Simulation)
+//! in their order.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::block::{Block, Foundation};
+use crate::contact::{Corner, Regime};
+use crate::excitation::Forcing;
+use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
+use crate::numerics::roots::Sample;
+use crate::numerics::short::ShortStep;
+use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Wides, Width};
+use crate::numerics::{Equations, Rate, Real};
+use crate::scalar::Dual;
+use crate::simulation::lanes::bounds::Ends;
+use crate::simulation::lanes::{Lane, place};
+use crate::simulation::outputs::observe;
+use crate::simulation::peaks::{Channels, channels, cheap_channels};
+use crate::simulation::stepping::{LONGEST, SHORT_SHARE};
+use crate::system::dynamics::{Footing, Instant, along_of, instant_of};
+use crate::system::law::{Gripping, Law};
+use crate::system::surfaces::{ROUNDING, Surface, reaction_rate};
+
+/// Evaluations of the equations of motion that a run alone counts for a step of order 5, with that at its end.
+pub const SHORT_EVALUATIONS: u64 = ShortStep::EVALUATIONS + 1;
+
+/// The same for a step of order 8.
+pub const LONG_EVALUATIONS: u64 = EVALUATIONS_PER_STEP;
+
+/// What rounding leaves of the zero of each surface.
+struct Rounding<V> {
+    reaction: Wide<V>,
+    gap: Wide<V>,
+    quarter_turn: Wide<V>,
+}
+
+/// A step in all lanes.
+pub struct Stepped {
+    /// A bit for each lane in which it was taken; the numbers of the others mean nothing.
+    pub taken: u32,
+    /// Where it led.
+    pub state: [Array; 4],
+    /// The works of the excitation and of the dashpots since the start of the run.
+    pub sums: [Array; 2],
+    /// Peaks of θ, N, H, uplift and friction demand since then.
+    pub peaks: [Array; 5],
+    /// The heights of the supports there, and their rates.
+    pub tops: [Sample<Array>; 2],
+    /// A bit for each lane in which a short step made too great an error.
+    pub failed: u32,
+    /// Of a short step the factor by which its size may change, of another one the root of its error from which that follows.
+    pub root: Array,
+    /// The longest step (s).
+    pub longest: Array,
+}
+
+/// Takes a step of each run of a group of at least one and at most as many as there are lanes.
+pub fn step(width: Width, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
+    let count = group.len();
+    let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
+    for (place, run) in runs.iter_mut().zip(group) {
+        *place = run;
+    }
+    macro_rules! run {
+        ($left:literal, $right:literal) => {{
+            let law = Gripping::<$left, $right, false>;
+            match short {
+                true => width.run(Together::<_, true> { law, runs, count }),
+                false => width.run(Together::<_, false> { law, runs, count }),
+            }
+        }};
+    }
+    match regime {
+        Regime::FullContact => run!(true, true),
+        Regime::TiltingLeft => run!(true, false),
+        Regime::TiltingRight => run!(false, true),
+        Regime::Separated => unreachable!("no block in flight is stepped in a lane"),
+    }
+}
+
+/// The step of a group under a law, of order 5 if it is `SHORT` and of order 8 otherwise.
+struct Together<'g, L, const SHORT: bool> {
+    law: L,
+    /// In each lane; those beyond the group have its last.
+    runs: [&'g Lane; MOST_LANES],
+    /// How many there are in the group.
+    count: usize,
+}
+
+/// The equations of motion in each lane.
+struct Motion<V, L> {
+    law: L,
+    block: Block<Wide<V>>,
+    offset: Wide<V>,
+    reference: Wide<V>,
+    value: [Wide<V>; 2],
+    rate: [Wide<V>; 2],
+}
+
+/// The blocks at an instant.
+struct Now<V: Simd> {
+    forcing: Forcing<Wide<V>>,
+    instant: Instant<Wide<V>>,
+    rate: Rate<Wide<V>>,
+    state: [Wide<V>; 4],
+    tops: [Sample<Wide<V>>; 2],
+}
+
+impl<V: Simd, L: Law> Motion<V, L> {
+    #[inline(always)]
+    fn forcing(&self, time: Wide<V>) -> Forcing<Wide<V>> {
+        let elapsed = time - self.reference;
+        // What a pulse adds that does not act.
+        let x = self.value[0] + self.rate[0] * elapsed + 0.0;
+        Forcing { x, z: self.value[1] + self.rate[1] * elapsed, moment: Wide::default() }
+    }
+
+    #[inline(always)]
+    fn instant(&self, state: [Wide<V>; 4], forcing: Forcing<Wide<V>>) -> Instant<Wide<V>> {
+        let footing = Footing::Grips { offset: self.offset };
+        instant_of(&self.block, Foundation::Viscoelastic, self.law.regime(), state, footing, forcing, |x| x)
+    }
+
+    #[inline(always)]
+    fn rate_of(&self, x: &Instant<Wide<V>>, forcing: Forcing<Wide<V>>) -> Rate<Wide<V>> {
+        Rate {
+            state: Wides([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
+            quadratures: Wides(x.powers(&self.block, self.law.regime(), forcing)),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, time: Wide<V>, state: [Wide<V>; 4], tops: [Sample<Wide<V>>; 2]) -> Now<V> {
+        let forcing = self.forcing(time);
+        let instant = self.instant(state, forcing);
+        Now { forcing, instant, rate: self.rate_of(&instant, forcing), state, tops }
+    }
+
+    /// What the peaks are the greatest values of, without the rates that take dual numbers.
+    #[inline(always)]
+    fn cheap_channels(&self, now: &Now<V>) -> Channels<Wide<V>> {
+        cheap_channels(&self.block, self.law.regime(), &now.instant, now.tops)
+    }
+
+    /// The same with all rates.
+    #[inline(always)]
+    fn channels(&self, now: &Now<V>) -> Channels<Wide<V>> {
+        let (block, regime) = (&self.block, self.law.regime());
+        let forcing = Forcing {
+            x: Dual::with_rate(now.forcing.x, self.rate[0] + 0.0),
+            z: Dual::with_rate(now.forcing.z, self.rate[1]),
+            moment: Dual::with_rate(now.forcing.moment, Wide::default()),
+        };
+        let footing = Footing::Grips { offset: self.offset };
+        let along = along_of(block, regime, now.state, footing, &now.instant, forcing);
+        let [left, right] = now.tops;
+        let tops = [Dual::with_rate(left.value, left.rate), Dual::with_rate(right.value, right.rate)];
+        channels(&observe(block, regime, &along, tops, forcing))
+    }
+
+    /// Takes the peaks of a step in; the lanes in which one may be inside.
+    #[inline(always)]
+    fn raise_peaks(
+        &self,
+        peaks: &mut [Wide<V>; 5],
+        here: &Now<V>,
+        there: &Now<V>,
+        duration: Wide<V>,
+        longest: Wide<V>,
+    ) -> u32 {
+        let phase = duration * LONGEST / longest;
+        let near = (Wide::from(1.0) - phase * phase).max(Wide::from(0.5));
+        let close = self.close(here, near, peaks).or(self.close(there, near, peaks));
+        let mut ends = [self.cheap_channels(here), self.cheap_channels(there)];
+        if close.any() {
+            for (place, now) in [here, there].into_iter().enumerate() {
+                ends[place] = in_lanes(close, self.channels(now), ends[place]);
+            }
+        }
+        let [start, end] = ends;
+        let [theta, reaction, horizontal, uplift, friction_demand] = peaks;
+        let demand = Ends { start: start.friction_demand, end: end.friction_demand, duration };
+        raise(theta, both_ways(start.theta, end.theta, duration))
+            | raise(reaction, pair(start.reaction, end.reaction, duration))
+            | raise(horizontal, both_ways(start.horizontal, end.horizontal, duration))
+            | raise(uplift, pair(start.uplift, end.uplift, duration))
+            | raise(friction_demand, [demand])
+    }
+
+    /// The lanes in which H or the friction demand is `near` its peak.
+    #[inline(always)]
+    fn close(&self, now: &Now<V>, near: Wide<V>, [_, _, horizontal, _, friction_demand]: &[Wide<V>; 5]) -> Lanes<V> {
+        let mass = self.block.mass;
+        let shear = mass * now.instant.horizontal.abs();
+        let [left, right] = now.instant.reaction;
+        (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
+    }
+
+    /// A surface of [`Law::surfaces`] at an instant.
+    #[inline(always)]
+    fn sample(&self, surface: Surface, now: &Now<V>) -> Sample<Wide<V>> {
+        let x = &now.instant;
+        match surface {
+            Surface::Reaction(corner) => {
+                let i = corner.index();
+                let rate = reaction_rate(&self.block, x.corner_dot[i], x.corner_ddot[i]);
+                Sample { value: x.reaction[i], rate }
+            }
+            Surface::Gap(corner) => {
+                let i = corner.index();
+                Sample { value: x.corner[i] - now.tops[i].value, rate: x.corner_dot[i] - now.tops[i].rate }
+            }
+            Surface::QuarterTurn => Sample {
+                value: Wide::from(FRAC_PI_2) - x.theta.abs(),
+                rate: Wide::where_less(x.theta, Wide::default(), x.theta_dot, -x.theta_dot),
+            },
+            Surface::Held(_) | Surface::Slide => unreachable!("what is held or slides is not stepped in a lane"),
+        }
+    }
+
+    /// The lanes in which a surface may be fallen through between two instants.
+    #[inline(always)]
+    fn may_hold_event(&self, here: &Now<V>, there: &Now<V>, duration: Wide<V>, rounding: &Rounding<V>) -> u32 {
+        self.may_fall(self.law.surface(Corner::Left), here, there, duration, rounding)
+            | self.may_fall(self.law.surface(Corner::Right), here, there, duration, rounding)
+            | self.may_fall(Surface::QuarterTurn, here, there, duration, rounding)
+    }
+
+    #[inline(always)]
+    fn may_fall(
+        &self,
+        surface: Surface,
+        here: &Now<V>,
+        there: &Now<V>,
+        duration: Wide<V>,
+        rounding: &Rounding<V>,
+    ) -> u32 {
+        let rounding = match surface {
+            Surface::Gap(_) => rounding.gap,
+            Surface::QuarterTurn => rounding.quarter_turn,
+            Surface::Reaction(_) | Surface::Held(_) | Surface::Slide => rounding.reaction,
+        };
+        let (start, end) = (self.sample(surface, here), self.sample(surface, there));
+        Ends { start, end, duration }.may_fall(rounding)
+    }
+
+    /// The lanes in which a block rests under ground that does not change, see [`rests`](crate::system::now::Now::rests).
+    #[inline(always)]
+    fn rests(&self, here: &Now<V>, rounding: &Rounding<V>) -> u32 {
+        if self.law.regime() != Regime::FullContact {
+            return 0;
+        }
+        let x = &here.instant;
+        let Block { r0, omega_v, .. } = self.block;
+        let accelerates = r0 * x.theta_ddot.abs() + x.w_ddot.abs();
+        let moves = r0 * (omega_v * x.theta_dot).abs() + (omega_v * x.w_dot).abs();
+        let zero = Wide::default();
+        let changes = zero.less(self.rate[0].abs()).or(zero.less(self.rate[1].abs()));
+        !rounding.reaction.less(accelerates).or(rounding.reaction.less(moves)).or(changes).bits()
+    }
+}
+
+impl<V: Simd, L: Law> Equations<Wide<V>> for Motion<V, L> {
+    #[inline(always)]
+    fn rate(&self, time: Wide<V>, state: &Wides<V, 4>) -> Rate<Wide<V>> {
+        let forcing = self.forcing(time);
+        self.rate_of(&self.instant(state.0, forcing), forcing)
+    }
+}
+
+/// Takes the ends of a step in, of quantities that share a peak; the lanes in which one may rise to a new peak inside.
+#[inline(always)]
+fn raise<V: Simd, const N: usize>(peak: &mut Wide<V>, quantities: [Ends<V>; N]) -> u32 {
+    let before = *peak;
+    let mut inside = 0;
+    for ends in &quantities {
+        inside |= ends.may_rise_inside(before);
+        *peak = peak.max(ends.greater_end());
+    }
+    inside
+}
+
+/// A quantity of which both signs count.
+#[inline(always)]
+fn both_ways<V: Simd>(start: Sample<Wide<V>>, end: Sample<Wide<V>>, duration: Wide<V>) -> [Ends<V>; 2] {
+    [Ends { start, end, duration }, Ends { start: start.negated(), end: end.negated(), duration }]
+}
+
+/// A quantity of both corners.
+#[inline(always)]
+fn pair<V: Simd>(start: [Sample<Wide<V>>; 2], end: [Sample<Wide<V>>; 2], duration: Wide<V>) -> [Ends<V>; 2] {
+    [Ends { start: start[0], end: end[0], duration }, Ends { start: start[1], end: end[1], duration }]
+}
+
+/// Some channels in some lanes, others elsewhere.
+#[inline(always)]
+fn in_lanes<V: Simd>(lanes: Lanes<V>, some: Channels<Wide<V>>, others: Channels<Wide<V>>) -> Channels<Wide<V>> {
+    Channels {
+        theta: pick(lanes, some.theta, others.theta),
+        reaction: [
+            pick(lanes, some.reaction[0], others.reaction[0]),
+            pick(lanes, some.reaction[1], others.reaction[1]),
+        ],
+        horizontal: pick(lanes, some.horizontal, others.horizontal),
+        uplift: [pick(lanes, some.uplift[0], others.uplift[0]), pick(lanes, some.uplift[1], others.uplift[1])],
+        friction_demand: pick(lanes, some.friction_demand, others.friction_demand),
+    }
+}
+
+#[inline(always)]
+fn store<V: Simd>(sample: Sample<Wide<V>>) -> Sample<Array> {
+    Sample { value: sample.value.store(), rate: sample.rate.store() }
+}
+
+#[inline(always)]
+fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>) -> Sample<Wide<V>> {
+    Sample { value: some.value.in_lanes(lanes, other.value), rate: some.rate.in_lanes(lanes, other.rate) }
+}
+
+impl<L: Law, const SHORT: bool> Together<'_, L, SHORT> {
+    /// A number of each lane.
+    #[inline(always)]
+    fn each<V: Simd>(&self, number: impl Fn(&Lane) -> f64) -> Wide<V> {
+        Wide::each(|lane| number(self.runs[lane]))
+    }
+
+    /// The height of the support under a corner, and its rate; zeros where the corner touches.
+    #[inline(always)]
+    fn top<V: Simd>(&self, corner: Corner, of: impl Fn(&Lane, Corner) -> Sample) -> Sample<Wide<V>> {
+        if self.law.regime().touches(corner) {
+            return Sample::default();
+        }
+        let (mut values, mut rates) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+        for (place, lane) in self.runs.iter().enumerate().take(self.count) {
+            let top = of(lane, corner);
+            (values[place], rates[place]) = (top.value, top.rate);
+        }
+        Sample { value: Wide::load(&values), rate: Wide::load(&rates) }
+    }
+
+    #[inline(always)]
+    fn tops<V: Simd>(&self, of: impl Fn(&Lane, Corner) -> Sample + Copy) -> [Sample<Wide<V>>; 2] {
+        [self.top(Corner::Left, of), self.top(Corner::Right, of)]
+    }
+
+    /// Peaks so far: of θ, N, H, uplift, friction demand.
+    #[inline(always)]
+    fn peaks<V: Simd>(&self) -> [Wide<V>; 5] {
+        [
+            self.each(|lane| lane.simulation.peaks.theta),
+            self.each(|lane| lane.simulation.peaks.reaction),
+            self.each(|lane| lane.simulation.peaks.horizontal),
+            self.each(|lane| lane.simulation.peaks.uplift),
+            self.each(|lane| lane.simulation.peaks.friction_demand),
+        ]
+    }
+
+    #[inline(always)]
+    fn motion<V: Simd>(&self) -> Motion<V, L> {
+        let unread = Wide::default();
+        let block = Block {
+            mass: self.each(|lane| lane.block().mass),
+            gravity: self.each(|lane| lane.block().gravity),
+            gamma: unread,
+            epsilon: unread,
+            foundation: Foundation::Viscoelastic,
+            restitution_factor: unread,
+            alpha: unread,
+            r0: self.each(|lane| lane.block().r0),
+            b: self.each(|lane| lane.block().b),
+            h: self.each(|lane| lane.block().h),
+            p: unread,
+            omega_v: self.each(|lane| lane.block().omega_v),
+            xi_v: self.each(|lane| lane.block().xi_v),
+            stiffness: unread,
+            damping: unread,
+            i0: self.each(|lane| lane.block().i0),
+        };
+        Motion {
+            law: self.law,
+            block,
+            offset: self.each(|lane| match lane.simulation.pose.footing {
+                Footing::Grips { offset } => offset,
+                Footing::Free { u, .. } => u,
+            }),
+            reference: self.each(|lane| lane.ground().0),
+            value: [self.each(|lane| lane.ground().1[0].value), self.each(|lane| lane.ground().1[1].value)],
+            rate: [self.each(|lane| lane.ground().1[0].rate), self.each(|lane| lane.ground().1[1].rate)],
+        }
+    }
+}
+
+impl<L: Law, const SHORT: bool> Task for Together<'_, L, SHORT> {
+    type Output = Stepped;
+
+    #[inline(always)]
+    fn run<V: Simd>(self) -> Stepped {
+        let motion = self.motion::<V>();
+        let place = place(self.law.regime()).unwrap_or(0);
+        let weights = Wides([
+            self.each(|lane| lane.limits[place].weights[0]),
+            self.each(|lane| lane.limits[place].weights[1]),
+            self.each(|lane| lane.limits[place].weights[2]),
+            self.each(|lane| lane.limits[place].weights[3]),
+        ]);
+        let longest = self.each(|lane| lane.limits[place].longest);
+        let rounding = Rounding {
+            reaction: motion.block.gravity * ROUNDING,
+            gap: self.each(|lane| lane.gap_rounding),
+            quarter_turn: Wide::from(ROUNDING * FRAC_PI_2),
+        };
+        let (time, end_time) = (self.each(|lane| lane.simulation.pose.time), self.each(Lane::end_time));
+        let size = self.each(|lane| lane.attempt.size);
+        let state = [
+            self.each(|lane| lane.simulation.pose.state[0]),
+            self.each(|lane| lane.simulation.pose.state[1]),
+            self.each(|lane| lane.simulation.pose.state[2]),
+            self.each(|lane| lane.simulation.pose.state[3]),
+        ];
+
+        let here = motion.at(time, state, self.tops(Lane::top));
+        let infinite = Wide::from(f64::INFINITY);
+        let one = Wide::from(1.0);
+        let (end, work, error_is_fine, there, root);
+        if SHORT {
+            let step = ShortStep::attempt_in_loop(time, size, Wides(state), here.rate, &motion);
+            (end, work) = (step.end, step.work);
+            there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
+            let work_weight = self.each(|lane| lane.limits[place].work_weight);
+            let error = step.error(there.rate, weights, work_weight) / SHORT_SHARE;
+            let factor = one / error.sqrt().sqrt();
+            error_is_fine = error.less(infinite).bits() & !factor.less(one).bits();
+            root = factor;
+        } else {
+            let step = Step::attempt_in_loop(time, size, Wides(state), here.rate, &motion);
+            (end, work) = (step.end, step.work);
+            there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
+            let error = step.error(weights);
+            error_is_fine = error.less(infinite).bits() & !one.less(error).bits();
+            root = error.sqrt().sqrt().sqrt();
+        }
+
+        let duration = end_time - time;
+        let mut magnitude = Wide::default();
+        for i in 0..4 {
+            magnitude = magnitude + there.state[i].abs() + there.rate.state.0[i].abs();
+        }
+        let rests = motion.rests(&here, &rounding);
+        let unusual = motion.may_hold_event(&here, &there, duration, &rounding) | rests;
+        let usual = error_is_fine & magnitude.less(infinite).bits() & Wide::default().less(duration).bits() & !unusual;
+
+        let mut peaks = self.peaks();
+        let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
+        let runs = ((1_u64 << self.count) - 1) as u32;
+        let input = self.each::<V>(|lane| lane.simulation.sums.input) + work.0[0];
+        let dashpots = self.each::<V>(|lane| lane.simulation.sums.dashpots) + work.0[1];
+        Stepped {
+            taken: usual & !inside & runs,
+            failed: if SHORT { !error_is_fine & !rests & runs } else { 0 },
+            state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
+            tops: [store(there.tops[0]), store(there.tops[1])],
+            sums: [input.store(), dashpots.store()],
+            peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
+            root: root.store(),
+            longest: longest.store(),
+        }
+    }
+}

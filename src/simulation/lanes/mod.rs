@@ -1,0 +1,298 @@
+//! Several runs under way → the same steps of all of them at once, one in each lane of the processor's vectors.
+//!
+//! The [`Simulation`] of each run stays what it is, and each step takes from it what it needs. A step that every test passes in
+//! which nothing can happen gives the simulation the bits that it would have come to alone. Where something may happen (an
+//! event, a peak inside the step, a step that is to be repeated, rest) the lane leaves the simulation as it was, and the run
+//! takes that step alone. So do runs on the rigid base, in flight, sliding, held, or under a pulse.
+
+mod bounds;
+mod kernel;
+
+use crate::block::{Block, Foundation};
+use crate::contact::{Corner, Regime};
+use crate::excitation::{Excitation, Inputs, Ramp};
+use crate::numerics::control::{Attempt, size_factor};
+use crate::numerics::roots::Sample;
+use crate::numerics::wide::{Array, Width};
+use crate::simulation::peaks::Peaks;
+use crate::simulation::stepping::{Beginning, LEAST_SHORT_FACTOR, LONGEST, Limits, MOST_STEPS, SHORT_GROWTH};
+use crate::simulation::{Simulation, SimulationError};
+use crate::system::dynamics::State;
+use crate::system::law::Gripping;
+use crate::system::now::Pose;
+use crate::system::surfaces::{Event, Surface};
+use kernel::Stepped;
+
+/// A reference time (s), and the ground accelerations from there on, horizontal and vertical.
+type Ground = (f64, [Ramp; 2]);
+
+/// A run that is stepped beside others.
+#[derive(Clone, Debug)]
+pub struct Lane {
+    /// What the run is to whoever steps it.
+    pub tag: usize,
+    simulation: Simulation,
+    inputs: Inputs,
+    /// Time to which it is to go (s).
+    until: f64,
+    /// Time to which the excitation is smooth (s).
+    stop: f64,
+    /// Time at which the piece that ends there begins (s).
+    since: f64,
+    /// Reference time (s) and ground accelerations, where nothing else acts.
+    ground: Option<Ground>,
+    /// Whether the smooth piece begins at the present time.
+    begins: bool,
+    budget: u64,
+    /// What a step may be in each regime, while no pulse acts.
+    limits: [Limits; 3],
+    /// What rounding leaves of the zero of a gap.
+    gap_rounding: f64,
+    /// When the heights of the supports that nothing touches were last formed (s), and what they were.
+    tops: (f64, [Sample; 2]),
+    /// The step that comes next.
+    attempt: Attempt,
+    /// Whether a step of order 5 would do but for the errors that such steps made.
+    grows: bool,
+    /// Whether such a step has just made too great an error here.
+    short_failed: bool,
+}
+
+/// What a step is, apart from its numbers: runs of the same kind are stepped together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    regime: Regime,
+    /// Whether it is of order 5.
+    short: bool,
+}
+
+impl Kind {
+    /// How many there are.
+    pub const COUNT: usize = 6;
+
+    /// Its number, from 0.
+    pub fn number(self) -> usize {
+        let place = place(self.regime).unwrap_or(0);
+        if self.short { place } else { place + 3 }
+    }
+
+    /// The kind of a number.
+    pub fn numbered(number: usize) -> Kind {
+        const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
+        Kind { regime: REGIMES[number % 3], short: number < 3 }
+    }
+}
+
+/// The place of a regime among those in which blocks are stepped together; none in flight.
+fn place(regime: Regime) -> Option<usize> {
+    match regime {
+        Regime::FullContact => Some(0),
+        Regime::TiltingLeft => Some(1),
+        Regime::TiltingRight => Some(2),
+        Regime::Separated => None,
+    }
+}
+
+/// What a run does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Nothing: it has come to the time that was asked for, or to its end.
+    Arrived,
+    /// A step that it takes alone.
+    Alone,
+    /// A step that it may take together with others of the kind.
+    Together(Kind),
+}
+
+impl Lane {
+    /// A run that stands still until it is told where to go.
+    pub fn new(simulation: Simulation, tag: usize) -> Lane {
+        let gap_rounding = Surface::Gap(Corner::Left).rounding(simulation.block());
+        let time = simulation.time();
+        let limits = [
+            simulation.limits(Gripping::<true, true, false>, 0.0),
+            simulation.limits(Gripping::<true, false, false>, 0.0),
+            simulation.limits(Gripping::<false, true, false>, 0.0),
+        ];
+        Lane {
+            tag,
+            simulation,
+            inputs: Inputs::default(),
+            until: time,
+            stop: time,
+            since: time,
+            ground: None,
+            begins: true,
+            budget: 0,
+            limits,
+            gap_rounding,
+            tops: (f64::NAN, [Sample::default(); 2]),
+            attempt: Attempt::to_stop(0.0),
+            grows: false,
+            short_failed: false,
+        }
+    }
+
+    /// The run as it stands.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does.
+    pub fn send(&mut self, until: f64, inputs: &Inputs) {
+        (self.until, self.inputs, self.budget) = (until, *inputs, MOST_STEPS);
+        if self.simulation.pose.time < until && self.simulation.ending.is_none() {
+            self.begin_piece();
+        }
+    }
+
+    fn begin_piece(&mut self) {
+        let Simulation { pulse, pose, system, counts, .. } = &mut self.simulation;
+        self.stop = pulse.next_kink(pose.time).map_or(self.until, |kink| kink.min(self.until));
+        self.since = pose.time;
+        self.ground = Excitation::from_time(pose.time, &self.inputs, pulse, &system.block).ground_alone();
+        self.begins = true;
+        counts.evaluations += 1;
+    }
+
+    /// What the run does next.
+    #[inline]
+    pub fn next_step(&mut self) -> Next {
+        let time = self.simulation.pose.time;
+        if time >= self.until || self.simulation.ending.is_some() {
+            if self.simulation.ending.is_none() || self.simulation.is_frozen() {
+                self.simulation.pose.time = self.until;
+            }
+            return Next::Arrived;
+        }
+        if time >= self.stop {
+            self.begin_piece();
+        }
+        self.kind().map_or(Next::Alone, Next::Together)
+    }
+
+    /// The kind of the step that comes next, if it can be taken in a lane.
+    #[inline]
+    fn kind(&mut self) -> Option<Kind> {
+        let Simulation { pose, system, .. } = &self.simulation;
+        let regime = pose.contacts.regime();
+        let gripping = pose.footing.grips() && pose.contacts.held().is_none();
+        if system.block.foundation != Foundation::Viscoelastic || !gripping || self.ground.is_none() {
+            return None;
+        }
+        let longest = self.limits[place(regime)?].longest;
+        let (time, stop) = (self.simulation.pose.time, self.stop);
+        let size = stop - time;
+        if self.budget == 0 || f64::EPSILON * size >= longest {
+            return None;
+        }
+        let close = LONGEST * size <= longest && !self.short_failed;
+        if close && size <= self.simulation.short_size {
+            self.attempt = Attempt::to_stop(size);
+            return Some(Kind { regime, short: true });
+        }
+        let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
+        self.attempt = self.simulation.control.attempt(size, longest, shortest);
+        self.grows = close;
+        Some(Kind { regime, short: false })
+    }
+
+    /// Takes a step alone, and reports each event to `observer`.
+    pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+        let Lane { simulation, inputs, stop, since, begins, short_failed, budget, tops, .. } = self;
+        let excitation = Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block);
+        let beginning = Beginning { of_piece: *begins, short_failed: *short_failed };
+        (*begins, *short_failed) = (false, false);
+        // An event may let a support creep from another height.
+        tops.0 = f64::NAN;
+        simulation.single_step(*stop, &excitation, beginning, budget, observer)
+    }
+
+    /// The ground accelerations under which it is stepped.
+    #[inline(always)]
+    fn ground(&self) -> Ground {
+        self.ground.unwrap_or_default()
+    }
+
+    /// The height of the support that a corner has left, and its rate, at the present time.
+    #[inline]
+    fn top(&self, corner: Corner) -> Sample {
+        let Pose { time, ref contacts, .. } = self.simulation.pose;
+        if self.tops.0 == time { self.tops.1[corner.index()] } else { contacts.top(corner, self.block(), time) }
+    }
+
+    /// The same at the end of the step that comes next.
+    #[inline]
+    fn top_at_end(&self, corner: Corner) -> Sample {
+        self.simulation.pose.contacts.top(corner, self.block(), self.end_time())
+    }
+
+    #[inline(always)]
+    fn block(&self) -> &Block {
+        &self.simulation.system.block
+    }
+
+    /// Time at the end of the step that comes next (s).
+    #[inline(always)]
+    fn end_time(&self) -> f64 {
+        if self.attempt.last { self.stop } else { self.simulation.pose.time + self.attempt.size }
+    }
+
+    /// Comes to the end of a step.
+    #[inline]
+    fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
+        let end_time = self.end_time();
+        let Lane { simulation, attempt, .. } = self;
+        let [left, right] = &stepped.tops;
+        let top = |of: &Sample<Array>| Sample { value: of.value[lane], rate: of.rate[lane] };
+        self.tops = (end_time, [top(left), top(right)]);
+        if short {
+            simulation.counts.evaluations += kernel::SHORT_EVALUATIONS;
+        } else {
+            simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
+            simulation.counts.evaluations += kernel::LONG_EVALUATIONS;
+            if self.grows {
+                simulation.short_size *= SHORT_GROWTH;
+            }
+        }
+        simulation.counts.steps += 1;
+        simulation.events_in_this_instant = 0;
+        simulation.pose.time = end_time;
+        let [theta, theta_dot, w, w_dot] = &stepped.state;
+        simulation.pose.state = State::new(theta[lane], theta_dot[lane], w[lane], w_dot[lane]);
+        let [input, dashpots] = &stepped.sums;
+        (simulation.sums.input, simulation.sums.dashpots) = (input[lane], dashpots[lane]);
+        let [theta, reaction, horizontal, uplift, friction_demand] = &stepped.peaks;
+        simulation.peaks = Peaks {
+            theta: theta[lane],
+            reaction: reaction[lane],
+            horizontal: horizontal[lane],
+            uplift: uplift[lane],
+            friction_demand: friction_demand[lane],
+        };
+        self.begins = false;
+        self.short_failed = false;
+        self.budget -= 1;
+    }
+
+    /// Takes note that a step of order 5 made too great an error. One of order 8 comes next.
+    fn fail(&mut self, stepped: &Stepped, lane: usize) {
+        self.simulation.counts.evaluations += kernel::SHORT_EVALUATIONS;
+        self.simulation.short_size = self.attempt.size * stepped.root[lane].max(LEAST_SHORT_FACTOR);
+        self.short_failed = true;
+    }
+}
+
+/// Takes the next step of each run of a group, as many as there are lanes or fewer, all of this kind. A bit for each of them that
+/// goes on; the others take the step alone.
+pub fn step_together(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
+    let stepped = kernel::step(width, kind.regime, kind.short, group);
+    for (lane, run) in group.iter_mut().enumerate() {
+        if stepped.taken >> lane & 1 == 1 {
+            run.arrive(&stepped, lane, kind.short);
+        } else if stepped.failed >> lane & 1 == 1 {
+            run.fail(&stepped, lane);
+        }
+    }
+    stepped.taken | stepped.failed
+}
