@@ -14,11 +14,14 @@ use std::time::Instant;
 use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
 use rocking_block::block::Foundation;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
+use rocking_block::numerics::wide::Width;
 use rocking_block::records::ground::Ground;
 use rocking_block::records::{self, ReadOptions};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::study::resumable::Opening;
 use rocking_block::study::runner::{self, Study};
+use rocking_block::study::spectrum::Spectrum;
+use rocking_block::study::together::{Shares, together};
 use rocking_block::system::dynamics::State;
 
 const ROUNDS: usize = 7;
@@ -113,18 +116,23 @@ fn short_steps_of_the_fmu() {
     println!("    ratio of the step to its evaluations {:.2}, {:.2}", ratio(alone), ratio(in_turn));
 }
 
+/// How the steps of a spectrum are taken with vectors of a width.
+fn steps_together(spectrum: &Spectrum, blocks: u64, width: Width) -> Shares {
+    together(width, (0..blocks).map(|row| spectrum.run(row).expect("a block"))).1
+}
+
 fn spectrum(ground: Ground, blocks: u64) {
-    let made = |blocks: u64, threads: usize| {
+    let made = |blocks: u64, threads: usize, lanes: usize| {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("spectrum.csv");
         let spectrum = common::spectrum(ground.clone(), blocks);
         let pool = runner::pool(Some(threads)).expect("threads");
         let mut table = spectrum.open(&path, Opening::default()).expect("a table");
-        runner::run(&spectrum, &pool, &mut table, |_, _| ()).expect("the spectrum is made");
+        runner::run(&spectrum, &pool, Width::at_most(lanes), &mut table, |_, _| ()).expect("the spectrum is made");
     };
-    made(blocks / 10, 2);
+    made(blocks / 10, 2, 1);
     let before = most_memory();
-    made(blocks, 2);
+    made(blocks, 2, 1);
     let after = most_memory();
     let single = common::spectrum(ground.clone(), blocks);
     let rounds = if blocks > 2000 { 2 } else { 3 };
@@ -136,12 +144,31 @@ fn spectrum(ground: Ground, blocks: u64) {
                     black_box(single.run(row).expect("a block").outcome());
                 })
             },
-            &mut || made(blocks, 1),
-            &mut || made(blocks, 2),
+            &mut || made(blocks, 1, 1),
+            &mut || made(blocks, 2, 1),
         ],
     );
     println!("a spectrum of {blocks} blocks: single runs {alone:.2} s, on one thread {one:.2} s, on two {two:.2} s");
     println!("    ratio of two threads to one {:.3}, of one to the single runs {:.3}", one / two, one / alone);
+    let [one, two, four, eight] = least(
+        rounds,
+        [&mut || made(blocks, 1, 1), &mut || made(blocks, 1, 2), &mut || made(blocks, 1, 4), &mut || {
+            made(blocks, 1, 8)
+        }],
+    );
+    println!("    in lanes: 1 {one:.2} s, 2 {two:.2} s, 4 {four:.2} s, 8 {eight:.2} s");
+    println!("    ratio of 1 lane to 2 {:.2}, to 4 {:.2}, to 8 {:.2}", one / two, one / four, one / eight);
+    for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+        let Shares { together, alone, again, idle } = steps_together(&single, blocks, width);
+        let part = |count: u64| 100.0 * count as f64 / (together + alone) as f64;
+        println!(
+            "    {} lanes: of the steps {:.2} % alone, {:.2} % after a try in a lane; idle lanes {:.2} %",
+            width.lanes(),
+            part(alone),
+            part(again),
+            part(idle)
+        );
+    }
     if let (Some(before), Some(after)) = (before, after) {
         println!("    most memory: {before} kB with {} blocks, {after} kB with {blocks}", blocks / 10);
     }

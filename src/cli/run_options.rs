@@ -10,6 +10,7 @@ use crate::cli::excitation::finite;
 use crate::cli::given::Given;
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written, is_standard_output};
+use crate::numerics::wide::{MOST_LANES, Width};
 use crate::simulation::{LiftOff, OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::resumable::{Failures, Opening, ResumableTable};
@@ -110,6 +111,10 @@ pub struct StudyOptions {
     /// Threads; without it one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Blocks that a thread steps at once in the lanes of the processor's vectors, at most: 1, 2, 4 or 8. Tables are the same
+    /// bytes; without it as many as the processor has lanes
+    #[arg(long, value_name = "N", value_parser = lanes)]
+    lanes: Option<usize>,
     #[command(flatten)]
     report: ReportOptions,
 }
@@ -123,11 +128,12 @@ impl StudyOptions {
         // A bar between the rows would spoil both.
         let rows_on_terminal = is_standard_output(&self.csv) && std::io::stdout().is_terminal();
         let mut bar = None;
-        let made = runner::run(study, &pool, &mut table, |before, done| {
-            if !rows_on_terminal {
-                bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
-            }
-        });
+        let made =
+            runner::run(study, &pool, Width::at_most(self.lanes.unwrap_or(MOST_LANES)), &mut table, |before, done| {
+                if !rows_on_terminal {
+                    bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
+                }
+            });
         if let Some(bar) = bar {
             bar.clear();
         }
@@ -156,6 +162,11 @@ impl StudyOptions {
         self.report.print(command, &written, failed.as_slice(), &text, &result)?;
         failed.map_or(Ok(()), |failed| anyhow::bail!(failed))
     }
+}
+
+/// A number of lanes from its option.
+fn lanes(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|lanes| [1, 2, 4, 8].contains(lanes)).ok_or_else(|| "expected 1, 2, 4 or 8".into())
 }
 
 #[derive(Serialize)]

@@ -42,3 +42,4 @@ pub mod sweep_file;
 mod sweep_records;
 mod sweep_strength;
 pub mod table;
+pub mod together;

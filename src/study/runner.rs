@@ -6,6 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
+use crate::numerics::wide::Width;
 use crate::simulation::SimulationError;
 use crate::study::resumable::{Failures, Head, Opening, ResumableTable, TableError};
 
@@ -13,14 +14,22 @@ use crate::study::resumable::{Failures, Head, Opening, ResumableTable, TableErro
 /// than the others keeps nobody waiting.
 const AHEAD: u64 = 32;
 
+/// The same of batches of rows.
+const BATCHES_AHEAD: u64 = 4;
+
 /// Many runs, a row each.
 pub trait Study: Sync {
     /// What stands over the rows.
     fn head(&self) -> Head;
     /// How many rows there are.
     fn rows(&self) -> u64;
+    /// How many runs a row takes.
+    fn runs_in_a_row(&self) -> u64;
     /// Makes a row, its fields without the row's number. It depends on the number alone.
     fn row(&self, number: u64) -> StudyRow;
+    /// Makes some rows one after the other, the same as [`Study::row`] does; those whose runs can be stepped together are, with
+    /// vectors of this width.
+    fn rows_together(&self, numbers: Range<u64>, width: Width) -> Vec<StudyRow>;
     /// Opens the study's table, in a file of this name.
     ///
     /// # Errors
@@ -56,29 +65,44 @@ pub struct Made {
 pub fn run(
     study: &impl Study,
     pool: &rayon::ThreadPool,
+    width: Option<Width>,
     table: &mut ResumableTable,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Made, TableError> {
     let before = table.rows();
     progress(before, before);
     let mut reason = None;
-    in_order(
-        pool,
-        before..study.rows(),
-        |number| study.row(number),
-        |number, row| {
-            table.push(row.fields)?;
-            reason = reason.take().or(row.failure);
-            progress(before, number + 1);
-            Ok::<(), TableError>(())
-        },
-    )?;
+    let mut take = |number: u64, row: StudyRow| {
+        table.push(row.fields)?;
+        reason = reason.take().or(row.failure);
+        progress(before, number + 1);
+        Ok::<(), TableError>(())
+    };
+    let rows = before..study.rows();
+    match width {
+        None => in_order(pool, rows, |number| study.row(number), take)?,
+        Some(width) => {
+            let size = batch(rows.end - rows.start, study.runs_in_a_row(), pool.current_num_threads() as u64);
+            let batches = 0..(rows.end - rows.start).div_ceil(size);
+            let of = |number: u64| rows.start + number * size..rows.end.min(rows.start + (number + 1) * size);
+            let make = |number: u64| study.rows_together(of(number), width);
+            in_order_ahead(pool, BATCHES_AHEAD, batches, make, |batch, made| {
+                of(batch).zip(made).try_for_each(|(number, row)| take(number, row))
+            })?;
+        }
+    }
     Ok(Made { rows: study.rows(), before, failures: table.failures(), reason })
 }
 
 /// A pool of so many threads; without a number, one for each core.
 pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
     rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()
+}
+
+/// Rows that a thread makes together: so many that the lanes are full most of the time, and so few that all threads have some.
+fn batch(rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
+    const MOST_RUNS: u64 = 512;
+    rows.div_ceil(BATCHES_AHEAD * threads).min(MOST_RUNS / runs_in_a_row).max(1)
 }
 
 /// Makes each task of `tasks` on the pool, in any order, and gives the results to `take` in the order of the tasks.
@@ -89,9 +113,20 @@ pub fn in_order<T: Send, E>(
     pool: &rayon::ThreadPool,
     tasks: Range<u64>,
     make: impl Fn(u64) -> T + Sync,
+    take: impl FnMut(u64, T) -> Result<(), E>,
+) -> Result<(), E> {
+    in_order_ahead(pool, AHEAD, tasks, make, take)
+}
+
+/// The same with so many tasks a thread under way or done ahead of their turn.
+fn in_order_ahead<T: Send, E>(
+    pool: &rayon::ThreadPool,
+    ahead: u64,
+    tasks: Range<u64>,
+    make: impl Fn(u64) -> T + Sync,
     mut take: impl FnMut(u64, T) -> Result<(), E>,
 ) -> Result<(), E> {
-    let window = AHEAD * pool.current_num_threads() as u64;
+    let window = ahead * pool.current_num_threads() as u64;
     // There is room for all tasks under way, so that no thread ever waits.
     let (sender, receiver) = sync_channel(window as usize);
     let make = &make;

@@ -1,15 +1,18 @@
 //! Blocks of all sizes on several foundations → their peak rotations, a row each.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use crate::excitation::{Pulse, PulseShape};
+use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
 use crate::study::history::Run;
 use crate::study::outcome::Outcome;
 use crate::study::resumable::Head;
 use crate::study::runner::{Study, StudyRow};
+use crate::study::together::outcomes;
 
 /// What a block of a spectrum stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -208,14 +211,34 @@ impl Study for Spectrum {
         (self.motions.len() * self.bases.len()) as u64 * self.sizes.count
     }
 
+    fn runs_in_a_row(&self) -> u64 {
+        1
+    }
+
     fn row(&self, number: u64) -> StudyRow {
         self.made(number).0
+    }
+
+    fn rows_together(&self, numbers: Range<u64>, width: Width) -> Vec<StudyRow> {
+        let outcomes = outcomes(Some(width), numbers.clone().map(|number| self.valid_run(number)));
+        numbers.zip(&outcomes).map(|(number, outcome)| self.row_of(number, outcome)).collect()
     }
 }
 
 impl Spectrum {
     /// A row, and what became of its run.
     pub fn made(&self, number: u64) -> (StudyRow, Outcome) {
+        let outcome = self.valid_run(number).outcome();
+        (self.row_of(number, &outcome), outcome)
+    }
+
+    /// The run of a row of a spectrum in which `check` has seen that all make blocks.
+    fn valid_run(&self, number: u64) -> Run {
+        self.run(number).unwrap_or_else(|error| unreachable!("{error}"))
+    }
+
+    /// The row of a run that ended so.
+    fn row_of(&self, number: u64, outcome: &Outcome) -> StudyRow {
         let Place { motion, base, p } = self.place(number);
         let base = self.bases[base];
         let none = String::new;
@@ -242,10 +265,7 @@ impl Spectrum {
             (TAU / p).to_string(),
             ratio,
         ];
-        // `check` has seen that all of them make blocks.
-        let run = self.run(number).unwrap_or_else(|error| unreachable!("{error}"));
-        let outcome = run.outcome();
         fields.extend(outcome.fields(self.alpha));
-        (StudyRow { fields, failure: outcome.failure.clone() }, outcome)
+        StudyRow { fields, failure: outcome.failure.clone() }
     }
 }

@@ -1,9 +1,12 @@
 //! Parameters over grids or samples × records × strengths → what each block does, a row each.
 
+use std::ops::Range;
+
 use crate::block::Block;
 use crate::excitation::PulseShape;
 use crate::model::values::Values;
 use crate::model::variables::Variable;
+use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::OnSeparation;
 use crate::study::ensemble::{Ensemble, Spreading, Tally};
@@ -16,6 +19,7 @@ use crate::study::runner::{Study, StudyRow};
 use crate::study::sampling::LatinHypercube;
 use crate::study::search::{self, Found, Scan};
 use crate::study::strength::{Strengths, scale_to};
+use crate::study::together::outcomes;
 
 /// A parameter and the values that it takes.
 #[derive(Clone, Debug)]
@@ -199,10 +203,9 @@ impl Sweep {
         }
     }
 
-    /// What the samples of a row do.
-    fn tally(&self, ensemble: &Ensemble, row: u64, place: &Place) -> Tally {
-        let mut tally = Tally::new(ensemble.limits.len());
-        for parts in ensemble.parts(row) {
+    /// The samples of a row.
+    fn samples<'a>(&'a self, ensemble: &'a Ensemble, row: u64, place: &'a Place) -> impl Iterator<Item = Run> + 'a {
+        ensemble.parts(row).into_iter().map(|parts| {
             let (mut values, mut scale) = (place.values.clone(), place.scale);
             for (spread, part) in ensemble.spreads.iter().zip(parts) {
                 match &spread.of {
@@ -213,10 +216,19 @@ impl Sweep {
                     }
                 }
             }
-            let run = self.run_of(&values, place.motion, scale);
-            tally.add(&run.outcome(), run.block.alpha, &ensemble.limits);
-        }
-        tally
+            self.run_of(&values, place.motion, scale)
+        })
+    }
+
+    fn samples_in_a_row(&self) -> usize {
+        self.ensemble.as_ref().map_or(0, |ensemble| ensemble.samples as usize)
+    }
+
+    /// The run of a row, and its samples if it has any.
+    fn runs(&self, row: u64) -> Vec<Run> {
+        let place = self.place(row);
+        let samples = self.ensemble.iter().flat_map(|ensemble| self.samples(ensemble, row, &place));
+        std::iter::once(self.run_of(&place.values, place.motion, place.scale)).chain(samples).collect()
     }
 
     /// At which values of a measure the block of a row overturns.
@@ -286,7 +298,39 @@ impl Study for Sweep {
         self.combinations().unwrap_or(0) * self.motions.len() as u64 * self.strengths.count()
     }
 
+    fn runs_in_a_row(&self) -> u64 {
+        match &self.strengths {
+            Strengths::Least(_, scan) => scan.points,
+            Strengths::Scales(_) | Strengths::Levels(..) => 1 + self.samples_in_a_row() as u64,
+        }
+    }
+
     fn row(&self, number: u64) -> StudyRow {
+        match self.strengths {
+            Strengths::Least(..) => self.row_of(number, &[]),
+            Strengths::Scales(_) | Strengths::Levels(..) => {
+                let made = self.runs(number).iter().map(|run| (run.block.alpha, run.outcome())).collect::<Vec<_>>();
+                self.row_of(number, &made)
+            }
+        }
+    }
+
+    fn rows_together(&self, numbers: Range<u64>, width: Width) -> Vec<StudyRow> {
+        if let Strengths::Least(..) = self.strengths {
+            return numbers.map(|number| self.row(number)).collect();
+        }
+        let mut alphas = Vec::new();
+        let runs = numbers.clone().flat_map(|number| self.runs(number)).inspect(|run| alphas.push(run.block.alpha));
+        let outcomes = outcomes(Some(width), runs);
+        let made: Vec<(f64, Outcome)> = alphas.into_iter().zip(outcomes).collect();
+        numbers.zip(made.chunks(1 + self.samples_in_a_row())).map(|(number, made)| self.row_of(number, made)).collect()
+    }
+}
+
+impl Sweep {
+    /// A row from the slenderness (rad) of its block and those of its samples, and what became of them; nothing is read of it
+    /// where the row is a search.
+    fn row_of(&self, number: u64, made: &[(f64, Outcome)]) -> StudyRow {
         let place = self.place(number);
         let Place { combination, block, motion, scale, .. } = &place;
         let mut fields: Vec<String> =
@@ -301,10 +345,14 @@ impl Study for Sweep {
             fields.extend(least_fields(&self.least(*measure, scan, &place)));
             return StudyRow { fields, failure: None };
         }
-        let outcome = self.run_of(&place.values, motion, *scale).outcome();
+        let (_, outcome) = &made[0];
         fields.extend(outcome.fields(block.alpha));
-        fields.extend(self.ensemble.iter().flat_map(|ensemble| self.tally(ensemble, number, &place).fields()));
-        StudyRow { fields, failure: outcome.failure }
+        if let Some(Ensemble { limits, .. }) = &self.ensemble {
+            let mut tally = Tally::new(limits.len());
+            made[1..].iter().for_each(|(alpha, outcome)| tally.add(outcome, *alpha, limits));
+            fields.extend(tally.fields());
+        }
+        StudyRow { fields, failure: outcome.failure.clone() }
     }
 }
 

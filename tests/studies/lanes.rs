@@ -1,0 +1,117 @@
+//! `--lanes`: the same bytes, however many blocks are stepped at once.
+
+use std::path::Path;
+
+use crate::{Table, made, rocking};
+
+/// A folder with a record, strong enough for blocks to fly and to fall, a vertical one, and a study.
+fn folder(study: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |a: f64, f: f64| {
+        let at = |i: i32| f64::from(i) * 0.01;
+        (0..300).map(|i| format!("{}\n", a * (f * at(i)).sin() * (0.7 * at(i)).cos())).collect::<String>()
+    };
+    std::fs::write(folder.path().join("h.csv"), text(7.0, 6.0)).unwrap();
+    std::fs::write(folder.path().join("v.csv"), text(5.0, 19.0)).unwrap();
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    folder
+}
+
+/// Makes a study with all numbers of lanes and threads; the table, in which blocks flew, fell and stood.
+#[track_caller]
+fn the_same_bytes(folder: &Path, arguments: &[&str]) -> Table {
+    let name = |lanes: &str, threads: &str| format!("{lanes}-{threads}.csv");
+    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    for lanes in ["1", "2", "4", "8"] {
+        for threads in ["1", "2"] {
+            let csv = name(lanes, threads);
+            made(folder, &[arguments, &["--csv", &csv, "--lanes", lanes, "--threads", threads]].concat());
+            assert!(bytes(&csv) == bytes("1-1.csv"), "{lanes} lanes, {threads} threads");
+        }
+    }
+    made(folder, &[arguments, &["--csv", "usual.csv"]].concat());
+    assert!(bytes("usual.csv") == bytes("1-1.csv"));
+    let table = Table::read(&folder.join("1-1.csv"));
+    let outcomes: Vec<&str> = (0..table.rows.len()).map(|row| table.get(row, "outcome")).collect();
+    for outcome in ["completed", "overturned"] {
+        assert!(outcomes.contains(&outcome), "none {outcome}");
+    }
+    table
+}
+
+const SPECTRUM: [&str; 16] = [
+    "spectrum",
+    "--record",
+    "h.csv",
+    "--vertical",
+    "v.csv",
+    "--also-horizontal",
+    "--unit",
+    "m/s2",
+    "--dt",
+    "0.01",
+    "--points",
+    "17",
+    "--p-max",
+    "6",
+    "--foundation",
+    "40,0.1,0",
+];
+
+#[test]
+fn a_spectrum_with_flights_and_overturnings() {
+    let folder = folder("");
+    let arguments = [&SPECTRUM[..], &["--foundation", "90,0.1,0.4", "--foundation", "rigid"]].concat();
+    let table = the_same_bytes(folder.path(), &arguments);
+    let flights = (0..table.rows.len()).filter(|&row| table.number(row, "flights [1]") > 1.0).count();
+    assert!(flights > 5, "{flights} blocks flew");
+}
+
+#[test]
+fn a_spectrum_whose_runs_end_at_separation() {
+    let folder = folder("");
+    let arguments = [&SPECTRUM[..], &["--foundation", "90,0.1,0.4", "--on-separation", "terminate"]].concat();
+    let table = the_same_bytes(folder.path(), &arguments);
+    assert!((0..table.rows.len()).any(|row| table.get(row, "outcome") == "separated"));
+}
+
+#[test]
+fn a_sweep_of_samples_with_an_ensemble() {
+    let folder = folder(
+        r#"
+[study]
+design = "latin-hypercube"
+samples = 12
+seed = 7
+scales = [0.5, 1.3]
+ensemble = { scale = 0.1, samples = 3, limits = [0.5] }
+
+[parameters]
+dimensionless.alpha = { from = 0.1, to = 0.4 }
+dimensionless.p = { from = 0.8, to = 5 }
+dimensionless.eta = { from = 20, to = 100 }
+epsilon = { from = 0, to = 0.5 }
+
+[[records]]
+horizontal = "h.csv"
+unit = "m/s2"
+dt = 0.01
+
+[[records]]
+horizontal = "h.csv"
+vertical = "v.csv"
+unit = "m/s2"
+dt = 0.01
+"#,
+    );
+    let table = the_same_bytes(folder.path(), &["sweep", "study.toml"]);
+    assert!((0..table.rows.len()).any(|row| table.number(row, "flights [1]") > 1.0));
+}
+
+#[test]
+fn other_numbers_are_refused() {
+    let folder = folder("");
+    let told = rocking(folder.path(), &[&SPECTRUM[..], &["--csv", "a.csv", "--lanes", "3"]].concat());
+    assert_eq!(told.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&told.stderr).contains("expected 1, 2, 4 or 8"));
+}
