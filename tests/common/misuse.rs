@@ -40,7 +40,7 @@ pub fn misuse(fmu: &mut Fmu, phase: Phase, time: f64, kind: u32, choice: u32) {
         8 => (model_exchange(fmu.component, choice), ERROR),
         9 => (broken_state(fmu, choice), ERROR),
         10 => (wrong_logging(fmu.component, choice), ERROR),
-        11 => (wrong_derivative(fmu, choice), ERROR),
+        11 => (wrong_derivative(fmu, phase, choice), ERROR),
         12 => wrong_status_kind(fmu.component, phase, choice),
         13 => (wrong_experiment(fmu, choice), ERROR),
         14 => (no_instance(choice), ERROR),
@@ -288,9 +288,11 @@ fn wrong_logging(c: fmi2Component, choice: u32) -> fmi2Status {
     }
 }
 
-fn wrong_derivative(fmu: &mut Fmu, choice: u32) -> fmi2Status {
+fn wrong_derivative(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
     let [theta, a_gx, alpha, regime] = ["theta", "a_gx", "dimensionless.alpha", "regime"].map(reference);
     let order = pick(choice, &[0, 2, -1, i32::MAX]);
+    // While initializing a parameter is a direction, and a state is none; later it is the other way round.
+    let unfit = if phase == Initialization { theta } else { alpha };
     match choice % 9 {
         0 => fmu.set_rates(&[a_gx], &[order], &[1.0]),
         1 => fmu.set_rates(&[theta], &[1], &[1.0]),
@@ -298,7 +300,7 @@ fn wrong_derivative(fmu: &mut Fmu, choice: u32) -> fmi2Status {
         3 => fmu.rates(&[theta], &[order], &mut [0.0]),
         4 => fmu.rates(&[a_gx], &[1], &mut [0.0]),
         5 => fmu.rates(&[regime], &[1], &mut [0.0]),
-        6 => fmu.directional(&[theta], &[alpha], &[1.0], &mut [0.0]),
+        6 => fmu.directional(&[theta], &[unfit], &[1.0], &mut [0.0]),
         7 => fmu.directional(&[a_gx], &[a_gx], &[1.0], &mut [0.0]),
         _ => fmu.directional(&[theta], &[a_gx], &[f64::INFINITY], &mut [0.0]),
     }
