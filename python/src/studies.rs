@@ -1,5 +1,7 @@
 //! Many blocks under many ground motions → a column each.
 
+use std::convert::Infallible;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use numpy::PyArray1;
@@ -9,6 +11,7 @@ use pyo3::types::PyDict;
 use rayon::ThreadPool;
 use rocking_block::block::Foundation;
 use rocking_block::model::variables::Variable;
+use rocking_block::numerics::wide::{MOST_LANES, Width};
 use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_block::study::history::Run;
@@ -18,6 +21,7 @@ use rocking_block::study::runner::{self, Study, StudyRow};
 use rocking_block::study::study_file::StudyFileError;
 use rocking_block::study::sweep::Motion;
 use rocking_block::study::sweep_file;
+use rocking_block::study::together;
 
 use crate::block::Blocks;
 use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, word};
@@ -33,24 +37,25 @@ type Outcomes<'py> = (Bound<'py, PyDict>, Vec<(String, &'static str)>, Option<St
 /// Headings, columns, and why the first run failed that did.
 type Table<'py> = (Vec<String>, Vec<Bound<'py, PyAny>>, Option<String>);
 
-/// Results of work of which nobody has lost interest, in the order of their numbers.
+/// Rows, each of so many runs, in their order; where nobody waits for them any more, the thread unwinds.
 fn rows<T: Send>(
     pool: &ThreadPool,
     count: u64,
+    runs_in_a_row: u64,
     progress: &Progress,
-    make: impl Fn(u64) -> T + Sync,
-) -> Result<Vec<T>, String> {
+    make: impl Fn(Range<u64>) -> Vec<T> + Sync,
+) -> Vec<T> {
     let mut rows = Vec::new();
-    let make = |number| (!progress.is_abandoned()).then(|| make(number));
-    let done = runner::in_order(pool, 0..count, make, |number, row| match row {
-        Some(row) => {
-            rows.push(row);
-            progress.show(number + 1, count);
-            Ok(())
-        }
-        None => Err("interrupted".to_string()),
+    let make = |numbers| {
+        progress.end_if_abandoned();
+        make(numbers)
+    };
+    let done = runner::in_batches(pool, 0..count, runs_in_a_row, make, |number, row| {
+        rows.push(row);
+        progress.show(number + 1, count);
+        Ok::<(), Infallible>(())
     });
-    done.map(|()| rows)
+    done.map_or_else(|never| match never {}, |()| rows)
 }
 
 /// What becomes of each block under each ground motion: the columns, one row after the other block by block, then scale by
@@ -89,12 +94,16 @@ pub fn outcomes<'py>(
     let columns_of = shown.clone();
     let made = wait(py, tick, move |progress| {
         let motion = |number: u64| Motion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
-        let motions = rows(&pool, grounds.len() as u64, &Progress::default(), motion)?;
-        rows(&pool, count, progress, |number| {
+        let motions =
+            rows(&pool, grounds.len() as u64, 1, &Progress::default(), |numbers| numbers.map(motion).collect());
+        let case = |number: u64| {
             let (motion, block) = (number as usize / blocks.len(), number as usize % blocks.len());
-            let (motion, scale, block) =
-                (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block]);
-            let run = Run {
+            (&motions[motion / scales.len()], scales[motion % scales.len()], blocks[block])
+        };
+        let run = |number: u64| {
+            progress.end_if_abandoned();
+            let (motion, scale, block) = case(number);
+            Run {
                 block,
                 settings,
                 initial: Initial::default(),
@@ -102,12 +111,20 @@ pub fn outcomes<'py>(
                 ground: motion.ground.clone().scaled(scale),
                 duration,
                 output_step: step.unwrap_or(f64::INFINITY),
-            };
+            }
+        };
+        let row = |(number, outcome): (u64, Outcome)| {
+            let (motion, scale, block) = case(number);
             let of = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
-            (run.outcome(), block.alpha, shown.iter().map(of).collect())
+            (outcome, block.alpha, shown.iter().map(of).collect())
+        };
+        let width = Width::at_most(MOST_LANES);
+        rows(&pool, count, 1, progress, |numbers| {
+            let outcomes = together::outcomes(width, numbers.clone().map(run));
+            numbers.zip(outcomes).map(row).collect()
         })
     })?;
-    let made: Vec<(Outcome, f64, Vec<f64>)> = made.map_err(invalid)?;
+    let made: Vec<(Outcome, f64, Vec<f64>)> = made;
     let failure = made.iter().find_map(|(outcome, ..)| outcome.failure.as_ref()).map(ToString::to_string);
     let columns = columns(py, &made)?;
     for (place, measure) in columns_of.iter().enumerate() {
@@ -175,8 +192,13 @@ pub fn sweep<'py>(
     let pool = pool(threads)?;
     let headings = study.head().columns;
     let count = study.rows();
-    let made = wait(py, tick, move |progress| rows(&pool, count, progress, |number| study.row(number)))?;
-    let made: Vec<StudyRow> = made.map_err(invalid)?;
+    let made: Vec<StudyRow> = wait(py, tick, move |progress| {
+        let width = Width::at_most(MOST_LANES);
+        rows(&pool, count, study.runs_in_a_row(), progress, |numbers| match width {
+            Some(width) => study.rows_together(numbers, width),
+            None => numbers.map(|number| study.row(number)).collect(),
+        })
+    })?;
     let failure = made.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
     let column = |(number, heading): (usize, &String)| {
         let fields = made.iter().map(|row| row.fields[number].as_str());

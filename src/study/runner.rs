@@ -72,7 +72,7 @@ pub fn run(
     let before = table.rows();
     progress(before, before);
     let mut reason = None;
-    let mut take = |number: u64, row: StudyRow| {
+    let take = |number: u64, row: StudyRow| {
         table.push(row.fields)?;
         reason = reason.take().or(row.failure);
         progress(before, number + 1);
@@ -82,13 +82,7 @@ pub fn run(
     match width {
         None => in_order(pool, rows, |number| study.row(number), take)?,
         Some(width) => {
-            let size = batch(rows.end - rows.start, study.runs_in_a_row(), pool.current_num_threads() as u64);
-            let batches = 0..(rows.end - rows.start).div_ceil(size);
-            let of = |number: u64| rows.start + number * size..rows.end.min(rows.start + (number + 1) * size);
-            let make = |number: u64| study.rows_together(of(number), width);
-            in_order_ahead(pool, BATCHES_AHEAD, batches, make, |batch, made| {
-                of(batch).zip(made).try_for_each(|(number, row)| take(number, row))
-            })?;
+            in_batches(pool, rows, study.runs_in_a_row(), |numbers| study.rows_together(numbers, width), take)?;
         }
     }
     Ok(Made { rows: study.rows(), before, failures: table.failures(), reason })
@@ -103,6 +97,29 @@ pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPo
 fn batch(rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
     const MOST_RUNS: u64 = 512;
     rows.div_ceil(BATCHES_AHEAD * threads).min(MOST_RUNS / runs_in_a_row).max(1)
+}
+
+/// Makes rows in batches, `runs_in_a_row` runs each, and gives them to `take` in their order; otherwise as [`in_order`].
+///
+/// A batch has so many rows that the lanes of vectors are full most of the time while its runs are stepped together. `make` gives
+/// the rows of the numbers it gets.
+pub fn in_batches<T: Send, E>(
+    pool: &rayon::ThreadPool,
+    rows: Range<u64>,
+    runs_in_a_row: u64,
+    make: impl Fn(Range<u64>) -> Vec<T> + Sync,
+    mut take: impl FnMut(u64, T) -> Result<(), E>,
+) -> Result<(), E> {
+    let size = batch(rows.end - rows.start, runs_in_a_row, pool.current_num_threads() as u64);
+    let of = |number: u64| rows.start + number * size..rows.end.min(rows.start + (number + 1) * size);
+    let batches = 0..(rows.end - rows.start).div_ceil(size);
+    in_order_ahead(
+        pool,
+        BATCHES_AHEAD,
+        batches,
+        |number| make(of(number)),
+        |batch, made| of(batch).zip(made).try_for_each(|(number, row)| take(number, row)),
+    )
 }
 
 /// Makes each task of `tasks` on the pool, in any order, and gives the results to `take` in the order of the tasks.
