@@ -9,7 +9,7 @@ use crate::fmi3::Own;
 use crate::read;
 
 use super::library::Version;
-use super::{container, library};
+use super::{container, library, licences};
 
 /// Packs the FMU of a version.
 pub fn pack(
@@ -32,7 +32,11 @@ pub fn pack(
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description, version));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
-    for path in super::files(Path::new("documentation/licenses"))? {
+    let foreign = |path: &Path| path.components().any(|part| part.as_os_str() == licences::MINGW);
+    let with_mingw = licences::with_mingw()?;
+    for path in
+        super::files(Path::new("documentation/licenses"))?.into_iter().filter(|path| with_mingw || !foreign(path))
+    {
         files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
     container::write(fmu, &files)

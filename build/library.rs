@@ -137,6 +137,13 @@ pub fn inner_cargo() -> Result<Command, String> {
     Ok(command)
 }
 
+/// What the compiler tells.
+pub fn rustc(arguments: &[&str]) -> Result<String, String> {
+    let output = Command::new(variable("RUSTC")?).args(arguments).output();
+    let output = output.map_err(|e| format!("rustc does not start: {e}"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
 /// Flags that put names in the place of this machine's folders, and no date into the library.
 fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR")?);
@@ -147,6 +154,14 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
         let sources = std::fs::read_dir(cargo_home.join("registry/src")).into_iter().flatten().flatten();
         folders.extend(sources.map(|source| (source.path(), "registry")));
         folders.insert(0, (cargo_home, "cargo"));
+    }
+    // Where the standard library's sources are at hand, the compiler names them instead of where they came from.
+    let version = rustc(&["-vV"])?;
+    let origin =
+        version.lines().find_map(|line| line.strip_prefix("commit-hash: ")).map(|hash| format!("rustc/{hash}"));
+    if let Some(origin) = &origin {
+        // Of the folders that fit, the last counts.
+        folders.push((Path::new(rustc(&["--print", "sysroot"])?.trim()).join("lib/rustlib/src/rust"), origin));
     }
     let mut flags = OsString::new();
     for (folder, name) in folders {

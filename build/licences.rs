@@ -9,6 +9,28 @@ use cargo_metadata::{Metadata, MetadataCommand, PackageId};
 
 use super::{library, sbom};
 
+/// What Rust's standard library is made of besides its own crates, and under which licences.
+pub const IN_STANDARD_LIBRARY: [(&str, &str); 10] = [
+    ("addr2line", "Apache-2.0 OR MIT"),
+    ("adler2", "0BSD OR MIT OR Apache-2.0"),
+    ("cfg-if", "MIT OR Apache-2.0"),
+    ("gimli", "MIT OR Apache-2.0"),
+    ("hashbrown", "MIT OR Apache-2.0"),
+    ("libc", "MIT OR Apache-2.0"),
+    ("memchr", "Unlicense OR MIT"),
+    ("miniz_oxide", "MIT OR Zlib OR Apache-2.0"),
+    ("object", "Apache-2.0 OR MIT"),
+    ("rustc-demangle", "MIT OR Apache-2.0"),
+];
+
+/// The runtime with which Windows libraries are linked, and its folder below documentation/licenses.
+pub const MINGW: &str = "mingw-w64";
+
+/// Whether the library holds parts of it.
+pub fn with_mingw() -> Result<bool, String> {
+    Ok(crate::variable("TARGET")?.ends_with("-windows-gnu"))
+}
+
 /// Files for the FMU, by path: `documentation/licenses` and the bill of materials.
 pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
     let metadata = metadata()?;
@@ -20,6 +42,12 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
         "The FMU's binary holds code of these packages, under these licences, whose texts stand beside this file:\n\n\
          rust-standard-library: MIT OR Apache-2.0 https://github.com/rust-lang/rust\n",
     );
+    for (name, licence) in IN_STANDARD_LIBRARY {
+        let _ = writeln!(index, "  and in it {name}: {licence}");
+    }
+    if with_mingw()? {
+        let _ = writeln!(index, "{MINGW}: ZPL-2.1 and others https://www.mingw-w64.org");
+    }
     for id in linked {
         let package = &metadata[&id];
         if id == root {

@@ -3,12 +3,13 @@
 //! It holds no date and no serial number: the same sources and the same compiler give the same bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::process::Command;
 
 use cargo_metadata::{Metadata, Package, PackageId};
 use serde_json::{Value, json};
 
-use crate::{read, variable};
+use crate::read;
+
+use super::{library, licences};
 
 /// Where it stands in the FMU.
 pub const PLACE: &str = "documentation/sbom.cdx.json";
@@ -19,6 +20,15 @@ pub fn write(metadata: &Metadata, linked: &BTreeSet<PackageId>) -> Result<String
     let checksums = checksums(&read("Cargo.lock")?);
     let (standard, standard_library) = standard_library()?;
     let mut components = vec![standard_library];
+    if licences::with_mingw()? {
+        components.push(json!({
+            "type": "library",
+            "bom-ref": licences::MINGW,
+            "name": licences::MINGW,
+            "licenses": [{ "expression": "ZPL-2.1" }],
+            "externalReferences": [{ "type": "website", "url": "https://www.mingw-w64.org" }],
+        }));
+    }
     let mut dependencies = Vec::new();
     for id in linked {
         let package = &metadata[id];
@@ -75,9 +85,7 @@ fn reference(package: &Package) -> String {
 
 /// The part of the binary that no manifest names: its reference and its component.
 fn standard_library() -> Result<(String, Value), String> {
-    let output =
-        Command::new(variable("RUSTC")?).arg("-vV").output().map_err(|e| format!("rustc does not start: {e}"))?;
-    let told = String::from_utf8_lossy(&output.stdout);
+    let told = library::rustc(&["-vV"])?;
     let release = told.lines().find_map(|line| line.strip_prefix("release: "));
     let release = release.ok_or_else(|| format!("rustc -vV tells no release, but {told:?}"))?;
     let reference = format!("pkg:generic/rust-standard-library@{release}");
@@ -89,6 +97,13 @@ fn standard_library() -> Result<(String, Value), String> {
         "purl": reference,
         "licenses": [{ "expression": "MIT OR Apache-2.0" }],
         "externalReferences": [{ "type": "vcs", "url": "https://github.com/rust-lang/rust" }],
+        // Their versions are those of its release.
+        "components": licences::IN_STANDARD_LIBRARY.map(|(name, licence)| json!({
+            "type": "library",
+            "bom-ref": format!("{reference}#{name}"),
+            "name": name,
+            "licenses": [{ "expression": licence }],
+        })),
     });
     Ok((reference, component))
 }
