@@ -233,10 +233,31 @@ def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
         theta = one_line.MASTERS[master]()
         assert len(theta) == (7 if outcome == "ends" else 1000)
         assert abs(theta[-1] - 0.26700625) < 1e-7
-    if outcome == "ends":
-        # With Hold the run goes on; these masters know enumerations.
-        monkeypatch.setattr(one_line, "START", SEPARATING | {"on_separation": 2})
-        assert len(one_line.MASTERS[master]()) == 1000
+    # With Hold the run goes on everywhere; masters that leave Enumerations out know Integers.
+    monkeypatch.setattr(one_line, "START", SEPARATING | {"on_separation": 2})
+    theta = one_line.MASTERS[master]()
+    assert len(theta) == 1000 and abs(theta[-1] - 0.26700625) < 1e-7
+
+
+@pytest.mark.parametrize("parts", [1, 2, 10])
+@pytest.mark.parametrize("master", ["libcosimpy", "ecospy"])
+def test_a_record_inside_in_every_master(fmu, master, parts, monkeypatch):
+    """At the record's own step and at parts of it; shorter steps change what the integration leaves of its tolerance alone."""
+    need(master)
+    import one_line
+
+    record = EXAMPLES.parent / "records/np01002p_4225a_a.smc"
+    start = {"record.horizontal": str(record), "record.scale": 3.0, "dimensionless.alpha": 0.15, "dimensionless.p": 2.0}
+    monkeypatch.setattr(one_line, "START", start)
+    monkeypatch.setattr(one_line, "STOP", 14.0)
+    monkeypatch.setattr(one_line, "STEP", 0.005)
+    whole = one_line.with_fmpy()
+    monkeypatch.setattr(one_line, "STEP", 0.005 / parts)
+    expected, theta = one_line.with_fmpy(), one_line.MASTERS[master]()
+    assert np.abs(expected).max() > 0.05
+    assert len(theta) == len(expected) == 2800 * parts
+    assert np.abs(theta - expected).max() < 1e-9
+    assert np.abs(expected[parts - 1 :: parts] - whole).max() < 1e-7 * start["dimensionless.alpha"]
 
 
 @pytest.fixture(scope="module")

@@ -26,8 +26,7 @@ MASS, OMEGA = 200e3, 40.0  # of a tower: kg, and rad/s of its vertical motion on
 
 
 def tower(width: float, height: float = 12.0) -> dict:
-    """Parameters of a tower of this width and height [m]. The dimensionless ones: libcosim (0.0.6) does not know variables
-    that are enumerations, so that `parameterization`, like `on_separation`, has to stay what it is."""
+    """Parameters of a tower of this width and height [m], the dimensionless ones."""
     radius = np.hypot(width, height) / 2
     p = np.sqrt(0.75 * 9.81 / radius)
     return {

@@ -38,8 +38,9 @@ def with_libcosimpy() -> np.ndarray:
     block = execution.add_local_slave(CosimLocalSlave(str(BLOCK), "block"))
     references = {variable.name.decode(): variable.reference for variable in execution.slave_variables(block)}
     execution.add_observer(observer)
+    set_value = {float: execution.real_initial_value, int: execution.integer_initial_value, str: execution.string_initial_value}
     for name, value in START.items():
-        execution.real_initial_value(block, references[name], value)
+        set_value[type(value)](block, references[name], value)
     theta = []
     while len(theta) < round(STOP / STEP):
         if not execution.step():
