@@ -46,6 +46,8 @@ fn rows<T: Send>(
     make: impl Fn(Range<u64>) -> Vec<T> + Sync,
 ) -> Vec<T> {
     let mut rows = Vec::new();
+    // The first rows come when their batch is done.
+    progress.show(0, count);
     let make = |numbers| {
         progress.end_if_abandoned();
         make(numbers)

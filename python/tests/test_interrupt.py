@@ -45,5 +45,5 @@ def test_a_bar_shows_how_far_the_work_is(capsys):
     pytest.importorskip("tqdm")
     import rocking_block as rb
 
-    rb.spectrum(p=[1.0 + 0.001 * i for i in range(1500)], pulse=rb.Pulse("one-sine", 6.0, 1.25), progress=True)
-    assert "/1500" in capsys.readouterr().err
+    rb.spectrum(p=[1.0 + 0.0001 * i for i in range(15000)], pulse=rb.Pulse("one-sine", 6.0, 1.25), progress=True)
+    assert "/15000" in capsys.readouterr().err
