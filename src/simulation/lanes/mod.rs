@@ -105,7 +105,7 @@ pub enum Next {
 }
 
 impl Lane {
-    /// A run that stands still until it is told where to go.
+    /// A run that takes no step before [`Lane::send`] has given it a stop.
     pub fn new(simulation: Simulation, tag: usize) -> Lane {
         let gap_rounding = Surface::Gap(Corner::Left).rounding(simulation.block());
         let time = simulation.time();
