@@ -7,8 +7,7 @@
 
 The FMU's bytes go to the workers with the work, so that a cluster needs no common disk, only fmpy, and machines of the kind
 that the FMU was built on. Writes spectrum.png to the folder in which it is started. The numbers are those of
-`rocking spectrum --duration` to the last bit: the same blocks, runs of the same duration, and steps that end at the same
-times.
+`rocking spectrum --duration` to the last bit: the same blocks, the same tolerance, and runs of the same duration.
 """
 
 import argparse
@@ -17,11 +16,13 @@ import sys
 import tempfile
 from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 EXAMPLES = Path(__file__).resolve().parents[1]
 SLENDERNESS = (0.15, 0.2, 0.3)  # rad
+TOLERANCE = 1e-6  # that of `rocking spectrum`
 FOUNDATION = {"dimensionless.eta": 40.0, "dimensionless.xi_v": 0.1, "epsilon": 0.4}
 
 
@@ -34,66 +35,70 @@ def sizes(least: float, greatest: float, count: int) -> np.ndarray:
     return p
 
 
+class Motion(NamedTuple):
+    """A record of any format that `rocking` reads, as it goes to the workers, and what is made of it."""
+
+    name: str
+    content: bytes
+    begin: float = 0.0  # of the record's time axis [s]
+    scale: float = 1.0
+    unit: str = ""  # g, m/s2 or cm/s2, where the file does not say
+    dt: float = 0.0  # between two samples [s], where the file does not say
+
+
 @functools.lru_cache(maxsize=1)
-def unpacked(fmu: bytes):
-    """The FMU's description and folder, once in each process."""
+def prepared(fmu: bytes, motion: Motion, fly: bool):
+    """An instance of the FMU, its value references by name, and its state with the record read, before a block is chosen: once
+    in each process. With `fly`, a block that leaves the ground flies and lands."""
     from fmpy import extract, read_model_description
-
-    folder = Path(tempfile.mkdtemp(prefix="rocking"))
-    path = folder / "RockingBlock.fmu"
-    path.write_bytes(fmu)
-    return read_model_description(path), extract(path, folder / "unpacked")
-
-
-def run(fmu: bytes, times: np.ndarray, record: np.ndarray, duration: float, fly: bool, alpha: float,
-        p: float) -> tuple[float, str]:
-    """The greatest rotation [rad] of a block of slenderness `alpha` [rad] and frequency parameter `p` [rad/s] under a
-    record [m/s2] with evenly spaced samples at `times` [s], linear in between, and how its run ends: completed, after
-    `duration` [s], or before that overturned or separated; with `fly`, a block that leaves the ground flies and lands."""
     from fmpy.fmi2 import FMU2Slave
 
-    description, folder = unpacked(fmu)
+    folder = Path(tempfile.mkdtemp(prefix="rocking"))
+    record, path = folder / motion.name, folder / "RockingBlock.fmu"
+    record.write_bytes(motion.content)
+    path.write_bytes(fmu)
+    description = read_model_description(path)
     references = {variable.name: variable.valueReference for variable in description.modelVariables}
-    slave = FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="block",
+    slave = FMU2Slave(guid=description.guid, unzipDirectory=extract(path, folder / "unpacked"), instanceName="block",
                       modelIdentifier=description.coSimulation.modelIdentifier)
     slave.instantiate()
-    slave.setupExperiment(startTime=times[0])
-    start = FOUNDATION | {"dimensionless.alpha": alpha, "dimensionless.p": p, "a_gx": record[0]}
+    slave.setupExperiment(startTime=motion.begin, tolerance=TOLERANCE)
+    slave.setString([references["record.horizontal"], references["record.horizontal_unit"]], [str(record), motion.unit])
+    start = FOUNDATION | {"record.scale": motion.scale, "record.dt": motion.dt}
     slave.setReal([references[name] for name in start], start.values())
     # 3 is Fly; with Hold, 2, the block stays as it is when it separates or overturns, while time goes on.
     slave.setInteger([references["on_separation"], references["on_overturning"]], [3 if fly else 2, 2])
     slave.enterInitializationMode()
-    slave.exitInitializationMode()
+    # Asked for its end, the FMU reads the record.
+    slave.getReal([references["record.end"]])
+    return slave, references, slave.getFMUState()
 
-    # A step from each sample to the next, and one from the last, with which the ground motion ends, to the end of the run.
-    end = times[0] + duration
-    stops = np.append(times[times < end], end)
-    values, slopes = np.append(record[:-1], 0), np.append(np.diff(record) / (times[1] - times[0]), 0)
-    ground = [references["a_gx"]]
-    # The difference of two neighbouring times has no rounding error, and added to the first it gives the second; the
-    # record's time step may not.
-    for time, step, value, slope in zip(stops, np.diff(stops), values, slopes):
-        slave.setReal(ground, [value])
-        slave.setRealInputDerivatives(ground, [1], [slope])
-        slave.doStep(time, step)
+
+def run(fmu: bytes, motion: Motion, duration: float, fly: bool, alpha: float, p: float) -> tuple[float, str]:
+    """The greatest rotation [rad] of a block of slenderness `alpha` [rad] and frequency parameter `p` [rad/s] under a ground
+    motion, and how its run ends: completed, after `duration` [s], or before that overturned or separated."""
+    slave, references, state = prepared(fmu, motion, fly)
+    slave.setFMUState(state)
+    slave.setReal([references["dimensionless.alpha"], references["dimensionless.p"]], [alpha, p])
+    slave.exitInitializationMode()
+    # The FMU follows the record from sample to sample by itself.
+    slave.doStep(motion.begin, duration)
     (peak,) = slave.getReal([references["peak.theta"]])
     separated, overturned = slave.getBoolean([references["separated"], references["overturned"]])
-    slave.terminate()
-    slave.freeInstance()
     # A block that leaves the ground on its way over is both.
     return peak, "overturned" if overturned else "separated" if separated else "completed"
 
 
-def spectrum(fmu: bytes, times: np.ndarray, record: np.ndarray, duration: float, fly: bool, alphas, ps,
+def spectrum(fmu: bytes, motion: Motion, duration: float, fly: bool, alphas, ps,
              client=None) -> tuple[np.ndarray, np.ndarray]:
     """Greatest rotations [rad] and how the runs end, by slenderness and frequency parameter; on the cluster of `client`, a
     `dask.distributed.Client`, if there is one."""
     blocks = list(product(map(float, alphas), map(float, ps)))
     if client is None:
-        found = [run(fmu, times, record, duration, fly, *block) for block in blocks]
+        found = [run(fmu, motion, duration, fly, *block) for block in blocks]
     else:
         # Each worker gets FMU and record once.
-        shared = client.scatter([fmu, times, record], broadcast=True)
+        shared = client.scatter([fmu, motion], broadcast=True)
         futures = [client.submit(run, *shared, duration, fly, *block, pure=False) for block in blocks]
         found = client.gather(futures)
     shape = len(alphas), len(ps)
@@ -105,8 +110,7 @@ def main() -> None:
     sys.path.insert(0, str(EXAMPLES))
     from common import BLOCK, RECORD, read_record
 
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0],
-                                     epilog="Other options, such as --unit and --dt, go to `rocking record`.")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--record", default=RECORD, help="a record of any format that `rocking` reads")
     parser.add_argument("--scale", type=float, default=2.0, help="what the record is multiplied by")
     parser.add_argument("--duration", type=float, help="of all runs [s]; without it 20/p of the largest block after the record")
@@ -114,11 +118,16 @@ def main() -> None:
                         help="what happens at complete separation")
     parser.add_argument("--dask", nargs="?", const="", metavar="ADDRESS",
                         help="use dask.distributed: at ADDRESS, or all cores here")
-    options, reading = parser.parse_known_args()
+    parser.add_argument("--unit", default="", help="of the record's values: g, m/s2 or cm/s2, where the file does not say")
+    parser.add_argument("--dt", type=float, default=0.0, help="between two samples [s], where the file does not say")
+    options = parser.parse_args()
+    reading = [f"--{name}={value}" for name, value in (("unit", options.unit), ("dt", options.dt)) if value]
     try:
-        times, record = read_record(options.record, *reading)
+        times, _ = read_record(options.record, *reading)
     except ValueError as error:
         parser.error(str(error))
+    file = Path(options.record)
+    motion = Motion(file.name, file.read_bytes(), float(times[0]), options.scale, options.unit, options.dt)
     ps = sizes(0.8, 3.2, 25)
     duration = options.duration or float(times[-1] - times[0] + 20 / ps.min())
     client = None
@@ -129,7 +138,7 @@ def main() -> None:
         # Workers elsewhere do not have this file.
         client.upload_file(__file__)
     fly = options.on_separation == "fly"
-    peaks, ends = spectrum(BLOCK.read_bytes(), times, options.scale * record, duration, fly, SLENDERNESS, ps, client)
+    peaks, ends = spectrum(BLOCK.read_bytes(), motion, duration, fly, SLENDERNESS, ps, client)
     if client is not None:
         client.close()
 

@@ -281,11 +281,11 @@ DURATION = 50.0  # s
 
 def few_blocks(fmu, fly, **options):
     import spectrum
-    from common import read_record
+    from common import RECORD
 
     alphas, ps = GRID[0], spectrum.sizes(*GRID[1])
-    times, record = read_record()
-    return spectrum.spectrum(Path(fmu).read_bytes(), times, 2 * record, DURATION, fly, alphas, ps, **options)
+    motion = spectrum.Motion(RECORD.name, RECORD.read_bytes(), scale=2.0)
+    return spectrum.spectrum(Path(fmu).read_bytes(), motion, DURATION, fly, alphas, ps, **options)
 
 
 def rocking_spectrum(table, *options):
@@ -329,7 +329,8 @@ def test_a_spectrum_takes_records_of_other_formats(fmu, tmp_path):
     times, record = read_record(file, "--unit", "cm/s2")
     assert np.array_equal(times, time) and np.allclose(record, 3 * np.sin(3 * time), rtol=0, atol=1e-15)
     ps = spectrum.sizes(1.0, 3.0, 3)
-    peaks, ends = spectrum.spectrum(Path(fmu).read_bytes(), times, record, 20.0, True, [0.25], ps)
+    motion = spectrum.Motion(file.name, file.read_bytes(), times[0], unit="cm/s2")
+    peaks, ends = spectrum.spectrum(Path(fmu).read_bytes(), motion, 20.0, True, [0.25], ps)
     expected = rocking_spectrum(tmp_path / "s.csv", "--record", file, "--unit=cm/s2", "--foundation=40,0.1,0.4",
                                 "--p-min=1", "--p-max=3", "--points=3", "--duration=20")
     assert [float(block["peak.theta/alpha"]) for block in expected] == list(peaks[0] / 0.25)
