@@ -1,4 +1,7 @@
-//! One run of a case, for `scripts/instructions` to count what it takes: `one_run sine | record | flight`.
+//! One run of a case, for `scripts/instructions` to count what it takes:
+//! `one_run (sine | record | flight | reference RECORD) [TOLERANCE]`.
+//!
+//! `reference` is the block of most cases of tests/reference under a record that may not be redistributed.
 
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -27,7 +30,8 @@ fn counted(simulation: &mut Simulation, ground: &Ground, end: f64) -> f64 {
 }
 
 fn main() {
-    let case = std::env::args().nth(1).unwrap_or_default();
+    let mut arguments = std::env::args().skip(1);
+    let case = arguments.next().unwrap_or_default();
     let sine = |amplitude, period| Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 };
     let (block, pulse, ground, end) = match case.as_str() {
         "sine" => (block(0.25, 1.0, 40.0, 0.1, 0.0), sine(4.0, 1.2566), Ground::default(), 10.0),
@@ -38,9 +42,18 @@ fn main() {
             let ground = Ground { horizontal: Some(record), vertical: None };
             (block(0.15, 2.0, 40.0, 0.2, 0.0), Pulse::NONE, ground, end)
         }
-        other => panic!("case \"{other}\"; expected sine, record or flight"),
+        "reference" => {
+            let path = arguments.next().expect("a record");
+            let record = records::read(path.as_ref(), &ReadOptions::default()).expect("a record");
+            let end = record.start_time + record.duration();
+            let ground = Ground { horizontal: Some(record), vertical: None };
+            (block(0.25, 1.0, 40.0, 0.1, 0.0), Pulse::NONE, ground, end)
+        }
+        other => panic!("case \"{other}\"; expected sine, record, flight or reference"),
     };
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let tolerance = arguments.next().map_or(settings.tolerance, |text| text.parse().expect("a tolerance"));
+    let settings = Settings { tolerance, ..settings };
     let (inputs, _) = ground.inputs_from(0.0);
     let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
     let ended = counted(&mut simulation, &ground, end);
