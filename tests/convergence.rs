@@ -3,7 +3,9 @@
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::contact::Regime;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::numerics::{Rate, dop853::Step, short::ShortStep};
+use rocking_block::numerics::dop853::{DenseOutput, Step};
+use rocking_block::numerics::short::{ShortPair, ShortStep};
+use rocking_block::numerics::{Quadratures, Rate};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::dynamics::{Footing, State, instant};
 
@@ -79,33 +81,114 @@ fn the_dense_output_is_of_order_seven() {
     assert!((7.0..9.0).contains(&order), "order {order} from {errors:?}");
 }
 
+/// The block on its right corner on supports with or without dashpots, 0.4 s in equal short steps: the end and the works for each
+/// size, and the greatest of the estimated errors.
+fn short_steps(pair: ShortPair, xi_v: f64, numbers: [u32; 5]) -> [[(f64, f64); 5]; 3] {
+    let block = Block { xi_v, ..block() };
+    let f = |t: f64, x: &State| rate(&block, t, x);
+    let run = |pair: ShortPair, steps: u32| {
+        let size = 0.4 / f64::from(steps);
+        let weights = State::repeat(1.0);
+        (0..steps).fold((start(), Quadratures::zeros(), 0.0_f64), |(x, work, estimate), i| {
+            let time = size * f64::from(i);
+            let step = ShortStep::attempt(pair, time, size, x, f(time, &x), &f);
+            (step.end, work + step.work, estimate.max(step.error(f(time + size, &step.end), weights, 0.0)))
+        })
+    };
+    let (exact, exact_work, _) = run(ShortPair::Tsitouras, 2000);
+    let mut found = [[(0.0, 0.0); 5]; 3];
+    for (i, steps) in numbers.into_iter().enumerate() {
+        let (size, (end, work, estimate)) = (0.4 / f64::from(steps), run(pair, steps));
+        for (series, error) in [(end - exact).norm(), (work - exact_work).norm(), estimate].into_iter().enumerate() {
+            found[series][i] = (size, error);
+        }
+    }
+    found
+}
+
 /// Steps of order 5, and an estimate of order 4 of their error.
 #[test]
 fn short_steps_are_of_order_five() {
-    let block = block();
-    let f = |t: f64, x: &State| rate(&block, t, x);
-    let exact = run(400).0;
-    let run = |steps: u32| {
-        let size = 0.4 / f64::from(steps);
-        let weights = State::repeat(1.0);
-        (0..steps).fold((start(), 0.0_f64), |(x, estimate), i| {
-            let time = size * f64::from(i);
-            let step = ShortStep::attempt(time, size, x, f(time, &x), &f);
-            (step.end, estimate.max(step.error(f(time + size, &step.end), weights, 0.0)))
-        })
-    };
-    let (errors, estimates): (Vec<_>, Vec<_>) = [40, 50, 64, 80, 100]
-        .into_iter()
-        .map(|steps| {
-            let (size, (end, estimate)) = (0.4 / f64::from(steps), run(steps));
-            ((size, (end - exact).norm()), (size, estimate))
-        })
-        .unzip();
+    let [errors, _, estimates] = short_steps(ShortPair::Tsitouras, 0.1, [40, 50, 64, 80, 100]);
     let order = slope(&errors);
     assert!((4.7..5.5).contains(&order), "order {order} from {errors:?}");
     // Of one step, so one more than the order of the result that it is the error of.
     let order = slope(&estimates);
     assert!((4.7..5.5).contains(&order), "order {order} of the estimates {estimates:?}");
+}
+
+/// Nyström's steps, too, of a block that loses nothing to dashpots; velocities that act back leave order 4.
+#[test]
+fn nystroms_steps_are_of_order_five_without_dashpots_and_of_order_four_with_them() {
+    let numbers = [50, 64, 80, 100, 128];
+    for (xi_v, orders) in [(0.0, 4.6..5.5), (0.4, 3.7..4.5)] {
+        let [errors, works, estimates] = short_steps(ShortPair::Nystrom, xi_v, numbers);
+        let order = slope(&errors);
+        assert!(orders.contains(&order), "xi_v = {xi_v}: order {order} from {errors:?}");
+        let order = slope(&works);
+        assert!((3.7..5.5).contains(&order), "xi_v = {xi_v}: order {order} of the works {works:?}");
+        let order = slope(&estimates);
+        assert!((4.7..5.5).contains(&order), "xi_v = {xi_v}: order {order} of the estimates {estimates:?}");
+    }
+}
+
+/// Over the motion the estimate of Nyström's steps is some ten times their error: never less than it, nor wastefully more.
+#[test]
+fn the_estimate_of_nystroms_steps_is_above_their_error() {
+    for (xi_v, size) in [(0.0, 0.006), (0.1, 0.006), (0.4, 0.004)] {
+        let block = Block { xi_v, ..block() };
+        let f = |t: f64, x: &State| rate(&block, t, x);
+        // Displacements count as the velocities that they amount to.
+        let weights = State::new(29.0, 1.0, 29.0, 1.0);
+        let (mut time, mut x, mut sums) = (0.0, start(), [0.0; 2]);
+        for _ in 0..60 {
+            let first = f(time, &x);
+            let step = ShortStep::attempt(ShortPair::Nystrom, time, size, x, first, &f);
+            let exact = Step::attempt(time, size, x, first, &f).end;
+            sums[0] += step.error(f(time + size, &step.end), weights, 0.0).powi(2);
+            sums[1] += (step.end - exact).component_mul(&weights).norm_squared();
+            (time, x) = (time + size, exact);
+        }
+        let ratio = (sums[0] / sums[1]).sqrt();
+        assert!((2.0..50.0).contains(&ratio), "xi_v = {xi_v}: the estimate is {ratio} times the error");
+    }
+}
+
+/// From the ends of a step displacements to the sixth power of its size, velocities and works to the fourth.
+#[test]
+fn the_ends_of_a_step_tell_the_motion_between_them() {
+    let block = block();
+    let f = |t: f64, x: &State| rate(&block, t, x);
+    let mut found = [[(0.0, 0.0); 4]; 3];
+    for (i, size) in [0.003, 0.004, 0.005, 0.006].into_iter().enumerate() {
+        // From many beginnings, since the error at one may be near its zero.
+        let (mut time, mut x, mut sums) = (0.0, start(), [0.0; 3]);
+        for _ in 0..50 {
+            let first = f(time, &x);
+            let step = Step::attempt(time, size, x, first, &f);
+            let last = f(time + size, &step.end);
+            let exact = step.dense(last, &f);
+            let between = DenseOutput::between(time, size, [(x, first), (step.end, last)], step.work);
+            let elapsed = 0.4 * size;
+            let off = between.state(elapsed) - exact.state(elapsed);
+            let of_works = between.work(elapsed) - exact.work(elapsed);
+            for (sum, off) in sums.iter_mut().zip([off[0].hypot(off[2]), off[1].hypot(off[3]), of_works.norm()]) {
+                *sum += off * off;
+            }
+            for end in [0.0, size] {
+                assert!((between.state(end) - exact.state(end)).norm() < 1e-14, "{end}");
+            }
+            (time, x) = (time + 0.008, Step::attempt(time, 0.008, x, first, &f).end);
+        }
+        for (series, sum) in sums.into_iter().enumerate() {
+            found[series][i] = (size, sum.sqrt());
+        }
+    }
+    let [displacements, velocities, works] = found;
+    for (errors, expected) in [(displacements, 6.0), (velocities, 4.0), (works, 4.0)] {
+        let order = slope(&errors);
+        assert!((order - expected).abs() < 0.5, "order {order}, expected {expected}, from {errors:?}");
+    }
 }
 
 /// Where stops come every few milliseconds, most steps take six evaluations, and one more for the start after the stop.

@@ -8,7 +8,7 @@ mod skipped;
 
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::{Ending, Progress, Settings, Simulation};
-use rocking_block::system::surfaces::EventKind;
+use rocking_block::system::surfaces::{Event, EventKind};
 
 use common::{Case, cases, inputs_at, record_step};
 use compare::{Comparison, Happened, Seen, Tolerance};
@@ -103,4 +103,61 @@ fn at_a_tight_tolerance() {
 #[test]
 fn at_the_default_tolerance() {
     check(Tolerance::Default);
+}
+
+/// At each tolerance θ is within it, in units of α, and nothing else happens than in the reference. The least of them is the
+/// default.
+#[test]
+fn theta_is_within_the_tolerance() {
+    let mut failures = Vec::new();
+    for case in cases() {
+        // A record that is not at hand is told by the other tests.
+        let Ok(records) = case.records() else { continue };
+        let rows = case.rows();
+        let step = record_step(&records).unwrap_or(case.dt);
+        let per_row = (case.dt / step).round() as usize;
+        for tolerance in [1e-4, 1e-5, 1e-6, Settings::default().tolerance] {
+            let mut simulation = case.start(tolerance, &records);
+            let (mut events, mut sample, mut greatest, mut residual) = (Vec::new(), 0, 0.0_f64, 0.0_f64);
+            let mut ended = false;
+            while !ended && simulation.time() < case.t_end {
+                let inputs = inputs_at(&records, sample);
+                sample += 1;
+                let mut event = |event: &Event| {
+                    let overturns = event.kind == EventKind::Overturning;
+                    let after = if overturns { "overturned".into() } else { event.after.number().into() };
+                    events.push((event.before.number(), after));
+                };
+                let progress = simulation.advance((sample as f64 * step).min(case.t_end), &inputs, &mut event).unwrap();
+                ended = matches!(progress, Progress::Ended(..));
+                if let Some(row) = rows.get(sample / per_row).filter(|_| !ended && sample % per_row == 0) {
+                    // See `SENSITIVE` in tests/common/compare.rs.
+                    let sensitive = case.name == "bridge_rinaldi_pad_S10" && row.t > 8.0 && tolerance < 1e-7;
+                    let most = if sensitive { 20.0 * tolerance } else { tolerance };
+                    let off = (simulation.observe(&inputs).theta - row.theta).abs() / case.block().alpha;
+                    greatest = greatest.max(off / most);
+                }
+                residual = residual.max(simulation.energies().residual.abs());
+            }
+            let greatest_energy = rows.iter().fold(0.0_f64, |most, row| most.max(row.energy.abs()));
+            println!(
+                "{} at {tolerance:e}: theta {greatest:.2} of the tolerance, residual {:.1e} of the greatest energy",
+                case.name,
+                residual / greatest_energy
+            );
+            if greatest > 1.0 {
+                failures.push(format!("{} at {tolerance:e}: theta is off by {greatest:.2} tolerances", case.name));
+            }
+            // Works are not held against a loose tolerance; see docs/integrator.md.
+            let most = tolerance.max(1e-5);
+            if residual > most * greatest_energy {
+                failures.push(format!("{} at {tolerance:e}: residual {residual:e}", case.name));
+            }
+            let expected: Vec<_> = case.events.iter().map(|(_, before, after)| (*before, after.clone())).collect();
+            if events != expected {
+                failures.push(format!("{} at {tolerance:e}: {events:?} should be {expected:?}", case.name));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
 }

@@ -158,20 +158,30 @@ fn polynomial<const N: usize>(
     size: f64,
     k: &[SVector<f64, N>; 16],
 ) -> Polynomial<N> {
-    let first = k[0] * size - change;
-    [
-        start,
-        change,
-        first,
-        change - k[12] * size - first,
+    let mut polynomial = cubic(start, change, size, &k[0], &k[12]);
+    polynomial[4..].copy_from_slice(&[
         dense!(k, 0) * size,
         dense!(k, 1) * size,
         dense!(k, 2) * size,
         dense!(k, 3) * size,
-    ]
+    ]);
+    polynomial
 }
 
-/// The motion inside a step: polynomials of degree 7 that take on the step's ends and their rates.
+/// The cubic with these rates at the ends.
+fn cubic<const N: usize>(
+    start: SVector<f64, N>,
+    change: SVector<f64, N>,
+    size: f64,
+    first: &SVector<f64, N>,
+    last: &SVector<f64, N>,
+) -> Polynomial<N> {
+    let bend = first * size - change;
+    let none = SVector::zeros();
+    [start, change, bend, change - last * size - bend, none, none, none, none]
+}
+
+/// The motion inside a step: polynomials, of degree 7 or less, that take on the step's ends and their rates.
 #[derive(Clone, Copy, Debug)]
 pub struct DenseOutput {
     /// Time at the step's beginning (s).
@@ -183,6 +193,26 @@ pub struct DenseOutput {
 }
 
 impl DenseOutput {
+    /// The motion between two states with known rates, of a system of second order: velocities and the works, `work` in all, by
+    /// cubics, displacements by polynomials of degree 5 that take on the accelerations too. Their derivatives would be velocities
+    /// that have the error of the displacements over the size of the step.
+    pub fn between(
+        time: f64,
+        size: f64,
+        [(start, first), (end, last)]: [(State, Rate); 2],
+        work: Quadratures,
+    ) -> DenseOutput {
+        let mut state = cubic(start, end - start, size, &first.state, &last.state);
+        let [_, _, second, third, fourth, fifth, ..] = &mut state;
+        for x in [0, 2] {
+            let half = 0.5 * size * size;
+            fourth[x] = half * first.state[x + 1] + second[x] - third[x];
+            fifth[x] = half * last.state[x + 1] + second[x] + 2.0 * third[x] - fourth[x];
+        }
+        let work = cubic(Quadratures::zeros(), work, size, &first.quadratures, &last.quadratures);
+        DenseOutput { time, size, state, work }
+    }
+
     /// State `elapsed` seconds after the beginning of the step.
     pub fn state(&self, elapsed: f64) -> State {
         evaluate(&self.state, elapsed / self.size)

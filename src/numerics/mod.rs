@@ -3,7 +3,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
-//! | [`short`] | the same of order 5, to a stop close ahead, without the motion inside |
+//! | [`short`] | the same of order 5, to a stop close ahead, with fewer evaluations |
 //! | [`control`] | the error of a step → the size of the next |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
 //! | [`wide`] | several numbers side by side → the same operations on each, by the processor's vectors |
@@ -59,6 +59,9 @@ pub trait Vector<R>: Copy + Add<Output = Self> + Mul<f64, Output = Self> + Mul<R
 
     /// Sum of the squares of the components.
     fn square(self) -> R;
+
+    /// Of two vectors `[x, ẋ, y, ẏ]` one with the velocities of the first in the places of displacements, and those of the second.
+    fn of_second_order(displacements: Self, velocities: Self) -> Self;
 }
 
 impl Real for f64 {
@@ -90,6 +93,11 @@ impl<const N: usize> Vector<f64> for SVector<f64, N> {
     #[inline(always)]
     fn square(self) -> f64 {
         self.norm_squared()
+    }
+
+    #[inline(always)]
+    fn of_second_order(displacements: Self, velocities: Self) -> Self {
+        Self::from_fn(|i, _| if i % 2 == 0 { displacements[i + 1] } else { velocities[i] })
     }
 }
 

@@ -4,7 +4,7 @@ use crate::block::{Block, Foundation};
 use crate::contact::Regime;
 use crate::excitation::Excitation;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, EVALUATIONS_PER_STEP, Step};
-use crate::numerics::short::ShortStep;
+use crate::numerics::short::{ShortPair, ShortStep};
 use crate::numerics::{Rate, roots};
 use crate::simulation::peaks::{Channels, Peaks};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
@@ -44,6 +44,20 @@ pub(super) struct Limits {
     pub(super) work_weight: f64,
     /// The longest step (s).
     pub(super) longest: f64,
+    /// The part of the error of other steps that a short step may make.
+    pub(super) short_share: f64,
+    /// The tolerance, if it is a loose one; zero otherwise.
+    loosely: f64,
+}
+
+/// What became of a step to a stop close ahead.
+enum Short {
+    /// None is taken.
+    None,
+    /// It was taken, and nothing could happen on the way.
+    Taken,
+    /// It leads to this state with these works, but something may happen on the way.
+    Eventful(State, Powers),
 }
 
 /// Steps that a call may take. What a call asks for in good faith takes far fewer; with this many it ends in seconds.
@@ -59,10 +73,25 @@ pub(super) const SHORT_GROWTH: f64 = 1.1;
 pub(super) const LEAST_SHORT_FACTOR: f64 = 0.1;
 
 /// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a short step may make
-/// a tenth of the error of others, in the motion and in the works.
-pub(super) const SHORT_SHARE: f64 = 0.1;
+/// a tenth of the error of others, in the motion and in the works, where the tolerance is not a loose one.
+const SHORT_SHARE: f64 = 0.1;
+
+/// The least loose tolerance. From it on a short step may make the whole error, and its ends tell what happens inside.
+const LOOSE: f64 = 1e-7;
+
+/// The fifth power of the angle by which the fastest motion may turn in a step of Nyström's method, over a loose tolerance. Its
+/// estimates see the error of one step; by this the errors of all steps under a record add up to less than the tolerance.
+const NYSTROM_TURN: f64 = 180.0;
 
 impl Limits {
+    /// The pair of a short step of this size.
+    #[inline(always)]
+    pub(super) fn short_pair(&self, size: f64) -> ShortPair {
+        let turn = LONGEST * size / self.longest;
+        let square = turn * turn;
+        if square * square * turn <= NYSTROM_TURN * self.loosely { ShortPair::Nystrom } else { ShortPair::Tsitouras }
+    }
+
     /// The part of a peak that a value at one end of a step reaches if it may grow above the peak inside.
     ///
     /// In a step of h at a circular frequency ω an oscillation of amplitude A rises by at most A (ωh)²/8 above its ends; this
@@ -139,25 +168,39 @@ impl Simulation {
             }
             self.spend(budget, stop, limits.longest)?;
             let motion = Motion::under(law, block, &self.pose, excitation);
-            if !beginning.short_failed && self.short_step(stop, &motion, &here, &limits) {
-                return Ok(());
-            }
-            let step = self.accepted_step(stop, &motion, &here, &limits)?;
-            let mut there = motion.at(step.end_time, step.end);
+            let short = match beginning.short_failed {
+                true => Short::None,
+                false => self.short_step(stop, &motion, &here, &limits),
+            };
+            let mut step = None;
+            let (end_time, end, mut work) = match short {
+                Short::Taken => return Ok(()),
+                Short::Eventful(end, work) => (stop, end, work),
+                Short::None => {
+                    let accepted = step.insert(self.accepted_step(stop, &motion, &here, &limits)?);
+                    (accepted.end_time, accepted.end, accepted.work)
+                }
+            };
+            let mut there = motion.at(end_time, end);
             if !there.state.iter().chain(there.rate.state.iter()).all(|x| x.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let mut inside = Inside { motion, step: &step, end: there.rate, dense: None };
-            let event = first_event(&here, &there, &mut inside);
-            let (elapsed, work) = match event {
-                Some((elapsed, _)) => {
-                    there = inside.at(elapsed);
-                    (elapsed, inside.dense().work(elapsed))
+            let between = match &step {
+                Some(step) => Between::Within(step, there.rate),
+                None => {
+                    let ends = [(here.state, here.rate), (there.state, there.rate)];
+                    Between::Known(DenseOutput::between(here.time, end_time - here.time, ends, work))
                 }
-                None => (there.time - here.time, step.work),
             };
+            let mut inside = Inside { motion, between, evaluations: 0 };
+            let event = first_event(&here, &there, &mut inside);
+            if let Some((elapsed, _)) = event {
+                there = inside.at(elapsed);
+                work = inside.dense().work(elapsed);
+            }
+            let elapsed = event.map_or(there.time - here.time, |(elapsed, _)| elapsed);
             self.update_peaks(&here, &there, limits.near_a_peak(elapsed), &mut inside);
-            self.counts.evaluations += inside.evaluations();
+            self.counts.evaluations += inside.evaluations;
             self.go_to(&there, work);
             if let Some((_, surface)) = event {
                 return self.apply_or_stop(surface, &there, piece, observer);
@@ -226,41 +269,43 @@ impl Simulation {
         self.pose = Pose { time, state, footing, ..self.pose };
     }
 
-    /// Goes to `stop` by a step of order 5, if that is close enough and nothing happens on the way; whether it did.
-    ///
+    /// Goes to `stop` by a short step, if that is close enough and nothing happens on the way.
     #[inline(always)]
-    fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> bool {
+    fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> Short {
         let size = stop - self.pose.time;
         if LONGEST * size > limits.longest || motion.law().held().is_some() {
-            return false;
+            return Short::None;
         }
         if size > self.short_size {
             self.short_size *= SHORT_GROWTH;
-            return false;
+            return Short::None;
         }
-        let step = ShortStep::attempt(here.time, size, here.state, here.rate, motion);
+        let pair = limits.short_pair(size);
+        let step = ShortStep::attempt(pair, here.time, size, here.state, here.rate, motion);
         let there = motion.at(stop, step.end);
-        self.counts.evaluations += ShortStep::EVALUATIONS + 1;
-        let error = step.error(there.rate, limits.weights, limits.work_weight) / SHORT_SHARE;
+        self.counts.evaluations += pair.evaluations() + 1;
+        let error = step.error(there.rate, limits.weights, limits.work_weight) / limits.short_share;
         // The root of order 4 is two square roots, and less than that of order 5.
         let factor = (1.0 / error.sqrt().sqrt()).max(LEAST_SHORT_FACTOR);
         if factor < 1.0 {
             self.short_size = size * factor;
-            return false;
+            return Short::None;
         }
-        if may_hold_event(motion.law(), here, &there) {
-            return false;
-        }
+        let eventful = may_hold_event(motion.law(), here, &there);
         let [start, end] = self.channels_at_ends(here, &there, limits.near_a_peak(size));
-        if self.peaks.may_rise_inside(&start, &end, size) {
-            return false;
+        if eventful || self.peaks.may_rise_inside(&start, &end, size) {
+            if pair == ShortPair::Tsitouras {
+                return Short::None;
+            }
+            self.counts.steps += 1;
+            return Short::Eventful(step.end, step.work);
         }
         // After an event or a jump of the inputs the beginning is new, too.
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
         self.go_to(&there, step.work);
-        true
+        Short::Taken
     }
 
     /// A step within the tolerance, from `here` towards `stop`, and the instant it leads to.
@@ -328,8 +373,15 @@ impl Simulation {
         let upright = 1.0 / (self.settings.tolerance * most);
         let weights = State::new(rocking * allowed, allowed, vertical * upright, upright);
         let longest = LONGEST / rocking.max(vertical).max(pulse_frequency);
-        // The energy of a block that rocks with the velocity of which the rest is a part.
-        Limits { weights, work_weight: allowed / ((i0 + r0 * r0) * alpha * p), longest }
+        let loosely = if self.settings.tolerance >= LOOSE { self.settings.tolerance } else { 0.0 };
+        Limits {
+            weights,
+            // The energy of a block that rocks with the velocity of which the rest is a part.
+            work_weight: allowed / ((i0 + r0 * r0) * alpha * p),
+            longest,
+            short_share: if loosely > 0.0 { 1.0 } else { SHORT_SHARE },
+            loosely,
+        }
     }
 
     /// Takes the step's peaks in.
@@ -396,30 +448,40 @@ fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Optio
     first
 }
 
-/// The motion inside a step; its dense output is formed when it is first asked for.
+/// The motion between the ends of a step.
+enum Between<'s> {
+    /// As it is known.
+    Known(DenseOutput),
+    /// As it will be known from the dense output of a step with this rate at its end, when it is first asked for.
+    Within(&'s Step, Rate),
+}
+
+/// The motion inside a step.
 struct Inside<'s, 'a, L> {
     motion: Motion<'a, L>,
-    step: &'s Step,
-    /// Rate at the end of the step.
-    end: Rate,
-    dense: Option<DenseOutput>,
+    between: Between<'s>,
+    /// Evaluations of the right-hand side that the dense output took.
+    evaluations: u64,
 }
 
 impl<'a, L: Law> Inside<'_, 'a, L> {
     #[inline]
     fn dense(&mut self) -> &DenseOutput {
-        self.dense.get_or_insert_with(|| self.step.dense(self.end, &self.motion))
+        if let Between::Within(step, end) = self.between {
+            self.between = Between::Known(step.dense(end, &self.motion));
+            self.evaluations = EVALUATIONS_OF_DENSE_OUTPUT;
+        }
+        match &self.between {
+            Between::Known(dense) => dense,
+            Between::Within(..) => unreachable!("it has been formed"),
+        }
     }
 
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
     fn at(&mut self, elapsed: f64) -> Now<'a> {
-        let state = self.dense().state(elapsed);
-        self.motion.at(self.step.time + elapsed, state)
-    }
-
-    /// Evaluations of the right-hand side that the dense output took.
-    fn evaluations(&self) -> u64 {
-        if self.dense.is_some() { EVALUATIONS_OF_DENSE_OUTPUT } else { 0 }
+        let dense = self.dense();
+        let (time, state) = (dense.time + elapsed, dense.state(elapsed));
+        self.motion.at(time, state)
     }
 }

@@ -297,6 +297,14 @@ impl<V: Simd, const N: usize> Vector<Wide<V>> for Wides<V, N> {
         self
     }
 
+    #[inline(always)]
+    fn of_second_order(displacements: Wides<V, N>, mut velocities: Wides<V, N>) -> Wides<V, N> {
+        for i in (0..N).step_by(2) {
+            velocities.0[i] = displacements.0[i + 1];
+        }
+        velocities
+    }
+
     /// In the order of nalgebra, which adds every other one of four.
     #[inline(always)]
     fn square(self) -> Wide<V> {

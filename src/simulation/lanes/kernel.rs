@@ -6,9 +6,9 @@ use std::f64::consts::FRAC_PI_2;
 use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::excitation::Forcing;
-use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
+use crate::numerics::dop853::Step;
 use crate::numerics::roots::Sample;
-use crate::numerics::short::ShortStep;
+use crate::numerics::short::{ShortPair, ShortStep};
 use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Wides, Width};
 use crate::numerics::{Equations, Rate, Real};
 use crate::scalar::Dual;
@@ -16,16 +16,10 @@ use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::{Lane, place};
 use crate::simulation::outputs::observe;
 use crate::simulation::peaks::{Channels, channels, cheap_channels};
-use crate::simulation::stepping::{LONGEST, SHORT_SHARE};
+use crate::simulation::stepping::LONGEST;
 use crate::system::dynamics::{Footing, Instant, along_of, instant_of};
 use crate::system::law::{Gripping, Law};
 use crate::system::surfaces::{ROUNDING, Surface, reaction_rate};
-
-/// Evaluations of the equations of motion that a run alone counts for a step of order 5, with that at its end.
-pub const SHORT_EVALUATIONS: u64 = ShortStep::EVALUATIONS + 1;
-
-/// The same for a step of order 8.
-pub const LONG_EVALUATIONS: u64 = EVALUATIONS_PER_STEP;
 
 /// What rounding leaves of the zero of each surface.
 struct Rounding<V> {
@@ -54,33 +48,27 @@ pub struct Stepped {
     pub longest: Array,
 }
 
-/// Takes a step of each run of a group of at least one and at most as many as there are lanes.
-pub fn step(width: Width, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
+/// Takes a step of each run of a group of at least one and at most as many as there are lanes, with the pair of a short step or
+/// of order 8.
+pub fn step(width: Width, regime: Regime, short: Option<ShortPair>, group: &[Box<Lane>]) -> Stepped {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
     for (place, run) in runs.iter_mut().zip(group) {
         *place = run;
     }
-    macro_rules! run {
-        ($left:literal, $right:literal) => {{
-            let law = Gripping::<$left, $right, false>;
-            match short {
-                true => width.run(Together::<_, true> { law, runs, count }),
-                false => width.run(Together::<_, false> { law, runs, count }),
-            }
-        }};
-    }
     match regime {
-        Regime::FullContact => run!(true, true),
-        Regime::TiltingLeft => run!(true, false),
-        Regime::TiltingRight => run!(false, true),
+        Regime::FullContact => width.run(Together { law: Gripping::<true, true, false>, short, runs, count }),
+        Regime::TiltingLeft => width.run(Together { law: Gripping::<true, false, false>, short, runs, count }),
+        Regime::TiltingRight => width.run(Together { law: Gripping::<false, true, false>, short, runs, count }),
         Regime::Separated => unreachable!("no block in flight is stepped in a lane"),
     }
 }
 
-/// The step of a group under a law, of order 5 if it is `SHORT` and of order 8 otherwise.
-struct Together<'g, L, const SHORT: bool> {
+/// The step of a group under a law. Which step it is the function asks when it runs: what surrounds the stages is much to compile.
+struct Together<'g, L> {
     law: L,
+    /// The pair of a short step; none of one of order 8.
+    short: Option<ShortPair>,
     /// In each lane; those beyond the group have its last.
     runs: [&'g Lane; MOST_LANES],
     /// How many there are in the group.
@@ -317,7 +305,7 @@ fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>)
     Sample { value: some.value.in_lanes(lanes, other.value), rate: some.rate.in_lanes(lanes, other.rate) }
 }
 
-impl<L: Law, const SHORT: bool> Together<'_, L, SHORT> {
+impl<L: Law> Together<'_, L> {
     /// A number of each lane.
     #[inline(always)]
     fn each<V: Simd>(&self, number: impl Fn(&Lane) -> f64) -> Wide<V> {
@@ -390,7 +378,7 @@ impl<L: Law, const SHORT: bool> Together<'_, L, SHORT> {
     }
 }
 
-impl<L: Law, const SHORT: bool> Task for Together<'_, L, SHORT> {
+impl<L: Law> Task for Together<'_, L> {
     type Output = Stepped;
 
     #[inline(always)]
@@ -421,24 +409,32 @@ impl<L: Law, const SHORT: bool> Task for Together<'_, L, SHORT> {
         let here = motion.at(time, state, self.tops(Lane::top));
         let infinite = Wide::from(f64::INFINITY);
         let one = Wide::from(1.0);
-        let (end, work, error_is_fine, there, root);
-        if SHORT {
-            let step = ShortStep::attempt_in_loop(time, size, Wides(state), here.rate, &motion);
-            (end, work) = (step.end, step.work);
-            there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
-            let work_weight = self.each(|lane| lane.limits[place].work_weight);
-            let error = step.error(there.rate, weights, work_weight) / SHORT_SHARE;
-            let factor = one / error.sqrt().sqrt();
-            error_is_fine = error.less(infinite).bits() & !factor.less(one).bits();
-            root = factor;
-        } else {
-            let step = Step::attempt_in_loop(time, size, Wides(state), here.rate, &motion);
-            (end, work) = (step.end, step.work);
-            there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
-            let error = step.error(weights);
-            error_is_fine = error.less(infinite).bits() & !one.less(error).bits();
-            root = error.sqrt().sqrt().sqrt();
+        // That of a short step depends on the rate at its end, too.
+        enum Error<V: Simd> {
+            AtEnd(ShortStep<Wide<V>>),
+            Known(Wide<V>),
         }
+        let (end, work, error) = match self.short {
+            Some(pair) => {
+                let step = ShortStep::attempt_in_loop(pair, time, size, Wides(state), here.rate, &motion);
+                (step.end, step.work, Error::AtEnd(step))
+            }
+            None => {
+                let step = Step::attempt_in_loop(time, size, Wides(state), here.rate, &motion);
+                (step.end, step.work, Error::Known(step.error(weights)))
+            }
+        };
+        let there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
+        let (error_is_fine, root) = match error {
+            Error::AtEnd(step) => {
+                let work_weight = self.each(|lane| lane.limits[place].work_weight);
+                let share: Wide<V> = self.each(|lane| lane.limits[place].short_share);
+                let error = step.error(there.rate, weights, work_weight) / share;
+                let factor = one / error.sqrt().sqrt();
+                (error.less(infinite).bits() & !factor.less(one).bits(), factor)
+            }
+            Error::Known(error) => (error.less(infinite).bits() & !one.less(error).bits(), error.sqrt().sqrt().sqrt()),
+        };
 
         let duration = end_time - time;
         let mut magnitude = Wide::default();
@@ -456,7 +452,7 @@ impl<L: Law, const SHORT: bool> Task for Together<'_, L, SHORT> {
         let dashpots = self.each::<V>(|lane| lane.simulation.sums.dashpots) + work.0[1];
         Stepped {
             taken: usual & !inside & runs,
-            failed: if SHORT { !error_is_fine & !rests & runs } else { 0 },
+            failed: if self.short.is_some() { !error_is_fine & !rests & runs } else { 0 },
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
             tops: [store(there.tops[0]), store(there.tops[1])],
             sums: [input.store(), dashpots.store()],

@@ -12,7 +12,9 @@ use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
 use crate::excitation::{Excitation, Inputs, Ramp};
 use crate::numerics::control::{Attempt, size_factor};
+use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::roots::Sample;
+use crate::numerics::short::ShortPair;
 use crate::numerics::wide::{Array, Width};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Beginning, LEAST_SHORT_FACTOR, LONGEST, Limits, MOST_STEPS, SHORT_GROWTH};
@@ -52,7 +54,7 @@ pub struct Lane {
     tops: (f64, [Sample; 2]),
     /// The step that comes next.
     attempt: Attempt,
-    /// Whether a step of order 5 would do but for the errors that such steps made.
+    /// Whether a short step would do but for the errors that such steps made.
     grows: bool,
     /// Whether such a step has just made too great an error here.
     short_failed: bool,
@@ -62,24 +64,26 @@ pub struct Lane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     regime: Regime,
-    /// Whether it is of order 5.
-    short: bool,
+    /// The pair of a short step; none of one of order 8.
+    short: Option<ShortPair>,
 }
 
 impl Kind {
     /// How many there are.
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 9;
+
+    const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
+    const PAIRS: [Option<ShortPair>; 3] = [Some(ShortPair::Tsitouras), None, Some(ShortPair::Nystrom)];
 
     /// Its number, from 0.
     pub fn number(self) -> usize {
-        let place = place(self.regime).unwrap_or(0);
-        if self.short { place } else { place + 3 }
+        let pair = Kind::PAIRS.iter().position(|&pair| pair == self.short).unwrap_or(0);
+        place(self.regime).unwrap_or(0) + 3 * pair
     }
 
     /// The kind of a number.
     pub fn numbered(number: usize) -> Kind {
-        const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
-        Kind { regime: REGIMES[number % 3], short: number < 3 }
+        Kind { regime: Kind::REGIMES[number % 3], short: Kind::PAIRS[number / 3] }
     }
 }
 
@@ -180,7 +184,8 @@ impl Lane {
         if system.block.foundation != Foundation::Viscoelastic || !gripping || self.ground.is_none() {
             return None;
         }
-        let longest = self.limits[place(regime)?].longest;
+        let limits = &self.limits[place(regime)?];
+        let longest = limits.longest;
         let (time, stop) = (self.simulation.pose.time, self.stop);
         let size = stop - time;
         if self.budget == 0 || f64::EPSILON * size >= longest {
@@ -189,12 +194,12 @@ impl Lane {
         let close = LONGEST * size <= longest && !self.short_failed;
         if close && size <= self.simulation.short_size {
             self.attempt = Attempt::to_stop(size);
-            return Some(Kind { regime, short: true });
+            return Some(Kind { regime, short: Some(limits.short_pair(size)) });
         }
         let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
         self.attempt = self.simulation.control.attempt(size, longest, shortest);
         self.grows = close;
-        Some(Kind { regime, short: false })
+        Some(Kind { regime, short: None })
     }
 
     /// Takes a step alone, and reports each event to `observer`.
@@ -240,17 +245,17 @@ impl Lane {
 
     /// Comes to the end of a step.
     #[inline]
-    fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
+    fn arrive(&mut self, stepped: &Stepped, lane: usize, short: Option<ShortPair>) {
         let end_time = self.end_time();
         let Lane { simulation, attempt, .. } = self;
         let [left, right] = &stepped.tops;
         let top = |of: &Sample<Array>| Sample { value: of.value[lane], rate: of.rate[lane] };
         self.tops = (end_time, [top(left), top(right)]);
-        if short {
-            simulation.counts.evaluations += kernel::SHORT_EVALUATIONS;
+        if let Some(pair) = short {
+            simulation.counts.evaluations += pair.evaluations() + 1;
         } else {
             simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
-            simulation.counts.evaluations += kernel::LONG_EVALUATIONS;
+            simulation.counts.evaluations += EVALUATIONS_PER_STEP;
             if self.grows {
                 simulation.short_size *= SHORT_GROWTH;
             }
@@ -275,9 +280,9 @@ impl Lane {
         self.budget -= 1;
     }
 
-    /// Takes note that a step of order 5 made too great an error. One of order 8 comes next.
-    fn fail(&mut self, stepped: &Stepped, lane: usize) {
-        self.simulation.counts.evaluations += kernel::SHORT_EVALUATIONS;
+    /// Takes note that a short step made too great an error. One of order 8 comes next.
+    fn fail(&mut self, stepped: &Stepped, lane: usize, pair: ShortPair) {
+        self.simulation.counts.evaluations += pair.evaluations() + 1;
         self.simulation.short_size = self.attempt.size * stepped.root[lane].max(LEAST_SHORT_FACTOR);
         self.short_failed = true;
     }
@@ -290,8 +295,10 @@ pub fn step_together(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
             run.arrive(&stepped, lane, kind.short);
-        } else if stepped.failed >> lane & 1 == 1 {
-            run.fail(&stepped, lane);
+        } else if stepped.failed >> lane & 1 == 1
+            && let Some(pair) = kind.short
+        {
+            run.fail(&stepped, lane, pair);
         }
     }
     stepped.taken | stepped.failed
