@@ -172,20 +172,20 @@ impl Simulation {
                 true => Short::None,
                 false => self.short_step(stop, &motion, &here, &limits),
             };
-            let mut step = None;
-            let (end_time, end, mut work) = match short {
+            let step;
+            let (end_time, end, mut work, accepted) = match short {
                 Short::Taken => return Ok(()),
-                Short::Eventful(end, work) => (stop, end, work),
+                Short::Eventful(end, work) => (stop, end, work, None),
                 Short::None => {
-                    let accepted = step.insert(self.accepted_step(stop, &motion, &here, &limits)?);
-                    (accepted.end_time, accepted.end, accepted.work)
+                    step = self.accepted_step(stop, &motion, &here, &limits)?;
+                    (step.end_time, step.end, step.work, Some(&step))
                 }
             };
             let mut there = motion.at(end_time, end);
             if !there.state.iter().chain(there.rate.state.iter()).all(|x| x.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let between = match &step {
+            let between = match accepted {
                 Some(step) => Between::Within(step, there.rate),
                 None => {
                     let ends = [(here.state, here.rate), (there.state, there.rate)];
