@@ -35,7 +35,7 @@ def search_overturning(
     stop: float | None = None,
     points: int = 201,
     resolution: float = 1e-6,
-    tolerance: float = 1e-8,
+    tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
     lift_off: LiftOff = "keep-rates",
     threads: int | None = None,
@@ -60,7 +60,9 @@ def search_overturning(
         Values that are scanned, evenly spaced.
     resolution : float
         Width to which a change is closed in, in the unit of the amplitude or factor.
-    tolerance, on_separation, lift_off
+    tolerance : float
+        As in `Block.run`; looser by default, since outcomes need no more.
+    on_separation, lift_off
         As in `Block.run`.
     threads : int, optional
         Threads; without it one for each core.
@@ -96,7 +98,7 @@ def search_damping(
     stop: float = 1.0,
     points: int = 201,
     resolution: float = 1e-6,
-    tolerance: float = 1e-8,
+    tolerance: float = 1e-6,
     lift_off: LiftOff = "keep-rates",
     threads: int | None = None,
     progress: bool | None = None,

@@ -60,7 +60,7 @@ def spectrum(
     scale: npt.ArrayLike = 1.0,
     periods: Sequence[float] = (),
     pulse: Pulse | None = None,
-    tolerance: float = 1e-8,
+    tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
     on_overturning: OnOverturning = "terminate",
     lift_off: LiftOff = "keep-rates",
@@ -92,7 +92,9 @@ def spectrum(
         Periods [s] of Sa and Sv among the records' intensity measures in the table, which are those of `intensity`.
     pulse : Pulse, optional
         A pulse, alone or added to each record.
-    tolerance, on_overturning, lift_off
+    tolerance : float
+        As in `Block.run`; looser by default, since outcomes and peaks need no more.
+    on_overturning, lift_off
         As in `Block.run`.
     on_separation : {"fly", "terminate", "hold"}
         Blocks that leave the ground fly on, unless it says otherwise.
@@ -192,7 +194,7 @@ def outcomes(
     scale: npt.ArrayLike = 1.0,
     periods: Sequence[float] = (),
     pulse: Pulse | None = None,
-    tolerance: float = 1e-8,
+    tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
     on_overturning: OnOverturning = "terminate",
     lift_off: LiftOff = "keep-rates",

@@ -57,8 +57,8 @@ impl From<AtSeparation> for OnSeparation {
 #[derive(Args)]
 #[command(next_help_heading = "Runs")]
 pub struct RunOptions {
-    /// Relative tolerance of the integration
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
+    /// Relative tolerance of the integration; the default suffices for outcomes and peaks, not for the last digits of reactions
+    #[arg(long, default_value_t = Settings::OF_STUDIES, value_name = "TOL")]
     tolerance: f64,
     /// What stays the same when a corner lifts from full contact
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]

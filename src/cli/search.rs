@@ -123,8 +123,8 @@ struct SearchOptions {
     /// Values at which the range is scanned, evenly spaced
     #[arg(long, value_name = "N", default_value_t = 201, value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
     points: u64,
-    /// Relative tolerance of the integration
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
+    /// Relative tolerance of the integration; the default suffices for outcomes and peaks, not for the last digits of reactions
+    #[arg(long, default_value_t = Settings::OF_STUDIES, value_name = "TOL")]
     tolerance: f64,
     /// What stays the same when a corner lifts from full contact
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]

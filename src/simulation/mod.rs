@@ -67,6 +67,10 @@ pub struct Settings {
 impl Settings {
     /// The least and the greatest tolerance that is followed; what lies outside is taken as the nearer one.
     pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
+
+    /// The tolerance of studies, whose runs tell whether a block overturns and how far it tilts: docs/performance.md has what that
+    /// changes.
+    pub const OF_STUDIES: f64 = 1e-6;
 }
 
 impl Default for Settings {

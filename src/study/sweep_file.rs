@@ -88,7 +88,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         strengths,
         ensemble,
         measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
-        tolerance: tolerance.unwrap_or(Settings::default().tolerance),
+        tolerance: tolerance.unwrap_or(Settings::OF_STUDIES),
         on_separation: OnSeparation::Fly,
         duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= SHORTEST, "a time of at least 1e-6 s")?,

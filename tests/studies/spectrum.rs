@@ -253,7 +253,7 @@ fn a_table_of_another_study_is_left_alone() {
         &["s.csv:2:", "found `# alpha = 0.25", "expected `# alpha = 0.2,"],
     );
     refused(folder.path(), &go_on(&["--foundation", "40,0.2,0"]), &["s.csv:4:", "found `# foundation 40,0.1,0`"]);
-    refused(folder.path(), &go_on(&["--tolerance", "1e-9"]), &["tolerance = 1e-8", "tolerance = 1e-9"]);
+    refused(folder.path(), &go_on(&["--tolerance", "1e-9"]), &["tolerance = 1e-6", "tolerance = 1e-9"]);
     refused(
         folder.path(),
         &go_on(&["--on-separation", "terminate"]),
