@@ -205,11 +205,15 @@ fn step(
         State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot)
     };
     let (next, k) = stages(pair, time, x, size, rate);
-    let sum = |c: &[f64]| c.iter().zip(&k).fold(State::zeros(), |sum, (c, k)| sum + *k * *c).component_mul(weights);
-    let error = sum(pair.error);
+    let sum = |c: &[f64]| c.iter().zip(&k).fold(State::zeros(), |sum, (c, k)| sum + *k * *c);
+    let in_units = |c: &[f64]| sum(c).component_mul(weights);
+    let error = match &pair.displacements {
+        None => in_units(pair.error),
+        Some(of) => second_order(sum(of.error) * size, State::zeros()).component_mul(weights),
+    };
     let norm = match pair.second_error {
         Some(second) => {
-            let (fifth, third) = (error.norm_squared(), sum(second).norm_squared());
+            let (fifth, third) = (error.norm_squared(), in_units(second).norm_squared());
             if fifth == 0.0 { 0.0 } else { size * fifth / (fifth + 0.01 * third).sqrt() }
         }
         None => size * error.norm(),
@@ -219,16 +223,29 @@ fn step(
 
 fn stages(pair: &Pair, time: f64, x: State, size: f64, rate: impl Fn(f64, &State) -> State) -> (State, Vec<State>) {
     let mut k: Vec<State> = Vec::with_capacity(pair.stages.len());
-    for (row, node) in pair.stages.iter().zip(pair.nodes) {
-        let increment = row.iter().zip(&k).fold(State::zeros(), |sum, (a, k)| sum + *k * *a);
-        k.push(rate(time + node * size, &(x + increment * size)));
+    let sum = |row: &[f64], k: &[State]| row.iter().zip(k).fold(State::zeros(), |sum, (a, k)| sum + *k * *a);
+    let moved = |node: f64, velocities: &[f64], displacements: Option<&[f64]>, k: &[State]| match displacements {
+        None => sum(velocities, k) * size,
+        Some(row) => second_order(x * node + sum(row, k) * size, sum(velocities, k)) * size,
+    };
+    for (stage, (row, node)) in pair.stages.iter().zip(pair.nodes).enumerate() {
+        let displacements = pair.displacements.as_ref().map(|of| of.stages[stage]);
+        k.push(rate(time + node * size, &(x + moved(*node, row, displacements, &k))));
     }
-    let increment = pair.weights.iter().zip(&k).fold(State::zeros(), |sum, (b, k)| sum + *k * *b);
-    (x + increment * size, k)
+    let displacements = pair.displacements.as_ref().map(|of| of.weights);
+    (x + moved(1.0, pair.weights, displacements, &k), k)
+}
+
+/// The velocities of the first in the places of displacements, and those of the second.
+fn second_order(displacements: State, velocities: State) -> State {
+    State::new(displacements[1], velocities[1], displacements[3], velocities[3])
 }
 
 /// Order with which a pair's error falls on problems with known solutions, as a check of its tableau.
 fn order(pair: &Pair) -> f64 {
+    if pair.displacements.is_some() {
+        return order_of_second_order(pair);
+    }
     // x = (sin t, cos t, e^sin t, 1/(1+t)) at t = 6 from t = 0.
     let rate = |t: f64, x: &State| State::new(x[1], -x[0], x[2] * t.cos(), -x[3] * x[3]);
     let error = |steps: u32| {
@@ -240,4 +257,17 @@ fn order(pair: &Pair) -> f64 {
     // Steps so long that rounding, which Verner's large coefficients magnify, stays out of the way.
     let coarse = if pair.order > 5 { 24 } else { 60 };
     (error(coarse) / error(2 * coarse)).log2()
+}
+
+/// The same of a method for second-order equations without velocities.
+fn order_of_second_order(pair: &Pair) -> f64 {
+    // x = sin t, y = 1/(1+t) at t = 6 from t = 0.
+    let rate = |_: f64, x: &State| State::new(x[1], -x[0], x[3], 2.0 * x[2].powi(3));
+    let error = |steps: u32| {
+        let size = 6.0 / f64::from(steps);
+        let end =
+            (0..steps).fold(State::new(0.0, 1.0, 1.0, -1.0), |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
+        (end - State::new(6_f64.sin(), 6_f64.cos(), 1.0 / 7.0, -1.0 / 49.0)).norm()
+    };
+    (error(60) / error(120)).log2()
 }

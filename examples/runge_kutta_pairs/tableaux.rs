@@ -14,10 +14,50 @@ pub struct Pair {
     pub error: &'static [f64],
     /// Those of DOP853's second embedded result.
     pub second_error: Option<&'static [f64]>,
+    /// How displacements move beyond `c h ẋ`, where the method is one for second-order equations.
+    pub displacements: Option<Displacements>,
+}
+
+/// Coefficients of `h²` times the accelerations of the stages.
+pub struct Displacements {
+    pub stages: &'static [&'static [f64]],
+    pub weights: &'static [f64],
+    /// Weights less those of the embedded result, as a part of `h`; velocities have none.
+    pub error: &'static [f64],
 }
 
 /// All of them.
-pub const PAIRS: [&Pair; 6] = [&DORMAND_PRINCE_5, &TSITOURAS_5, &VERNER_6, &VERNER_7, &VERNER_9, &DOP853];
+pub const PAIRS: [&Pair; 7] = [&NYSTROM_5, &DORMAND_PRINCE_5, &TSITOURAS_5, &VERNER_6, &VERNER_7, &VERNER_9, &DOP853];
+
+/// E. J. Nystrom, Acta Soc. Sci. Fenn. 50 (1925), no. 13: of order 5 where accelerations do not depend on velocities; their
+/// share by the method of order 4 with the same nodes. Its last stage is at the end, and the next step begins with it.
+pub const NYSTROM_5: Pair = Pair {
+    name: "Nystrom 5",
+    order: 4,
+    first_same_as_last: true,
+    nodes: &[0.0, 0.2, 2.0 / 3.0, 1.0, 1.0],
+    stages: &[
+        &[],
+        &[0.2],
+        &[-17.0 / 27.0, 35.0 / 27.0],
+        &[2.6, -22.0 / 7.0, 54.0 / 35.0],
+        &[1.0 / 24.0, 125.0 / 336.0, 27.0 / 56.0, 5.0 / 48.0],
+    ],
+    weights: &[1.0 / 24.0, 125.0 / 336.0, 27.0 / 56.0, 5.0 / 48.0, 0.0],
+    error: &[0.0; 5],
+    second_error: None,
+    displacements: Some(Displacements {
+        stages: &[
+            &[],
+            &[1.0 / 50.0],
+            &[-1.0 / 27.0, 7.0 / 27.0],
+            &[0.3, -2.0 / 35.0, 9.0 / 35.0],
+            &[1.0 / 24.0, 25.0 / 84.0, 9.0 / 56.0, 0.0],
+        ],
+        weights: &[1.0 / 24.0, 25.0 / 84.0, 9.0 / 56.0, 0.0, 0.0],
+        error: &[0.0, 0.0, 0.0, -1.0 / 12.0, 1.0 / 12.0],
+    }),
+};
 
 /// J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19-26.
 pub const DORMAND_PRINCE_5: Pair = Pair {
@@ -53,6 +93,7 @@ pub const DORMAND_PRINCE_5: Pair = Pair {
         -0.025,
     ],
     second_error: None,
+    displacements: None,
 };
 
 /// C. Tsitouras, Comput. Math. Appl. 62 (2011) 770-775.
@@ -89,6 +130,7 @@ pub const TSITOURAS_5: Pair = Pair {
         0.015151515151515152,
     ],
     second_error: None,
+    displacements: None,
 };
 
 /// J. H. Verner, "most efficient" pair, https://www.sfu.ca/~jverner/: 6(5).
@@ -148,6 +190,7 @@ pub const VERNER_6: Pair = Pair {
         -0.056861139440475696,
     ],
     second_error: None,
+    displacements: None,
 };
 
 /// J. H. Verner, "most efficient" pair, https://www.sfu.ca/~jverner/: 7(6).
@@ -220,6 +263,7 @@ pub const VERNER_7: Pair = Pair {
         0.6700371172080292,
     ],
     second_error: None,
+    displacements: None,
 };
 
 /// J. H. Verner, "most efficient" pair, https://www.sfu.ca/~jverner/: 9(8).
@@ -391,6 +435,7 @@ pub const VERNER_9: Pair = Pair {
         -0.04652989552070924,
     ],
     second_error: None,
+    displacements: None,
 };
 
 /// E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I (1993), dop853.f.
@@ -518,4 +563,5 @@ pub const DOP853: Pair = Pair {
         0.20136540080403034,
         0.02265179219836082,
     ]),
+    displacements: None,
 };
