@@ -121,14 +121,15 @@ fn short_steps_are_of_order_five() {
 #[test]
 fn nystroms_steps_are_of_order_five_without_dashpots_and_of_order_four_with_them() {
     let numbers = [50, 64, 80, 100, 128];
-    for (xi_v, orders) in [(0.0, 4.6..5.5), (0.4, 3.7..4.5)] {
+    for (xi_v, orders) in [(0.0, 4.6..5.5), (0.4, 3.7..4.6)] {
         let [errors, works, estimates] = short_steps(ShortPair::Nystrom, xi_v, numbers);
         let order = slope(&errors);
         assert!(orders.contains(&order), "xi_v = {xi_v}: order {order} from {errors:?}");
         let order = slope(&works);
         assert!((3.7..5.5).contains(&order), "xi_v = {xi_v}: order {order} of the works {works:?}");
         let order = slope(&estimates);
-        assert!((4.7..5.5).contains(&order), "xi_v = {xi_v}: order {order} of the estimates {estimates:?}");
+        // Of one step, but also of one order less than that of the result.
+        assert!(orders.contains(&order), "xi_v = {xi_v}: order {order} of the estimates {estimates:?}");
     }
 }
 

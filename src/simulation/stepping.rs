@@ -449,6 +449,7 @@ fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Optio
 }
 
 /// The motion between the ends of a step.
+#[expect(clippy::large_enum_variant, reason = "it stays where it is, on the stack")]
 enum Between<'s> {
     /// As it is known.
     Known(DenseOutput),

@@ -77,7 +77,7 @@ fn a_value_is_that_of_the_single_run() {
         let common = Common { foundation, epsilon, ..Common::default() };
         let run = Run {
             block: Block::from_dimensionless(&d, &common).unwrap(),
-            settings: Settings::default(),
+            settings: Settings { tolerance: Settings::OF_STUDIES, ..Settings::default() },
             initial: Initial::default(),
             pulse: Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.2566370614359172, start: 0.0 },
             ground: Ground::default(),
@@ -87,7 +87,7 @@ fn a_value_is_that_of_the_single_run() {
         let history = run.history(|_| ()).unwrap();
         let p = table.get(row, "p [rad/s]");
         let base = if rigid { "rigid" } else { "viscoelastic" };
-        let mut block = vec!["--p", p, "--foundation", base, "--csv", "x.csv"];
+        let mut block = vec!["--p", p, "--foundation", base, "--csv", "x.csv", "--tolerance", "1e-6"];
         if row >= 18 {
             block.extend(["--eta", "60", "--epsilon", "0.4"]);
         }

@@ -107,7 +107,7 @@ fn a_grid_holds_the_single_runs() {
         let d = Dimensionless { alpha: 0.3, p, eta: 40.0, xi_v: 0.1 };
         let run = Run {
             block: Block::from_dimensionless(&d, &common).unwrap(),
-            settings: Settings::default(),
+            settings: Settings { tolerance: Settings::OF_STUDIES, ..Settings::default() },
             initial: Initial::default(),
             pulse: Pulse::NONE,
             ground: Ground { horizontal: Some(h.clone()), vertical: vertical.then(|| v.clone()) }.scaled(scale),
