@@ -113,7 +113,7 @@ def test_a_spectrum_has_the_numbers_of_single_runs(record):
     table = rb.outcomes(blocks, [record], scale=[1.0, 4.0])
     assert table.shape == (1, 2, 2)
     for row, (scale, block) in enumerate((scale, block) for scale in (1.0, 4.0) for block in blocks):
-        run = block.run(record, scale=scale, on_separation="fly", step=1e4)
+        run = block.run(record, scale=scale, tolerance=1e-6, on_separation="fly", step=1e4)
         assert table["peak.theta/alpha"][row] == run.peak.theta / block.alpha
         assert table["outcome"][row] == run.outcome
         assert (table["alpha"][row], table["p"][row], table["scale"][row]) == (block.alpha, block.p, scale)
