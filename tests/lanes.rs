@@ -160,7 +160,11 @@ fn run(number: u32) -> Run {
     let on_separation = [OnSeparation::Fly, OnSeparation::Fly, OnSeparation::Hold, OnSeparation::Terminate];
     Run {
         block: Block::from_dimensionless(&d, &common).unwrap(),
-        settings: Settings { on_separation: on_separation[number as usize % 4], ..Settings::default() },
+        settings: Settings {
+            tolerance: [1e-8, 1e-6, 1e-4][number as usize / 2 % 3],
+            on_separation: on_separation[number as usize % 4],
+            ..Settings::default()
+        },
         initial: Initial { theta: if number % 5 == 4 { -0.3 * d.alpha } else { 0.0 }, ..Initial::default() },
         pulse: if number % 6 == 5 { pulse } else { Pulse::NONE },
         ground: ground(2.0 + k % 13.0, number.is_multiple_of(2)),
