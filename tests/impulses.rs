@@ -1,7 +1,9 @@
 //! Landings, grips and changes of the pivot, beside the momenta that they keep and the velocities that they ask for.
 
-use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::contact::{Corner, Regime};
+use rocking_block::excitation::Forcing;
+use rocking_block::system::dynamics::{Footing, instant};
 use rocking_block::system::impact::{self, Velocities};
 
 fn block() -> Block {
@@ -173,4 +175,25 @@ fn a_landing_of_a_guided_corner_takes_the_energy_that_is_said() {
         let lost = before.kinetic(block) - after.kinetic(block);
         assert!(close(impact::landing_loss(block, on, theta, rate), lost), "{on:?} {theta}: {lost}");
     });
+}
+
+/// A corner slides along the rigid base, and is stopped by a horizontal impulse.
+#[test]
+fn a_grip_on_the_rigid_base_throws_the_corner_up() {
+    let block = Block { foundation: Foundation::Rigid, ..block() };
+    for on in Corner::BOTH {
+        for theta in ANGLES {
+            for before in BEFORE {
+                let footing = Footing::Free { u: 0.3, u_dot: before.u_dot };
+                let state = [theta, before.theta_dot, 0.0, 0.0];
+                let x = instant(&block, Regime::on(on), state, footing, Forcing::default());
+                let before = Velocities { v_dot: x.v_dot, ..before };
+                let at = arm(&block, theta, corner(&block, on));
+                assert!(close(velocity(before, at)[1], 0.0), "{on:?} {theta} {before:?}");
+                let after = impact::grip(&block, Regime::on(on), theta, before);
+                let thrown = impact::thrown_by_grip(&block, on, &x);
+                assert!(close(velocity(after, at)[1], thrown), "{on:?} {theta} {before:?}: {thrown}");
+            }
+        }
+    }
 }

@@ -449,3 +449,45 @@ fn landings_without_rebound_do_not_chatter() {
         assert!(events.len() < 30, "p = {p}: {} events", events.len());
     }
 }
+
+/// What a change of the horizontal constraint brings is the change of the kinetic energy, but for what the landing of a
+/// corner that does not move horizontally takes: `½ (1 − ε²) v̇_I²` times the mass that such a corner feels.
+#[test]
+fn the_energy_of_the_constraint_is_that_of_the_horizontal_motion() {
+    for lift_off in [LiftOff::KeepRates, LiftOff::KeepMomentum] {
+        let block = block(0.5, 1.0, 15.0, 0.2, 0.4);
+        let settings = Settings { tolerance: 1e-12, lift_off, ..Settings::default() };
+        let initial = Initial { theta: 0.3, ..Initial::default() };
+        let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+        let (inputs, mut kinds, mut expected) = (Inputs::default(), [0, 0], 0.0);
+        while kinds.iter().sum::<u32>() < 6 {
+            let start = simulation.time();
+            assert!(start < 10.0, "{kinds:?}");
+            simulation.advance_to_event(start + 1.0, start, &inputs, &mut |_| ()).unwrap();
+            if !simulation.is_at_event() {
+                continue;
+            }
+            let before = (seen(&simulation), simulation.energies().kinetic);
+            let mut events = Vec::new();
+            simulation.settle(&inputs, &mut |event| events.push(*event)).unwrap();
+            expected += simulation.energies().kinetic - before.1;
+            match events[0].kind {
+                EventKind::LiftOff(_) => kinds[0] += 1,
+                EventKind::Landing(corner) => {
+                    let s = corner.sign();
+                    let phi = block.alpha + s * before.0.theta;
+                    let rate = before.0.v_dot + s * block.r0 * phi.sin() * before.0.theta_dot;
+                    let (reach, height) = (block.r0 * phi.sin(), block.r0 * phi.cos());
+                    let feels = block.mass / (1.0 + reach * reach / (block.i0 + height * height));
+                    expected += 0.5 * (1.0 - 0.4 * 0.4) * feels * rate * rate;
+                    kinds[1] += 1;
+                }
+                other => panic!("{other:?}"),
+            }
+            let found = simulation.energies().constraint;
+            assert!((found - expected).abs() < 1e-10 * before.1, "{found} J, not {expected} J after {}", events[0]);
+            assert!(found.abs() > 1e-6 * before.1, "{found} J of {} J", before.1);
+        }
+        assert_eq!(kinds, [3, 3]);
+    }
+}

@@ -56,12 +56,35 @@ fn run(case: &Case, tolerance: Tolerance) -> Result<Vec<String>, String> {
         }
     }
     compared.events(&events);
+    let counts = simulation.counts();
+    let (found, expected) = ([counts.impacts, counts.liftoffs], impacts_and_liftoffs(case));
+    if found != expected {
+        compared.complain(&format!("{found:?} impacts and lift-offs should be {expected:?}"));
+    }
     match end {
         None => compared.end("completed", simulation.time()),
         Some((Ending::Separated, time)) => compared.end("separated", time),
         Some((Ending::Toppled | Ending::Overturned, time)) => compared.end("overturned", time),
     }
     Ok(compared.judge(tolerance))
+}
+
+/// How often a corner came down, and how often one lifted, by the regimes of the trajectory: where the regime stays the
+/// same, the corner that landed has lifted again.
+fn impacts_and_liftoffs(case: &Case) -> [u32; 2] {
+    let touching = |regime: i64| [matches!(regime, -1 | 0), matches!(regime, 0 | 1)];
+    let mut counts = [0; 2];
+    for (_, before, after) in &case.events {
+        let Some(after) = after.as_i64() else { continue };
+        if i64::from(*before) == after {
+            counts = counts.map(|count| count + 1);
+        }
+        for (before, after) in touching(i64::from(*before)).into_iter().zip(touching(after)) {
+            counts[0] += u32::from(!before && after);
+            counts[1] += u32::from(before && !after);
+        }
+    }
+    counts
 }
 
 fn seen(simulation: &Simulation, inputs: &Inputs) -> Seen {

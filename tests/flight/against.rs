@@ -34,7 +34,7 @@ struct Deviation {
     theta: f64,
     /// Of u and v, in R0 α.
     place: f64,
-    /// Of the times of events, in s; infinite where they are not the same.
+    /// Of the times of events, in s; infinite where they, or what they count as, are not the same.
     events: f64,
 }
 
@@ -79,7 +79,9 @@ impl Flight {
         greatest.events = pairs.fold(0.0, |greatest: f64, (event, other)| {
             greatest.max(if same(event, other) { (event.time - other.time).abs() } else { f64::INFINITY })
         });
-        if simulation.ending().is_none() && events.len() != run.events.len() {
+        let counts = simulation.counts();
+        let same = [counts.impacts, counts.liftoffs] == [run.impacts, run.liftoffs] && events.len() == run.events.len();
+        if simulation.ending().is_none() && !same {
             greatest.events = f64::INFINITY;
         }
         (greatest, events, run.used)

@@ -129,6 +129,7 @@ fn a_level_drop_lands_on_both_corners() {
     let landings = events.iter().filter(|e| matches!(e.kind, EventKind::Landing(_))).collect::<Vec<_>>();
     assert!(landings.len() > 5 && landings.iter().all(|e| e.after == Regime::FullContact), "{events:?}");
     assert_eq!((seen(&simulation).theta, seen(&simulation).u), (0.0, 0.0));
+    assert_eq!(simulation.counts().impacts as usize, 2 * landings.len());
     assert!((simulation.energies().total / energy - 1.0).abs() < 1e-8, "{:?}", simulation.energies());
 
     // The time of the fall, to the supports' free height.

@@ -61,8 +61,15 @@ fn a_block_bounces_with_epsilon() {
     }
     let last = events[events.len() - 1];
     assert_eq!(last.after, Regime::FullContact);
-    // Flights that rise less than some picometres are left out.
+    // Flights that rise less than 1e-12 R0 are left out.
     assert!((last.time - (landing + 2.0 * landing_rate / G)).abs() < 1e-5, "{last}");
+    let rises = |n: i32| (landing_rate * 0.5_f64.powi(n)).powi(2) / (2.0 * G);
+    let flights = events.len() as i32;
+    let least = 1e-12 * simulation.block().r0;
+    assert!(rises(flights) < least && least <= rises(flights - 1), "{flights} flights");
+    // Both corners land at once, and leave at once, when the ground falls and after each landing but the last.
+    let counts = simulation.counts();
+    assert_eq!([counts.impacts, counts.liftoffs], [2 * flights as u32; 2]);
     close(simulation.energies().impacts, 0.5 * simulation.block().mass * landing_rate * landing_rate, 1e4);
 }
 

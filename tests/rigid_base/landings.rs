@@ -47,8 +47,8 @@ fn velocities(x: &Observation<f64>) -> Velocities {
     Velocities { u_dot: x.u_dot, v_dot: x.v_dot, theta_dot: x.theta_dot }
 }
 
-/// The first landing, what was seen right before it and right after.
-fn first_landing(simulation: &Simulation) -> (Event, Velocities, f64, Observation<f64>) {
+/// The first landing, velocities and rotation right before it, and the run right after.
+fn first_landing(simulation: &Simulation) -> (Event, Velocities, f64, Simulation) {
     let before = seen(simulation);
     let mut until = simulation.clone();
     let mut events = Vec::new();
@@ -61,7 +61,7 @@ fn first_landing(simulation: &Simulation) -> (Event, Velocities, f64, Observatio
     // Without inputs only the vertical velocity changes in flight.
     let elapsed = events[0].time - simulation.time();
     let landing = Velocities { v_dot: before.v_dot - G * elapsed, ..velocities(&before) };
-    (events[0], landing, before.theta + before.theta_dot * elapsed, seen(&after))
+    (events[0], landing, before.theta + before.theta_dot * elapsed, after)
 }
 
 /// What the corner's velocity must be after the landing, and by which rule.
@@ -116,7 +116,8 @@ fn a_corner_lands_as_the_impulses_say() {
                 for theta_dot in [-0.6, 0.1, 0.6] {
                     let block = block(alpha, 1.5, epsilon);
                     let simulation = tossed(block, Toss { u_dot, theta_dot });
-                    let (event, before, theta, after) = first_landing(&simulation);
+                    let (event, before, theta, landed) = first_landing(&simulation);
+                    let (counts, after) = (landed.counts(), seen(&landed));
                     let EventKind::Landing(corner) = event.kind else { panic!("{event}") };
                     let (exact, rule) = by_hand(&block, corner, theta, before);
                     let found = velocities(&after);
@@ -129,6 +130,9 @@ fn a_corner_lands_as_the_impulses_say() {
                         assert!((found - exact).abs() < 1e-9 * size, "{rule:?}, {event}: {after:?}, by hand {exact}");
                     }
                     assert!(found.kinetic(&block) <= before.kinetic(&block) * (1.0 + 1e-9), "{rule:?}, {event}");
+                    // It leaves the base again unless ε is zero, after both corners left when the ground fell away.
+                    let flies = after.regime == Regime::Separated;
+                    assert_eq!([counts.impacts, counts.liftoffs], [1, 2 + u32::from(flies)], "{rule:?}, {event}");
                     if rule == Rule::Epsilon && epsilon == 0.0 {
                         // It stands on the base, and does not leave it by rounding.
                         assert_eq!((after.regime, after.corner[corner.index()]), (Regime::on(corner), 0.0));
@@ -153,7 +157,8 @@ fn a_level_landing_stops_the_block_or_trips_it() {
     let block = block(0.4, 1.5, 0.0);
     for (u_dot, trips) in [(0.5, false), (-0.5, false), (2.0, true), (-2.0, true)] {
         let simulation = tossed(block, Toss { u_dot, theta_dot: 0.0 });
-        let (event, before, theta, after) = first_landing(&simulation);
+        let (event, before, theta, landed) = first_landing(&simulation);
+        let after = seen(&landed);
         assert_eq!((event.before, theta), (Regime::Separated, 0.0));
         let turn = block.h * u_dot.abs() - block.b * before.v_dot.abs();
         assert_eq!(turn > 0.0, trips, "{before:?}");

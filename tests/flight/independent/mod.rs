@@ -81,6 +81,9 @@ pub struct Run<'a> {
     pub events: Vec<Happened>,
     /// The rules that were used.
     pub used: BTreeSet<Rule>,
+    /// How often a corner came down on its support, and how often one lifted.
+    pub impacts: u32,
+    pub liftoffs: u32,
 }
 
 const BOTH: [usize; 2] = [0, 1];
@@ -106,6 +109,8 @@ impl Run<'_> {
             held: None,
             events: Vec::new(),
             used: BTreeSet::new(),
+            impacts: 0,
+            liftoffs: 0,
         };
         assert!(BOTH.iter().all(|&i| run.gap(&state, i) > 0.0), "a corner touches at the start");
         run
@@ -124,6 +129,8 @@ impl Run<'_> {
             held: None,
             events: Vec::new(),
             used: BTreeSet::new(),
+            impacts: 0,
+            liftoffs: 0,
         }
     }
 

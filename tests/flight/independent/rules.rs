@@ -168,6 +168,7 @@ impl Run<'_> {
     fn lift(&mut self, i: usize) {
         let both = self.touching == [true; 2];
         self.touching[i] = false;
+        self.liftoffs += 1;
         let free = self.block.static_deflection();
         self.state[6 + i] = if self.block.damping > 0.0 { self.height(&self.state, i)[0] } else { free };
         if self.touching == [false; 2] {
@@ -195,6 +196,7 @@ impl Run<'_> {
                 self.touching[i] = true;
                 if rate < 0.0 {
                     self.used.insert(Rule::Impact);
+                    self.impacts += 1;
                     exact[i] = Some(self.block.epsilon * rate);
                     (self.state, _) = self.strike(&self.state, Some([self.corner(i), self.middle()]), *exact);
                 } else {
@@ -206,6 +208,7 @@ impl Run<'_> {
             // The other corner slides.
             (false, None) => {
                 self.used.insert(Rule::LandingBesideSlide);
+                self.impacts += u32::from(rate < 0.0);
                 self.touching[i] = true;
                 exact[i] = Some(self.after_landing(i, rate));
                 (self.state, _) = self.strike(&self.state, None, *exact);
@@ -220,6 +223,7 @@ impl Run<'_> {
                     let (state, impulses) = self.strike(&self.state, Some([middle, middle]), rates);
                     if impulses[0] >= 0.0 && impulses[1] >= 0.0 {
                         self.used.insert(Rule::LandingOnBoth);
+                        self.impacts += 2;
                         self.state = state;
                         self.touching = [true; 2];
                         *exact = rates;
@@ -239,6 +243,7 @@ impl Run<'_> {
         let rate = self.height(&self.state, i)[1];
         let corner = self.corner(i);
         self.touching[i] = true;
+        self.impacts += u32::from(rate < 0.0);
         let mut rates = [None; 2];
         rates[i] = Some(self.after_landing(i, rate));
         let (mut state, impulses) = self.strike(&self.state, Some([corner, corner]), rates);
