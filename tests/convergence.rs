@@ -3,6 +3,7 @@
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::contact::Regime;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::numerics::control::StepControl;
 use rocking_block::numerics::dop853::{DenseOutput, Step};
 use rocking_block::numerics::short::{ShortPair, ShortStep};
 use rocking_block::numerics::{Quadratures, Rate};
@@ -235,4 +236,68 @@ fn the_error_follows_the_tolerance() {
     }
     let order = slope(&errors);
     assert!((0.7..1.3).contains(&order), "the error goes with the tolerance to the power {order}: {errors:?}");
+}
+
+/// The next size is the last one times the factor of its error; right after a step that was refused it does not grow. A step
+/// that was cut short by a stop does not shorten those after it, unless its own error asks for that.
+#[test]
+fn sizes_follow_the_errors() {
+    let [far, longest, shortest] = [1e6, 10.0, 1e-12];
+    let mut control = StepControl::NEW;
+    let next = |control: &StepControl| control.attempt(far, longest, shortest).size;
+    let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-5, "{found}, not {expected}");
+    close(next(&control), longest);
+    let again = control.reject(&control.attempt(far, longest, shortest), 0.01);
+    assert_eq!((again.size, again.last), (0.1, false));
+    control.accept(&again, 3.0, longest);
+    close(next(&control), 0.1);
+    control.accept(&control.attempt(far, longest, shortest), 3.0, longest);
+    close(next(&control), 0.3);
+    control.accept(&control.attempt(far, longest, shortest), 0.5, longest);
+    close(next(&control), 0.15);
+    for factor in [1.0, 2.0] {
+        let to_stop = control.attempt(0.01, longest, shortest);
+        assert_eq!((to_stop.size, to_stop.last), (0.01, true));
+        control.accept(&to_stop, factor, longest);
+        close(next(&control), 0.15);
+    }
+    control.accept(&control.attempt(0.01, longest, shortest), 0.5, longest);
+    close(next(&control), 0.005);
+    let again = control.reject(&control.attempt(far, longest, shortest), 0.5);
+    control.accept(&again, 0.8, longest);
+    close(next(&control), 0.002);
+}
+
+#[test]
+fn a_size_that_is_no_length_is_refused() {
+    for (size, valid) in [("0.1", true), ("0.0", false), ("-0.1", false)] {
+        let control: StepControl = serde_json::from_str(&format!("{{\"size\": {size}}}")).unwrap();
+        assert_eq!(control.is_valid(), valid, "{size}");
+    }
+}
+
+/// Stages in a loop are those one after the other, to the bit.
+#[test]
+fn a_step_in_a_loop_is_the_same_step() {
+    let block = block();
+    let f = |t: f64, x: &State| rate(&block, t, x);
+    let (time, size, x) = (0.3, 0.02, start());
+    let first = f(time, &x);
+    let [a, b] = [Step::attempt(time, size, x, first, &f), Step::attempt_in_loop(time, size, x, first, &f)];
+    assert_eq!(a.end, b.end);
+    let [a, b] = [ShortStep::attempt(time, size, x, first, &f), ShortStep::attempt_in_loop(time, size, x, first, &f)];
+    assert_eq!((a.end, a.work), (b.end, b.work));
+}
+
+/// The squares of the errors of the state and of the works add up.
+#[test]
+fn the_error_of_a_short_step_is_that_of_all_that_is_integrated() {
+    let block = block();
+    let f = |t: f64, x: &State| rate(&block, t, x);
+    let step = ShortStep::attempt(0.3, 0.02, start(), f(0.3, &start()), &f);
+    let end = f(0.32, &step.end);
+    let weights = State::new(1.0, 0.5, 3.0, 2.0);
+    let [state, work, all] =
+        [(weights, 0.0), (State::zeros(), 7.0), (weights, 7.0)].map(|(weights, work)| step.error(end, weights, work));
+    assert!(state > 0.0 && work > 0.0 && (all / state.hypot(work) - 1.0).abs() < 1e-12, "{state}, {work}, {all}");
 }

@@ -246,4 +246,67 @@ mod tests {
         let top = greatest(hump(0.0), hump(1.0), 1.0, hump);
         assert!((top - 1.0).abs() < 1e-15, "{top}");
     }
+
+    /// Of a parabola the tangents at the ends meet halfway, as far above the top as that is above the ends.
+    #[test]
+    fn the_bound_is_where_the_tangents_meet() {
+        let hump = |t: f64| Sample { value: t * (4.0 - t), rate: 4.0 - 2.0 * t };
+        assert_eq!(upper_bound(hump(0.0), hump(4.0), 4.0), 8.0);
+        assert_eq!(upper_bound(hump(1.0), hump(4.0), 3.0), 6.0);
+        assert_eq!(lower_bound(hump(0.0).negated(), hump(4.0).negated(), 4.0), -8.0);
+        assert_eq!(upper_bound(hump(0.0), hump(1.0), 1.0), 3.0);
+        assert_eq!(upper_bound(hump(2.5), hump(4.0), 1.5), 3.75);
+    }
+
+    /// One that is below zero from the beginning has fallen already, even if it rises again.
+    #[test]
+    fn what_has_fallen_before_falls_at_once() {
+        let rising = |t: f64| Sample { value: t - 0.1, rate: 1.0 };
+        assert_eq!(first_fall(rising(0.0), rising(1.0), 1e-15, 1.0, rising), Some(0.0));
+        assert!(may_fall(rising(0.0), Sample::default(), 1e-15, 1.0));
+    }
+
+    /// Of two falls the first is found, and a dip in a long interval.
+    #[test]
+    fn finds_the_first_of_several_falls() {
+        let wave = |t: f64| Sample { value: 0.5 + libm::cos(2.0 * t), rate: -2.0 * libm::sin(2.0 * t) };
+        let end = std::f64::consts::TAU;
+        let root = first_fall(wave(0.0), wave(end), 1e-15, end, wave).unwrap();
+        assert!((root - std::f64::consts::FRAC_PI_3).abs() < 1e-14, "{root}");
+        let dip = |t: f64| Sample { value: (t - 14.5) * (t - 15.5), rate: 2.0 * t - 30.0 };
+        let root = first_fall(dip(0.0), dip(16.0), 1e-15, 16.0, dip).unwrap();
+        assert!((root - 14.5).abs() < 1e-13, "{root}");
+    }
+
+    /// What begins at zero is watched for dips from when it has left zero on.
+    #[test]
+    fn sees_a_dip_after_it_has_left_zero() {
+        let dip =
+            |t: f64| Sample { value: t * (t - 0.43) * (t - 0.47), rate: (t - 0.43) * (t - 0.47) + t * (2.0 * t - 0.9) };
+        let root = first_fall(dip(0.0), dip(1.0), 1e-15, 1.0, dip).unwrap();
+        assert!((root - 0.43).abs() < 1e-13, "{root}");
+    }
+
+    /// What rounding leaves of zero is no fall as long as it stays.
+    #[test]
+    fn what_stays_at_zero_does_not_fall() {
+        let still = |_: f64| Sample { value: -0.5e-15, rate: 0.0 };
+        assert_eq!(first_fall(still(0.0), still(1.0), 1e-15, 1.0, still), None);
+        assert!(!may_fall(still(0.0), still(1.0), 1e-15, 1.0));
+    }
+
+    #[test]
+    fn a_short_hump_is_as_exact_as_a_long_one() {
+        let hump = |t: f64| Sample { value: libm::sin(3e4 * t), rate: 3e4 * libm::cos(3e4 * t) };
+        let top = greatest(hump(0.0), hump(1e-4), 1e-4, hump);
+        assert!((top - 1.0).abs() < 1e-15, "{top}");
+    }
+
+    #[test]
+    fn the_side_of_a_jump_is_that_nearer_to_zero() {
+        for (before, after) in [(1e-9, -1.0), (1.0, -1e-9)] {
+            let root = sign_change(0.0, 1.0, before, after, |t| if t < 0.3 { before } else { after });
+            assert_eq!(root < 0.3, before < 0.5, "{root}");
+        }
+    }
 }
