@@ -4,11 +4,16 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector4};
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::contact::{Corner, Regime};
-use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::contact::{Contacts, Corner, Regime};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_block::system::surfaces::{Event, EventKind};
+use rocking_block::simulation::{Initial, LiftOff, Settings, Simulation};
+use rocking_block::system::System;
+use rocking_block::system::dynamics::{Footing, State, instant};
+use rocking_block::system::impact;
+use rocking_block::system::now::{Motion, Pose};
+use rocking_block::system::surfaces::{Event, EventKind, Surface};
+use rocking_block::system::transitions::Transition;
 
 /// A wide block on soft supports with strong dampers, for which the horizontal constraint makes the most of a difference.
 fn block() -> Block {
@@ -95,6 +100,22 @@ fn a_corner_whose_gap_opens_lifts() {
     assert!((0.0..1e-8).contains(&n) && (0.0..0.01).contains(&opening), "N_L = {n} M g, opens with {opening} m/s2");
 }
 
+/// L has been held, and bears again: it lifts as its reaction falls to zero, like any other.
+#[test]
+fn a_corner_that_bears_again_is_not_held_any_more() {
+    let pulse = pulse(HELD);
+    let mut simulation = start(pulse);
+    simulation.advance(0.8, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();
+    let inputs = Inputs { time: 0.8, a_gx: Ramp { value: 0.0, rate: -50.0 }, ..Inputs::default() };
+    let mut first = None;
+    simulation.clone().advance(1.2, &inputs, &mut |event| first = first.or(Some(*event))).unwrap();
+    let event = first.expect("an event");
+    assert_eq!(event.kind, EventKind::LiftOff(Corner::Left));
+    simulation.advance(event.time - 1e-9, &inputs, &mut |event| panic!("{event}")).unwrap();
+    let n = simulation.observe(&inputs).reaction[0] / (block().mass * block().gravity);
+    assert!((0.0..1e-7).contains(&n), "N_L = {n} M g");
+}
+
 /// The ground starts to move while L is held. One way the gap opens, and L lifts at once though its reaction stays what it
 /// is; the other way L is pressed on.
 #[test]
@@ -118,4 +139,46 @@ fn a_held_corner_is_let_go_when_its_gap_opens() {
             assert!(events.is_empty(), "{events:?}");
         }
     }
+}
+
+/// L lands without a rebound on a support at its free height: it neither moves nor bears anything, and its acceleration in
+/// full contact says whether it stays.
+#[test]
+fn a_corner_that_landed_without_rebound_goes_where_its_acceleration_points() {
+    let mut became = [0; 2];
+    for xi_v in [0.0, 0.3] {
+        let dimensionless = Dimensionless { alpha: 0.9, p: 1.0, eta: 8.0, xi_v };
+        let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
+        let system = System { block, lift_off: LiftOff::KeepRates, flies: false, slowest: System::SLOWEST };
+        let free = block.static_deflection();
+        let pose = Pose {
+            time: 0.0,
+            state: State::new(libm::asin(free / block.b), -0.4, -free, 0.1),
+            contacts: Contacts::touching([false, true], 0.0),
+            footing: Footing::AT_START,
+        };
+        for i in -400..400 {
+            let inputs = Inputs { a_gx: Ramp::held(0.05 * f64::from(i)), ..Inputs::default() };
+            let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, &block);
+            let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
+            let theta = now.instant.theta;
+            let (v_dot, theta_dot) =
+                impact::landing(&block, Corner::Left, theta, now.instant.v_dot, now.instant.theta_dot);
+            let [left, right] = Corner::BOTH.map(|corner| impact::corner_rate(&block, corner, theta, v_dot, theta_dot));
+            let state = [theta, theta_dot, 0.0, 0.5 * (left + right)];
+            let x = instant(&block, Regime::FullContact, state, pose.footing, now.forcing);
+            let lifts = x.corner_ddot[Corner::Left.index()] > 0.0;
+            let Transition { pose: after, happened, tally } =
+                system.transition(&pose, &now, Surface::Gap(Corner::Left));
+            assert_eq!(
+                after.contacts.regime(),
+                if lifts { Regime::TiltingRight } else { Regime::FullContact },
+                "{x:?}"
+            );
+            assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+            assert_eq!([tally.impacts, tally.liftoffs], [1, u32::from(lifts)]);
+            became[usize::from(lifts)] += 1;
+        }
+    }
+    assert!(became.iter().all(|&count| count > 100), "{became:?} stayed, lifted");
 }

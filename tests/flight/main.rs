@@ -177,6 +177,23 @@ fn the_mirror_image_of_a_flight_is_a_flight() {
     assert!(flights >= 2, "{flights}");
 }
 
+/// Drawn up and turned so that both supports would have to pull, the block leaves the one first that would have to pull more;
+/// the other corner is held for that moment, and gives the centre of mass its horizontal velocity.
+#[test]
+fn of_two_corners_the_one_leaves_first_whose_support_would_pull_more() {
+    let block = block(0.4, 1.0, 20.0, 0.3, 0.0);
+    for side in [1.0, -1.0] {
+        let (theta, theta_dot) = (side * 0.004, side * 0.3);
+        let initial = Initial { theta, theta_dot, vertical: Some((0.0, 4.0)) };
+        let simulation = start(block, Pulse::NONE, &initial);
+        let seen = seen(&simulation);
+        assert_eq!(seen.regime, Regime::Separated);
+        // It turns away from the corner that is drawn up more, about the other one.
+        let exact = block.r0 * libm::cos(block.alpha - 0.004) * theta_dot;
+        assert!((seen.u_dot - exact).abs() < 1e-14, "{} instead of {exact}", seen.u_dot);
+    }
+}
+
 #[test]
 fn flights_do_not_depend_on_the_steps_in_which_they_are_told() {
     let block = block(0.45, 3.0, 60.0, 0.05, 0.6);

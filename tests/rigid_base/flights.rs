@@ -246,3 +246,28 @@ fn flights_do_not_depend_on_the_steps_in_which_they_are_told() {
     let [a, b] = [&coarse, &fine].map(|run| run.observe(&inputs));
     assert!((a.theta - b.theta).abs() < 1e-7 * block.alpha && (a.u - b.u).abs() < 1e-7 * block.r0);
 }
+
+/// The ground falls away with g: nothing is borne, and what becomes of it tells whether the block stays.
+#[test]
+fn a_corner_that_bears_nothing_leaves_if_it_would_be_pulled_next() {
+    for (rate, leaves) in [(-1.0, true), (0.0, false), (1.0, false)] {
+        let inputs = Inputs { a_gz: Ramp { value: -G, rate }, ..Inputs::default() };
+        let mut simulation = start(block(0.3, 1.0, 0.0), OnSeparation::Fly, Pulse::NONE, &Initial::default(), &inputs);
+        let first = simulation.observe(&inputs);
+        assert_eq!(first.reaction, [0.0; 2]);
+        assert_eq!(first.regime, if leaves { Regime::Separated } else { Regime::FullContact }, "{rate} m/s3");
+        let events = go(&mut simulation, 0.1, &inputs);
+        assert_eq!(events.is_empty(), !leaves, "{events:?}");
+    }
+}
+
+#[test]
+fn an_event_tells_when_and_what_it_was() {
+    let event = Event {
+        time: 1.25,
+        kind: EventKind::LiftOff(Corner::Left),
+        before: Regime::FullContact,
+        after: Regime::TiltingRight,
+    };
+    assert_eq!(event.to_string(), "t = 1.250000000 s: lift-off of L, full contact -> tilting right");
+}
