@@ -491,3 +491,23 @@ fn the_energy_of_the_constraint_is_that_of_the_horizontal_motion() {
         assert_eq!(kinds, [3, 3]);
     }
 }
+
+/// Past α and still on its way out the block would not come back.
+#[test]
+fn a_block_that_separates_on_its_way_over_has_toppled() {
+    for (theta, theta_dot, ending) in [
+        (0.3, 0.1, Ending::Toppled),
+        (-0.3, -0.1, Ending::Toppled),
+        (0.3, -0.1, Ending::Separated),
+        (-0.3, 0.4, Ending::Separated),
+        (0.3, 0.0, Ending::Separated),
+        (0.1, 0.1, Ending::Separated),
+    ] {
+        assert_eq!(Ending::at_separation(0.2, theta, theta_dot), ending, "{theta}, {theta_dot}");
+    }
+    let of = |ending: Ending| (ending.is_separation(), ending.is_overturning());
+    assert_eq!(
+        [Ending::Separated, Ending::Toppled, Ending::Overturned].map(of),
+        [(true, false), (true, true), (false, true)]
+    );
+}

@@ -19,6 +19,9 @@ use proptest::prelude::*;
 use cases::cases;
 use fmu::{DISCARD, ERROR, Fmu, OK};
 use misuse::Phase;
+use rocking_block::block::{Block, Common, Dimensionless};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape};
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use run::{Act, Bad, Run, acts, experiments, gentle};
 
 fn misuses() -> impl Strategy<Value = Vec<Bad>> {
@@ -213,4 +216,54 @@ fn a_number_forged_anywhere_is_refused_or_can_be_stepped() {
         }
     }
     assert!(taken > 100, "{taken} states were taken");
+}
+
+/// No number at a place that the motion follows from may be none; of the block its own values are checked.
+#[test]
+fn a_state_with_a_number_that_is_none_is_refused() {
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let common = Common::default();
+    let dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 31.0, xi_v: 0.13 };
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 7.1, period: 0.37, start: 0.11 };
+    let initial = Initial { theta: 0.05, theta_dot: 0.2, vertical: Some((0.19, 1.3)) };
+    let mut simulation = Simulation::new(block, settings, pulse, &initial, 0.07, &Inputs::default());
+    simulation.advance(0.23, &Inputs::default(), &mut |_| ()).unwrap();
+    simulation.begin_exchange();
+    assert!(simulation.is_valid());
+    let bytes = postcard::to_allocvec(&simulation).unwrap();
+    let mut refused = std::collections::BTreeSet::new();
+    for at in 0..bytes.len() - 8 {
+        let mut bytes = bytes.clone();
+        bytes[at..at + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        let Ok(forged) = postcard::from_bytes::<Simulation>(&bytes) else { continue };
+        // Elsewhere than at the place of a number other fields are changed, too.
+        let [was, is] = [&simulation, &forged].map(|simulation| fields(&serde_json::to_value(simulation).unwrap()));
+        let changed: Vec<&String> = was.iter().zip(&is).filter(|(was, is)| was != is).map(|(_, is)| &is.0).collect();
+        let [place] = changed[..] else { continue };
+        let checked = !["/system/", "/peaks/"].iter().any(|of| place.starts_with(of));
+        if is.iter().any(|(of, value)| of == place && value.is_null()) && checked {
+            assert!(!forged.is_valid(), "{place}");
+            refused.insert(place.clone());
+        }
+    }
+    for place in
+        ["/pose/time", "/pose/footing/Free/u", "/pose/contacts/0/Lifted/depth", "/piece/offsets/3", "/pulse/period"]
+    {
+        assert!(refused.contains(place), "{place} is not among {refused:?}");
+    }
+}
+
+/// All values that are no lists, with the way to them.
+fn fields(value: &serde_json::Value) -> Vec<(String, serde_json::Value)> {
+    let within = |key: &str, value: &serde_json::Value| {
+        fields(value).into_iter().map(|(way, value)| (format!("/{key}{way}"), value)).collect::<Vec<_>>()
+    };
+    match value {
+        serde_json::Value::Object(map) => map.iter().flat_map(|(key, value)| within(key, value)).collect(),
+        serde_json::Value::Array(list) => {
+            list.iter().enumerate().flat_map(|(i, value)| within(&i.to_string(), value)).collect()
+        }
+        other => vec![(String::new(), other.clone())],
+    }
 }
