@@ -6,7 +6,7 @@ use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
-use rocking_block::simulation::{Ending, Initial, LiftOff, Progress, Settings, Simulation};
+use rocking_block::simulation::{Ending, Initial, LiftOff, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::system::impact;
 use rocking_block::system::surfaces::{Event, EventKind};
 
@@ -510,4 +510,28 @@ fn a_block_that_separates_on_its_way_over_has_toppled() {
         [Ending::Separated, Ending::Toppled, Ending::Overturned].map(of),
         [(true, false), (true, true), (false, true)]
     );
+}
+
+/// Whatever the block stands on at first, its motion is the one that was given.
+#[test]
+fn a_run_begins_with_the_motion_that_is_given() {
+    let block = block(0.25, 1.0, 20.0, 0.1, 0.0);
+    let (free, p) = (block.static_deflection(), block.p);
+    for (theta, sinks, regime) in [
+        (0.1, 0.5, Regime::TiltingRight),
+        (-0.1, 0.5, Regime::TiltingLeft),
+        (0.002, 0.0, Regime::FullContact),
+        (0.1, -3.0, Regime::Separated),
+    ] {
+        // The lower corner is this much below its place at rest, in static deflections.
+        let v = block.r0 * (libm::cos(block.alpha - f64::abs(theta)) - libm::cos(block.alpha)) - sinks * free;
+        let (theta_dot, v_dot) = (-0.03 * p, 0.02 * block.r0 * p);
+        let initial = Initial { theta, theta_dot, vertical: Some((v, v_dot)) };
+        let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+        let simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+        let seen = seen(&simulation);
+        assert_eq!((seen.regime, seen.theta, seen.theta_dot), (regime, theta, theta_dot));
+        assert!((seen.v - v).abs() < 1e-14 * block.r0, "{regime}: v = {}, not {v}", seen.v);
+        assert!((seen.v_dot - v_dot).abs() < 1e-14 * block.r0, "{regime}: v_dot = {}, not {v_dot}", seen.v_dot);
+    }
 }

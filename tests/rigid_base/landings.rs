@@ -194,3 +194,32 @@ fn a_level_landing_makes_no_energy() {
     let after = at(&transition.pose);
     assert!(after.energy() <= before.energy() && after.energy() > 0.5 * before.energy(), "{after:?}");
 }
+
+/// A corner that slides along the base and would be pressed on by a horizontal impulse is stopped by it.
+#[test]
+fn a_corner_that_slides_and_is_pressed_on_is_held_there() {
+    let block = block(0.3, 1.0, 0.5);
+    let system = System { block, lift_off: LiftOff::KeepRates, flies: true, slowest: System::SLOWEST };
+    let excitation = Excitation::none();
+    for (corner, side) in [(Corner::Right, 1.0), (Corner::Left, -1.0)] {
+        let pose = Pose {
+            time: 0.0,
+            state: State::new(side * 0.1, side * -0.05, 0.0, 0.0),
+            contacts: Contacts::touching(Corner::BOTH.map(|of| of == corner), 0.0),
+            footing: Footing::Free { u: side * 0.4, u_dot: side * 0.3 },
+        };
+        let at = |pose: &Pose| Motion::from_pose(&block, pose, &excitation).at(pose.time, pose.state);
+        let before = at(&pose);
+        let transition = system.transition(&pose, &before, Surface::Slide);
+        let after = at(&transition.pose);
+        assert_eq!((transition.happened, after.regime), (Some(EventKind::Grip), Regime::on(corner)));
+        // The impulse acts at the corner, r0 cos φ below the centre of mass.
+        let height = block.r0 * (block.alpha - 0.1).cos();
+        let x = &before.instant;
+        let theta_dot = (block.i0 * x.theta_dot + height * x.u_dot
+            - side * block.r0 * (block.alpha - 0.1).sin() * -x.v_dot)
+            / (block.i0 + block.r0 * block.r0);
+        assert!((after.instant.theta_dot - theta_dot).abs() < 1e-14, "{} by hand {theta_dot}", after.instant.theta_dot);
+        assert!((after.instant.u - x.u).abs() < 1e-14 && (after.instant.u_dot - height * theta_dot).abs() < 1e-14);
+    }
+}
