@@ -285,8 +285,11 @@ fn a_step_in_a_loop_is_the_same_step() {
     let first = f(time, &x);
     let [a, b] = [Step::attempt(time, size, x, first, &f), Step::attempt_in_loop(time, size, x, first, &f)];
     assert_eq!(a.end, b.end);
-    let [a, b] = [ShortStep::attempt(time, size, x, first, &f), ShortStep::attempt_in_loop(time, size, x, first, &f)];
-    assert_eq!((a.end, a.work), (b.end, b.work));
+    for pair in [ShortPair::Nystrom, ShortPair::Tsitouras] {
+        let a = ShortStep::attempt(pair, time, size, x, first, &f);
+        let b = ShortStep::attempt_in_loop(pair, time, size, x, first, &f);
+        assert_eq!((a.end, a.work), (b.end, b.work));
+    }
 }
 
 /// The squares of the errors of the state and of the works add up.
@@ -294,7 +297,7 @@ fn a_step_in_a_loop_is_the_same_step() {
 fn the_error_of_a_short_step_is_that_of_all_that_is_integrated() {
     let block = block();
     let f = |t: f64, x: &State| rate(&block, t, x);
-    let step = ShortStep::attempt(0.3, 0.02, start(), f(0.3, &start()), &f);
+    let step = ShortStep::attempt(ShortPair::Tsitouras, 0.3, 0.02, start(), f(0.3, &start()), &f);
     let end = f(0.32, &step.end);
     let weights = State::new(1.0, 0.5, 3.0, 2.0);
     let [state, work, all] =
