@@ -77,7 +77,7 @@ pub(super) const LEAST_SHORT_FACTOR: f64 = 0.1;
 const SHORT_SHARE: f64 = 0.1;
 
 /// The least loose tolerance. From it on a short step may make the whole error, and its ends tell what happens inside.
-const LOOSE: f64 = 1e-7;
+const LOOSE: f64 = 1e-6;
 
 /// The fifth power of the angle by which the fastest motion may turn in a step of Nyström's method, over a loose tolerance. Its
 /// estimates see the error of one step; by this the errors of all steps under a record add up to less than the tolerance.
