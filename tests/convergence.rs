@@ -5,6 +5,7 @@ use rocking_block::contact::Regime;
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::control::StepControl;
 use rocking_block::numerics::dop853::{DenseOutput, Step};
+use rocking_block::numerics::roots::{Sample, first_fall};
 use rocking_block::numerics::short::{ShortPair, ShortStep};
 use rocking_block::numerics::{Quadratures, Rate};
 use rocking_block::simulation::{Initial, Settings, Simulation};
@@ -303,4 +304,12 @@ fn the_error_of_a_short_step_is_that_of_all_that_is_integrated() {
     let [state, work, all] =
         [(weights, 0.0), (State::zeros(), 7.0), (weights, 7.0)].map(|(weights, work)| step.error(end, weights, work));
     assert!(state > 0.0 && work > 0.0 && (all / state.hypot(work) - 1.0).abs() < 1e-12, "{state}, {work}, {all}");
+}
+
+/// A dip that is short beside the interval, and late in it, is found where it begins.
+#[test]
+fn a_dip_late_in_a_long_interval_is_found() {
+    let dip = |t: f64| Sample { value: (t - 74.5) * (t - 75.5), rate: 2.0 * t - 150.0 };
+    let root = first_fall(dip(0.0), dip(80.0), 1e-15, 80.0, dip).unwrap();
+    assert!((root - 74.5).abs() < 1e-12, "{root}");
 }

@@ -273,9 +273,9 @@ mod tests {
         let end = std::f64::consts::TAU;
         let root = first_fall(wave(0.0), wave(end), 1e-15, end, wave).unwrap();
         assert!((root - std::f64::consts::FRAC_PI_3).abs() < 1e-14, "{root}");
-        let dip = |t: f64| Sample { value: (t - 74.5) * (t - 75.5), rate: 2.0 * t - 150.0 };
-        let root = first_fall(dip(0.0), dip(80.0), 1e-15, 80.0, dip).unwrap();
-        assert!((root - 74.5).abs() < 1e-12, "{root}");
+        let dip = |t: f64| Sample { value: (t - 14.5) * (t - 15.5), rate: 2.0 * t - 30.0 };
+        let root = first_fall(dip(0.0), dip(16.0), 1e-15, 16.0, dip).unwrap();
+        assert!((root - 14.5).abs() < 1e-13, "{root}");
     }
 
     /// What begins at zero is watched for dips from when it has left zero on.
