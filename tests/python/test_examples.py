@@ -292,7 +292,6 @@ def rocking_spectrum(table, *options):
     """The rows of a table of `rocking spectrum`, their columns by the names without units."""
     from common import ROCKING
 
-    options = [*options, "--tolerance=1e-8"]  # that of the FMU
     subprocess.run([ROCKING, "spectrum", *options, "--csv", table], check=True, stdout=subprocess.DEVNULL)
     lines = (line for line in table.read_text().splitlines() if not line.startswith("#"))
     return [{name.split(" [")[0]: value for name, value in row.items()} for row in csv.DictReader(lines)]
