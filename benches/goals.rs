@@ -118,7 +118,7 @@ fn short_steps_of_the_fmu() {
 
 /// How the steps of a spectrum are taken with vectors of a width.
 fn steps_together(spectrum: &Spectrum, blocks: u64, width: Width) -> Shares {
-    together(width, (0..blocks).map(|row| spectrum.run(row).expect("a block"))).1
+    together(width, (0..blocks).map(|row| spectrum.run(row).expect("a block")), || ()).1
 }
 
 fn spectrum(ground: Ground, blocks: u64) {

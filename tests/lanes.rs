@@ -4,6 +4,7 @@
 #[path = "common/cases.rs"]
 mod cases;
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
@@ -183,8 +184,10 @@ fn whole_runs_have_the_bits_of_single_ones() {
         assert!(alone.iter().any(|outcome| outcome.end == end), "no run is {end}");
     }
     assert!(alone.iter().any(|outcome| outcome.flights.count > 2 && outcome.counts.impacts > 10));
+    let ended = Cell::new(0);
     for width in widths() {
-        let (outcomes, shares) = together(width, (0..RUNS).map(run));
+        let (outcomes, shares) = together(width, (0..RUNS).map(run), || ended.set(ended.get() + 1));
+        assert_eq!(ended.replace(0), RUNS);
         assert_eq!(outcomes.len(), alone.len());
         for (number, (lane, alone)) in outcomes.iter().zip(&alone).enumerate() {
             assert_eq!(lane, alone, "run {number}, {width:?}");
@@ -208,8 +211,8 @@ fn runs_without_a_step_are_there_too() {
         let short =
             |number: u32| Run { duration: Some(if number.is_multiple_of(2) { 1e-300 } else { 0.05 }), ..run(number) };
         let alone: Vec<Outcome> = (0..9).map(|number| short(number).outcome()).collect();
-        assert_eq!(together(width, (0..9).map(short)).0, alone);
-        assert!(together(width, std::iter::empty()).0.is_empty());
+        assert_eq!(together(width, (0..9).map(short), || ()).0, alone);
+        assert!(together(width, std::iter::empty(), || ()).0.is_empty());
     }
     assert_eq!(Width::at_most(1), None);
     assert_eq!(Width::at_most(3), Width::at_most(2));

@@ -3,6 +3,7 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rocking_block::block::{Common, Dimensionless, Foundation};
+use rocking_block::numerics::wide::Width;
 use rocking_block::study::outcome::End;
 use rocking_block::study::search::{self, Found, Scan, Shaking};
 
@@ -70,7 +71,7 @@ pub fn search_overturning<'py>(
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        pool.install(|| search::overturning(&block, &shaking, settings, &scan, show))
+        pool.install(|| search::overturning(&block, &shaking, settings, &scan, Width::widest(), show))
     })?;
     Ok(answer(&found, found.least(End::Overturned)))
 }
@@ -105,7 +106,9 @@ pub fn search_damping<'py>(
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        let search = || search::damping_against_separation(&dimensionless, &common, rate, settings, &scan, show);
+        let search = || {
+            search::damping_against_separation(&dimensionless, &common, rate, settings, &scan, Width::widest(), show)
+        };
         pool.install(search)
     })?;
     let found = found.map_err(invalid)?;

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use rayon::ThreadPool;
 use rocking_block::block::Foundation;
 use rocking_block::model::variables::Variable;
-use rocking_block::numerics::wide::{MOST_LANES, Width};
+use rocking_block::numerics::wide::Width;
 use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_block::study::history::Run;
@@ -52,7 +52,7 @@ fn rows<T: Send>(
         progress.end_if_abandoned();
         make(numbers)
     };
-    let done = runner::in_batches(pool, 0..count, runs_in_a_row, make, |number, row| {
+    let done = runner::in_batches(pool, 0..count, Width::widest(), runs_in_a_row, make, |number, row| {
         rows.push(row);
         progress.show(number + 1, count);
         Ok::<(), Infallible>(())
@@ -120,9 +120,9 @@ pub fn outcomes<'py>(
             let of = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
             (outcome, block.alpha, shown.iter().map(of).collect())
         };
-        let width = Width::at_most(MOST_LANES);
+        let width = Width::widest();
         rows(&pool, count, 1, progress, |numbers| {
-            let outcomes = together::outcomes(width, numbers.clone().map(run));
+            let outcomes = together::outcomes(width, numbers.clone().map(run), || ());
             numbers.zip(outcomes).map(row).collect()
         })
     })?;
@@ -195,11 +195,8 @@ pub fn sweep<'py>(
     let headings = study.head().columns;
     let count = study.rows();
     let made: Vec<StudyRow> = wait(py, tick, move |progress| {
-        let width = Width::at_most(MOST_LANES);
-        rows(&pool, count, study.runs_in_a_row(), progress, |numbers| match width {
-            Some(width) => study.rows_together(numbers, width),
-            None => numbers.map(|number| study.row(number)).collect(),
-        })
+        let width = Width::widest();
+        rows(&pool, count, study.runs_in_a_row(), progress, |numbers| study.make(numbers, width))
     })?;
     let failure = made.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
     let column = |(number, heading): (usize, &String)| {

@@ -10,7 +10,7 @@ use crate::cli::excitation::finite;
 use crate::cli::given::Given;
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written, is_standard_output};
-use crate::numerics::wide::{MOST_LANES, Width};
+use crate::numerics::wide::Width;
 use crate::simulation::{LiftOff, OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::resumable::{Failures, Opening, ResumableTable};
@@ -98,6 +98,30 @@ impl RunOptions {
     }
 }
 
+/// What of the processor runs are made on.
+#[derive(Args)]
+pub struct ProcessorOptions {
+    /// Threads; without it one for each core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Blocks that a thread steps at once in the lanes of the processor's vectors, at most: 1, 2, 4 or 8. Results are the same
+    /// bytes; without it as many as the processor has lanes
+    #[arg(long, value_name = "N", value_parser = lanes)]
+    lanes: Option<usize>,
+}
+
+impl ProcessorOptions {
+    /// The threads.
+    pub fn pool(&self) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+        runner::pool(self.threads.map(usize::from))
+    }
+
+    /// The vectors in which a thread steps several blocks; none where each is stepped by itself.
+    pub fn width(&self) -> Option<Width> {
+        self.lanes.map_or_else(Width::widest, Width::at_most)
+    }
+}
+
 /// Options of a study of many runs.
 #[derive(Args)]
 #[command(next_help_heading = "Results")]
@@ -108,13 +132,8 @@ pub struct StudyOptions {
     /// Resume the table of an interrupted study
     #[arg(long)]
     resume: bool,
-    /// Threads; without it one for each core
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Blocks that a thread steps at once in the lanes of the processor's vectors, at most: 1, 2, 4 or 8. Tables are the same
-    /// bytes; without it as many as the processor has lanes
-    #[arg(long, value_name = "N", value_parser = lanes)]
-    lanes: Option<usize>,
+    #[command(flatten)]
+    processor: ProcessorOptions,
     #[command(flatten)]
     report: ReportOptions,
 }
@@ -123,17 +142,16 @@ impl StudyOptions {
     /// Makes the rows of a study that are not there yet; its table is there to be read back if a picture is to be made
     /// of it.
     pub fn run(&self, study: &impl Study, read_back: bool) -> anyhow::Result<(Made, ResumableTable)> {
-        let pool = runner::pool(self.threads.map(usize::from))?;
+        let pool = self.processor.pool()?;
         let mut table = study.open(&self.csv, Opening { resume: self.resume, read_back })?;
         // A bar between the rows would spoil both.
         let rows_on_terminal = is_standard_output(&self.csv) && std::io::stdout().is_terminal();
         let mut bar = None;
-        let made =
-            runner::run(study, &pool, Width::at_most(self.lanes.unwrap_or(MOST_LANES)), &mut table, |before, done| {
-                if !rows_on_terminal {
-                    bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
-                }
-            });
+        let made = runner::run(study, &pool, self.processor.width(), &mut table, |before, done| {
+            if !rows_on_terminal {
+                bar.get_or_insert_with(|| Progress::new(study.rows(), before)).show(done);
+            }
+        });
         if let Some(bar) = bar {
             bar.clear();
         }

@@ -15,11 +15,10 @@ use crate::cli::given::Given;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
-use crate::cli::run_options::{AtLiftOff, AtSeparation};
+use crate::cli::run_options::{AtLiftOff, AtSeparation, ProcessorOptions};
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
 use crate::study::outcome::End;
-use crate::study::runner;
 use crate::study::search::{self, Found, Scan, Shaking};
 
 /// Options of `rocking search`.
@@ -129,9 +128,8 @@ struct SearchOptions {
     /// What stays the same when a corner lifts from full contact
     #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
     lift_off: AtLiftOff,
-    /// Threads; without it one for each core
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    processor: ProcessorOptions,
     /// Table of the stretches of one outcome; `-` for standard output
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -149,12 +147,16 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             let scan = damping.search.scan(from, to, resolution)?;
             let block = damping.block.dimensionless(0.1);
             let common = damping.block.common(Foundation::Viscoelastic);
-            let settings = damping.search.settings()?;
+            let (settings, width) = (damping.search.settings()?, damping.search.processor.width());
             damping.search.search(
                 "xi_v",
                 "",
                 &scan,
-                |progress| Ok(search::damping_against_separation(&block, &common, rate, settings, &scan, progress)?),
+                |progress| {
+                    let found =
+                        search::damping_against_separation(&block, &common, rate, settings, &scan, width, progress);
+                    Ok(found?)
+                },
                 |found| found.least_without(End::Separated),
                 |found, least, shown| {
                     let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
@@ -184,11 +186,12 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             let scan = overturning.search.scan(from, to, resolution)?;
             let on_separation = overturning.on_separation.into();
             let settings = Settings { on_separation, ..overturning.search.settings()? };
+            let width = overturning.search.processor.width();
             overturning.search.search(
                 name,
                 unit,
                 &scan,
-                |progress| Ok(search::overturning(&block, &shaking, settings, &scan, progress)),
+                |progress| Ok(search::overturning(&block, &shaking, settings, &scan, width, progress)),
                 |found| found.least(End::Overturned),
                 |_, least, shown| match least {
                     Some(least) => format!("overturning first at {name} = {}{unit}", shown(least)),
@@ -266,7 +269,7 @@ impl SearchOptions {
                 bar.show_of(done, runs);
             }
         };
-        let found = runner::pool(self.threads.map(usize::from))?.install(|| search(&show));
+        let found = self.processor.pool()?.install(|| search(&show));
         if let Ok(bar) = bar.lock() {
             bar.clear();
         }

@@ -25,11 +25,9 @@ pub trait Study: Sync {
     fn rows(&self) -> u64;
     /// How many runs a row takes.
     fn runs_in_a_row(&self) -> u64;
-    /// Makes a row, its fields without the row's number. It depends on the number alone.
-    fn row(&self, number: u64) -> StudyRow;
-    /// Makes some rows one after the other, the same as [`Study::row`] does; those whose runs can be stepped together are, with
-    /// vectors of this width.
-    fn rows_together(&self, numbers: Range<u64>, width: Width) -> Vec<StudyRow>;
+    /// Makes some rows, their fields without the rows' numbers. A row depends on its number alone; runs are stepped together with
+    /// vectors of this width, or each by itself.
+    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow>;
     /// Opens the study's table, in a file of this name.
     ///
     /// # Errors
@@ -79,12 +77,7 @@ pub fn run(
         Ok::<(), TableError>(())
     };
     let rows = before..study.rows();
-    match width {
-        None => in_order(pool, rows, |number| study.row(number), take)?,
-        Some(width) => {
-            in_batches(pool, rows, study.runs_in_a_row(), |numbers| study.rows_together(numbers, width), take)?;
-        }
-    }
+    in_batches(pool, rows, width, study.runs_in_a_row(), |numbers| study.make(numbers, width), take)?;
     Ok(Made { rows: study.rows(), before, failures: table.failures(), reason })
 }
 
@@ -93,29 +86,35 @@ pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPo
     rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()
 }
 
-/// Rows that a thread makes together: so many that the lanes are full most of the time, and so few that all threads have some.
-fn batch(rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
+/// Rows that a thread makes together: so many that the lanes of this width are full most of the time, and so few that all
+/// threads have some; one where each run is made by itself.
+pub(super) fn batch(width: Option<Width>, rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
     const MOST_RUNS: u64 = 512;
+    if width.is_none() {
+        return 1;
+    }
     rows.div_ceil(BATCHES_AHEAD * threads).min(MOST_RUNS / runs_in_a_row).max(1)
 }
 
 /// Makes rows in batches, `runs_in_a_row` runs each, and gives them to `take` in their order; otherwise as [`in_order`].
 ///
-/// A batch has so many rows that the lanes of vectors are full most of the time while its runs are stepped together. `make` gives
-/// the rows of the numbers it gets.
+/// A batch has so many rows that the lanes of vectors of this width are full most of the time while its runs are stepped together.
+/// `make` gives the rows of the numbers it gets.
 pub fn in_batches<T: Send, E>(
     pool: &rayon::ThreadPool,
     rows: Range<u64>,
+    width: Option<Width>,
     runs_in_a_row: u64,
     make: impl Fn(Range<u64>) -> Vec<T> + Sync,
     mut take: impl FnMut(u64, T) -> Result<(), E>,
 ) -> Result<(), E> {
-    let size = batch(rows.end - rows.start, runs_in_a_row, pool.current_num_threads() as u64);
+    let size = batch(width, rows.end - rows.start, runs_in_a_row, pool.current_num_threads() as u64);
+    let ahead = if width.is_none() { AHEAD } else { BATCHES_AHEAD };
     let of = |number: u64| rows.start + number * size..rows.end.min(rows.start + (number + 1) * size);
     let batches = 0..(rows.end - rows.start).div_ceil(size);
     in_order_ahead(
         pool,
-        BATCHES_AHEAD,
+        ahead,
         batches,
         |number| make(of(number)),
         |batch, made| of(batch).zip(made).try_for_each(|(number, row)| take(number, row)),

@@ -6,15 +6,19 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::ParallelIterator;
+use rayon::slice::ParallelSlice;
 
 use crate::block::{Block, BlockError, Common, Dimensionless};
 use crate::excitation::Pulse;
+use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
 use crate::study::history::Run;
-use crate::study::outcome::End;
+use crate::study::outcome::{End, Outcome};
+use crate::study::runner;
 use crate::study::sweep::Levels;
+use crate::study::together::outcomes;
 
 /// The values at which outcomes are looked at, and how closely their changes are found.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +34,16 @@ pub struct Scan {
 }
 
 impl Scan {
+    /// How far apart the values are.
+    fn spacing(&self) -> f64 {
+        (self.to - self.from) / (self.points - 1) as f64
+    }
+
+    /// How often a stretch between two values is divided until it is as narrow as the resolution.
+    fn halvings(&self) -> u64 {
+        libm::log2(self.spacing() / self.resolution).ceil().max(0.0) as u64
+    }
+
     fn value(&self, number: u64) -> f64 {
         Levels::Range { from: self.from, to: self.to, logarithmic: false }.at(number as f64 / (self.points - 1) as f64)
     }
@@ -83,71 +97,93 @@ impl<K: PartialEq + Copy> Found<K> {
     }
 }
 
-/// Looks for all changes of outcome in a range: scans it, and bisects every stretch whose ends differ. All is done on the
-/// threads of the rayon pool in which it is called, and does not depend on their number. `progress` is called after each
-/// run how many are done, and how many there are as far as is known: those of the scan, then those of the bisections too.
-pub fn changes<K: PartialEq + Copy + Send + Sync>(
+/// Looks for all changes of outcome in a range, in so many searches side by side: scans it, and bisects every stretch whose ends
+/// differ. `outcomes` gets the numbers of searches and the values that are looked at next: first those of all scans, then,
+/// again and again, the middles of all stretches that are wider than the resolution. It gives their outcomes in this order.
+pub fn changes<K: PartialEq + Copy>(
     scan: &Scan,
-    outcome: impl Fn(f64) -> K + Sync,
-    progress: impl Fn(u64, u64) + Sync,
-) -> Found<K> {
-    let (done, known) = (AtomicU64::new(0), AtomicU64::new(scan.points));
-    let outcome = |value: f64| {
-        let outcome = outcome(value);
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress(done, known.load(Ordering::Relaxed).max(done));
-        outcome
+    searches: usize,
+    mut outcomes: impl FnMut(&[(usize, f64)]) -> Vec<K>,
+) -> Vec<Found<K>> {
+    let points = scan.points.max(2);
+    let scanned: Vec<(usize, f64)> =
+        (0..searches).flat_map(|search| (0..points).map(move |number| (search, scan.value(number)))).collect();
+    let ends = outcomes(&scanned);
+    let seen: Vec<(f64, K)> = scanned.into_iter().zip(ends).map(|((_, value), outcome)| (value, outcome)).collect();
+    let begin = |seen: &[(f64, K)]| Found {
+        first: seen[0],
+        last: seen[seen.len() - 1],
+        changes: seen
+            .windows(2)
+            .filter(|pair| pair[0].1 != pair[1].1)
+            .map(|pair| Change::new(pair[0], pair[1]))
+            .collect(),
+        spacing: scan.spacing(),
     };
-    let spacing = (scan.to - scan.from) / (scan.points - 1) as f64;
-    let seen: Vec<(f64, K)> = (0..scan.points.max(2))
-        .into_par_iter()
-        .map(|number| {
-            let value = scan.value(number);
-            (value, outcome(value))
-        })
-        .collect();
-    let pairs: Vec<[(f64, K); 2]> =
-        seen.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[a, b]| a.1 != b.1).collect();
-    // A stretch in which a third outcome turns up takes more.
-    known.fetch_add(
-        pairs.len() as u64 * libm::log2(spacing / scan.resolution).ceil().max(0.0) as u64,
-        Ordering::Relaxed,
-    );
-    let changes: Vec<Vec<Change<K>>> = pairs
-        .par_iter()
-        .map(|&[a, b]| {
-            let mut found = Vec::new();
-            bisect(a, b, scan.resolution, &outcome, &mut found);
-            found
-        })
-        .collect();
-    Found { first: seen[0], last: seen[seen.len() - 1], changes: changes.concat(), spacing }
-}
-
-/// Needs two values of different outcomes, the lesser one first.
-fn bisect<K: PartialEq + Copy>(
-    mut below: (f64, K),
-    mut above: (f64, K),
-    resolution: f64,
-    outcome: &impl Fn(f64) -> K,
-    found: &mut Vec<Change<K>>,
-) {
-    while above.0 - below.0 > resolution {
-        let middle = below.0 + 0.5 * (above.0 - below.0);
-        if middle <= below.0 || middle >= above.0 {
-            break;
+    let mut found: Vec<Found<K>> = seen.chunks(points as usize).map(begin).collect();
+    loop {
+        let middles = |(search, found): (usize, &Found<K>)| {
+            let middles: Vec<f64> = found.changes.iter().filter_map(|change| change.middle(scan.resolution)).collect();
+            middles.into_iter().map(move |middle| (search, middle))
+        };
+        let middles: Vec<(usize, f64)> = found.iter().enumerate().flat_map(middles).collect();
+        if middles.is_empty() {
+            return found;
         }
-        let middle = (middle, outcome(middle));
-        if middle.1 == below.1 {
-            below = middle;
-        } else if middle.1 == above.1 {
-            above = middle;
-        } else {
-            bisect(below, middle, resolution, outcome, found);
-            below = middle;
+        let mut outcomes = outcomes(&middles).into_iter();
+        for found in &mut found {
+            let divide = |change: &Change<K>| match change.middle(scan.resolution) {
+                Some(middle) => change.divided(middle, outcomes.next().expect("an outcome for each middle")),
+                None => [Some(*change), None],
+            };
+            found.changes = found.changes.iter().flat_map(divide).flatten().collect();
         }
     }
-    found.push(Change { below: below.0, above: above.0, from: below.1, to: above.1 });
+}
+
+impl<K: PartialEq + Copy> Change<K> {
+    fn new(below: (f64, K), above: (f64, K)) -> Change<K> {
+        Change { below: below.0, above: above.0, from: below.1, to: above.1 }
+    }
+
+    /// The value at which to look next; none once the change is closed in, to the resolution or to rounding.
+    fn middle(&self, resolution: f64) -> Option<f64> {
+        let middle = self.below + 0.5 * (self.above - self.below);
+        (self.above - self.below > resolution && middle > self.below && middle < self.above).then_some(middle)
+    }
+
+    /// What is left of the change when its middle has this outcome: two changes where it is a third one.
+    fn divided(&self, middle: f64, outcome: K) -> [Option<Change<K>>; 2] {
+        let halves = [
+            Change::new((self.below, self.from), (middle, outcome)),
+            Change::new((middle, outcome), (self.above, self.to)),
+        ];
+        halves.map(|half| (half.from != half.to).then_some(half))
+    }
+}
+
+/// The changes of what becomes of a run, on the threads of the rayon pool in which it is called, of which each steps several
+/// runs together with vectors of this width. What is found depends on neither. `progress` is called after each run how many
+/// are done, and how many there are as far as is known: those of the scan, then those of the bisections too.
+fn changes_of_run(
+    scan: &Scan,
+    width: Option<Width>,
+    run: impl Fn(f64) -> Run + Sync,
+    progress: impl Fn(u64, u64) + Sync,
+) -> Found<End> {
+    let (done, mut known) = (AtomicU64::new(0), scan.points);
+    let outcomes = |values: &[(usize, f64)]| {
+        let before = done.load(Ordering::Relaxed);
+        // A stretch in which a third outcome turns up takes more.
+        known = known.max(before + values.len() as u64 * if before == scan.points { scan.halvings() } else { 1 });
+        let ended = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, known);
+        let size = runner::batch(width, values.len() as u64, 1, rayon::current_num_threads() as u64);
+        let made = |values: &[(usize, f64)]| outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
+        let made: Vec<Vec<Outcome>> = values.par_chunks(size as usize).map(made).collect();
+        made.iter().flatten().map(|outcome| outcome.end).collect()
+    };
+    let mut found = changes(scan, 1, outcomes);
+    found.swap_remove(0)
 }
 
 /// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, until the block
@@ -159,23 +195,23 @@ pub fn damping_against_separation(
     rate: f64,
     settings: Settings,
     scan: &Scan,
+    width: Option<Width>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Result<Found<End>, BlockError> {
     let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common);
-    both_ends(scan, of)?;
+    of(scan.from).and(of(scan.to))?;
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
-    let outcome = |xi_v| {
-        end(of(xi_v).map(|block| Run {
-            block,
-            settings,
-            initial,
-            pulse: Pulse::NONE,
-            ground: Ground::default(),
-            duration: None,
-            output_step: f64::INFINITY,
-        }))
+    let run = |xi_v| Run {
+        // What is good at both ends of a range is good between.
+        block: of(xi_v).unwrap_or_else(|error| unreachable!("{error}")),
+        settings,
+        initial,
+        pulse: Pulse::NONE,
+        ground: Ground::default(),
+        duration: None,
+        output_step: f64::INFINITY,
     };
-    Ok(changes(scan, outcome, progress))
+    Ok(changes_of_run(scan, width, run, progress))
 }
 
 /// What moves the ground, up to the number that is searched for.
@@ -201,14 +237,15 @@ pub fn overturning(
     shaking: &Shaking,
     settings: Settings,
     scan: &Scan,
+    width: Option<Width>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Found<End> {
-    let outcome = |strength: f64| {
+    let run = |strength: f64| {
         let (ground, pulse) = match shaking {
             Shaking::Pulse(pulse) => (Ground::default(), Pulse { amplitude: strength, ..*pulse }),
             Shaking::Records(ground) => (ground.clone().scaled(strength), Pulse::NONE),
         };
-        end(Ok(Run {
+        Run {
             block: *block,
             settings,
             initial: Initial::default(),
@@ -216,18 +253,9 @@ pub fn overturning(
             output_step: f64::INFINITY,
             ground,
             duration: None,
-        }))
+        }
     };
-    changes(scan, outcome, progress)
-}
-
-/// A damping or a size that is good at both ends of a range is good between.
-fn both_ends(scan: &Scan, block: impl Fn(f64) -> Result<Block, BlockError>) -> Result<(), BlockError> {
-    [scan.from, scan.to].into_iter().try_for_each(|value| block(value).map(|_| ()))
-}
-
-fn end(run: Result<Run, BlockError>) -> End {
-    run.map_or(End::Failed, |run| run.outcome().end)
+    changes_of_run(scan, width, run, progress)
 }
 
 #[cfg(test)]
@@ -236,6 +264,12 @@ mod tests {
 
     fn scan(from: f64, to: f64, points: u64) -> Scan {
         Scan { from, to, points, resolution: 1e-9 }
+    }
+
+    /// One search of `outcome`.
+    fn found<K: PartialEq + Copy>(scan: &Scan, outcome: impl Fn(f64) -> K) -> Found<K> {
+        let mut found = changes(scan, 1, |values| values.iter().map(|&(_, value)| outcome(value)).collect());
+        found.remove(0)
     }
 
     /// Three outcomes, one of them an island, one that no scanned value has but that lies in the middle of a change.
@@ -250,7 +284,7 @@ mod tests {
             x if x <= 0.64 => 'a',
             _ => 'b',
         };
-        let found = changes(&scan(0.0, 1.0, 11), outcome, |_, _| ());
+        let found = found(&scan(0.0, 1.0, 11), outcome);
         let edges: Vec<(char, char)> = found.changes.iter().map(|change| (change.from, change.to)).collect();
         assert_eq!(edges, [('a', 'b'), ('b', 'a'), ('a', 'c'), ('c', 'b')]);
         for (change, exact) in found.changes.iter().zip([0.2, 0.37, 0.64, 0.68]) {
@@ -266,11 +300,33 @@ mod tests {
         assert!((found.spacing - 0.1).abs() < 1e-15);
     }
 
+    /// Searches side by side find what each finds alone, and look at no other values.
+    #[test]
+    fn searches_side_by_side_are_those_alone() {
+        let edges = [[0.3, 0.31], [0.05, 0.9], [2.0, 2.0], [0.55, 0.8]];
+        let outcome = |search: usize, x: f64| edges[search].iter().filter(|&&edge| x > edge).count();
+        let scan = scan(0.0, 1.0, 11);
+        let mut looked = vec![Vec::new(); edges.len()];
+        let together = changes(&scan, edges.len(), |values| {
+            values.iter().for_each(|&(search, value)| looked[search].push(value));
+            values.iter().map(|&(search, value)| outcome(search, value)).collect()
+        });
+        for (search, together) in together.into_iter().enumerate() {
+            let alone = std::cell::RefCell::new(Vec::new());
+            let found = found(&scan, |x| {
+                alone.borrow_mut().push(x);
+                outcome(search, x)
+            });
+            assert_eq!(together, found, "search {search}");
+            assert_eq!(looked[search], alone.into_inner(), "search {search}");
+        }
+    }
+
     /// A resolution below rounding ends at neighbouring numbers.
     #[test]
     fn a_resolution_that_cannot_be_had_ends() {
         let outcome = |x: f64| x > std::f64::consts::FRAC_1_SQRT_2;
-        let found = changes(&Scan { resolution: 1e-300, ..scan(0.0, 1.0, 2) }, outcome, |_, _| ());
+        let found = found(&Scan { resolution: 1e-300, ..scan(0.0, 1.0, 2) }, outcome);
         let [change] = found.changes.as_slice() else { panic!("{found:?}") };
         assert_eq!(change.below.next_up(), change.above);
     }

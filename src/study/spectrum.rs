@@ -215,12 +215,8 @@ impl Study for Spectrum {
         1
     }
 
-    fn row(&self, number: u64) -> StudyRow {
-        self.made(number).0
-    }
-
-    fn rows_together(&self, numbers: Range<u64>, width: Width) -> Vec<StudyRow> {
-        let outcomes = outcomes(Some(width), numbers.clone().map(|number| self.valid_run(number)));
+    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow> {
+        let outcomes = outcomes(width, numbers.clone().map(|number| self.valid_run(number)), || ());
         numbers.zip(&outcomes).map(|(number, outcome)| self.row_of(number, outcome)).collect()
     }
 }

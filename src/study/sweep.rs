@@ -225,23 +225,25 @@ impl Sweep {
     }
 
     /// The run of a row, and its samples if it has any.
-    fn runs(&self, row: u64) -> Vec<Run> {
-        let place = self.place(row);
-        let samples = self.ensemble.iter().flat_map(|ensemble| self.samples(ensemble, row, &place));
+    fn runs(&self, row: u64, place: &Place) -> Vec<Run> {
+        let samples = self.ensemble.iter().flat_map(|ensemble| self.samples(ensemble, row, place));
         std::iter::once(self.run_of(&place.values, place.motion, place.scale)).chain(samples).collect()
     }
 
-    /// At which values of a measure the block of a row overturns.
-    fn least(&self, measure: Measure, scan: &Scan, place: &Place) -> Found<End> {
-        let end = |value: f64| {
-            let scale = scale_to(measure, value, place.motion, &place.block);
-            match self.run_of(&place.values, place.motion, scale).outcome().end {
+    /// At which values of a measure the blocks of some rows overturn.
+    fn least(&self, measure: Measure, scan: &Scan, places: &[Place], width: Option<Width>) -> Vec<Found<End>> {
+        search::changes(scan, places.len(), |values| {
+            let runs = values.iter().map(|&(row, value)| {
+                let Place { values, motion, block, .. } = &places[row];
+                self.run_of(values, motion, scale_to(measure, value, motion, block))
+            });
+            let ends = outcomes(width, runs, || ()).into_iter().map(|outcome| match outcome.end {
                 // The run's end is not what is looked for.
                 End::Separated => End::Completed,
                 end => end,
-            }
-        };
-        search::changes(scan, end, |_, _| ())
+            });
+            ends.collect()
+        })
     }
 
     /// Whether something moves the block in every combination: a record, a pulse, or its beginning.
@@ -305,34 +307,28 @@ impl Study for Sweep {
         }
     }
 
-    fn row(&self, number: u64) -> StudyRow {
-        match self.strengths {
-            Strengths::Least(..) => self.row_of(number, &[]),
-            Strengths::Scales(_) | Strengths::Levels(..) => {
-                let made = self.runs(number).iter().map(|run| (run.block.alpha, run.outcome())).collect::<Vec<_>>();
-                self.row_of(number, &made)
-            }
-        }
-    }
-
-    fn rows_together(&self, numbers: Range<u64>, width: Width) -> Vec<StudyRow> {
-        if let Strengths::Least(..) = self.strengths {
-            return numbers.map(|number| self.row(number)).collect();
+    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow> {
+        let places: Vec<Place> = numbers.clone().map(|number| self.place(number)).collect();
+        if let Strengths::Least(measure, scan) = &self.strengths {
+            let found = self.least(*measure, scan, &places, width);
+            return places.iter().zip(&found).map(|(place, found)| self.row_of_search(place, found)).collect();
         }
         let mut alphas = Vec::new();
-        let runs = numbers.clone().flat_map(|number| self.runs(number)).inspect(|run| alphas.push(run.block.alpha));
-        let outcomes = outcomes(Some(width), runs);
+        let runs = numbers.zip(&places).flat_map(|(number, place)| self.runs(number, place));
+        let outcomes = outcomes(width, runs.inspect(|run| alphas.push(run.block.alpha)), || ());
         let made: Vec<(f64, Outcome)> = alphas.into_iter().zip(outcomes).collect();
-        numbers.zip(made.chunks(1 + self.samples_in_a_row())).map(|(number, made)| self.row_of(number, made)).collect()
+        places
+            .iter()
+            .zip(made.chunks(1 + self.samples_in_a_row()))
+            .map(|(place, made)| self.row_of(place, made))
+            .collect()
     }
 }
 
 impl Sweep {
-    /// A row from the slenderness (rad) of its block and those of its samples, and what became of them; nothing is read of it
-    /// where the row is a search.
-    fn row_of(&self, number: u64, made: &[(f64, Outcome)]) -> StudyRow {
-        let place = self.place(number);
-        let Place { combination, block, motion, scale, .. } = &place;
+    /// What stands in a row before what became of its block.
+    fn fields_of(&self, place: &Place) -> Vec<String> {
+        let Place { combination, motion, scale, .. } = place;
         let mut fields: Vec<String> =
             self.factors.iter().zip(combination).map(|(factor, value)| factor.parameter.display(*value)).collect();
         fields.extend(motion.names.iter().cloned());
@@ -341,12 +337,21 @@ impl Sweep {
         let shown = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
         fields.push(shown(motion.vertical_pga.map(|pga| pga * scale.abs())));
         fields.extend(self.measures.iter().map(|&measure| shown(place.intensity(measure))));
-        if let Strengths::Least(measure, scan) = &self.strengths {
-            fields.extend(least_fields(&self.least(*measure, scan, &place)));
-            return StudyRow { fields, failure: None };
-        }
+        fields
+    }
+
+    /// The row of a search.
+    fn row_of_search(&self, place: &Place, found: &Found<End>) -> StudyRow {
+        let mut fields = self.fields_of(place);
+        fields.extend(least_fields(found));
+        StudyRow { fields, failure: None }
+    }
+
+    /// A row from the slenderness (rad) of its block and those of its samples, and what became of them.
+    fn row_of(&self, place: &Place, made: &[(f64, Outcome)]) -> StudyRow {
+        let mut fields = self.fields_of(place);
         let (_, outcome) = &made[0];
-        fields.extend(outcome.fields(block.alpha));
+        fields.extend(outcome.fields(place.block.alpha));
         if let Some(Ensemble { limits, .. }) = &self.ensemble {
             let mut tally = Tally::new(limits.len());
             made[1..].iter().for_each(|(alpha, outcome)| tally.add(outcome, *alpha, limits));

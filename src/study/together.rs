@@ -34,19 +34,21 @@ struct UnderWay {
     flights: Flights,
 }
 
-/// Outcomes of runs, in their order, with vectors of this width; without one, each run is made by itself.
-pub fn outcomes(width: Option<Width>, runs: impl Iterator<Item = Run>) -> Vec<Outcome> {
+/// Outcomes of runs, in their order, with vectors of this width; without one, each run is made by itself. `ended` is called
+/// after each run, in no order.
+pub fn outcomes(width: Option<Width>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {
     match width {
-        Some(width) => together(width, runs).0,
-        None => runs.map(|run| run.outcome()).collect(),
+        Some(width) => together(width, runs, ended).0,
+        None => runs.map(|run| run.outcome()).inspect(|_| ended()).collect(),
     }
 }
 
-/// Outcomes of runs, in their order, and how their steps were taken.
-pub fn together(width: Width, runs: impl Iterator<Item = Run>) -> (Vec<Outcome>, Shares) {
+/// Outcomes of runs, in their order, and how their steps were taken; otherwise as [`outcomes`].
+pub fn together(width: Width, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> (Vec<Outcome>, Shares) {
     let mut work = Work {
         width,
         runs: runs.enumerate(),
+        ended,
         under_way: Vec::new(),
         waiting: Default::default(),
         outcomes: Vec::new(),
@@ -66,9 +68,10 @@ pub fn together(width: Width, runs: impl Iterator<Item = Run>) -> (Vec<Outcome>,
 }
 
 /// Runs that are stepped together.
-struct Work<R> {
+struct Work<R, E> {
     width: Width,
     runs: R,
+    ended: E,
     /// By the tags of the lanes.
     under_way: Vec<UnderWay>,
     /// By the kind of their next step, in the order in which they came.
@@ -78,7 +81,7 @@ struct Work<R> {
     shares: Shares,
 }
 
-impl<R: Iterator<Item = (usize, Run)>> Work<R> {
+impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Work<R, E> {
     /// Begins the next run in the place of this tag, if there is one.
     fn begin(&mut self, tag: usize) -> Option<Box<Lane>> {
         loop {
@@ -90,6 +93,7 @@ impl<R: Iterator<Item = (usize, Run)>> Work<R> {
             course.look(&simulation);
             let Some(stop) = course.next_stop(&simulation) else {
                 self.outcomes.push(Some(Outcome::new(&simulation, flights, None)));
+                (self.ended)();
                 continue;
             };
             self.outcomes.push(None);
@@ -151,6 +155,7 @@ impl<R: Iterator<Item = (usize, Run)>> Work<R> {
     fn end(&mut self, lane: &Lane, failure: Option<SimulationError>) {
         let UnderWay { number, flights, .. } = self.under_way[lane.tag];
         self.outcomes[number] = Some(Outcome::new(lane.simulation(), flights, failure));
+        (self.ended)();
     }
 
     /// Takes a step of those of a kind for which most runs wait, and gives those that go on; whether there were any.

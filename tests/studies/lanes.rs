@@ -17,9 +17,9 @@ fn folder(study: &str) -> tempfile::TempDir {
     folder
 }
 
-/// Makes a study with all numbers of lanes and threads; the table, in which blocks flew, fell and stood.
+/// Makes a study with all numbers of lanes and threads; the table, in which there are both of these outcomes.
 #[track_caller]
-fn the_same_bytes(folder: &Path, arguments: &[&str]) -> Table {
+fn the_same_bytes(folder: &Path, arguments: &[&str], ends: [&str; 2]) -> Table {
     let name = |lanes: &str, threads: &str| format!("{lanes}-{threads}.csv");
     let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
     for lanes in ["1", "2", "4", "8"] {
@@ -33,11 +33,13 @@ fn the_same_bytes(folder: &Path, arguments: &[&str]) -> Table {
     assert!(bytes("usual.csv") == bytes("1-1.csv"));
     let table = Table::read(&folder.join("1-1.csv"));
     let outcomes: Vec<&str> = (0..table.rows.len()).map(|row| table.get(row, "outcome")).collect();
-    for outcome in ["completed", "overturned"] {
+    for outcome in ends {
         assert!(outcomes.contains(&outcome), "none {outcome}");
     }
     table
 }
+
+const STOOD_AND_FELL: [&str; 2] = ["completed", "overturned"];
 
 const SPECTRUM: [&str; 16] = [
     "spectrum",
@@ -62,7 +64,7 @@ const SPECTRUM: [&str; 16] = [
 fn a_spectrum_with_flights_and_overturnings() {
     let folder = folder("");
     let arguments = [&SPECTRUM[..], &["--foundation", "90,0.1,0.4", "--foundation", "rigid"]].concat();
-    let table = the_same_bytes(folder.path(), &arguments);
+    let table = the_same_bytes(folder.path(), &arguments, STOOD_AND_FELL);
     let flights = (0..table.rows.len()).filter(|&row| table.number(row, "flights [1]") > 1.0).count();
     assert!(flights > 5, "{flights} blocks flew");
 }
@@ -71,7 +73,7 @@ fn a_spectrum_with_flights_and_overturnings() {
 fn a_spectrum_whose_runs_end_at_separation() {
     let folder = folder("");
     let arguments = [&SPECTRUM[..], &["--foundation", "90,0.1,0.4", "--on-separation", "terminate"]].concat();
-    let table = the_same_bytes(folder.path(), &arguments);
+    let table = the_same_bytes(folder.path(), &arguments, STOOD_AND_FELL);
     assert!((0..table.rows.len()).any(|row| table.get(row, "outcome") == "separated"));
 }
 
@@ -104,8 +106,49 @@ unit = "m/s2"
 dt = 0.01
 "#,
     );
-    let table = the_same_bytes(folder.path(), &["sweep", "study.toml"]);
+    let table = the_same_bytes(folder.path(), &["sweep", "study.toml"], STOOD_AND_FELL);
     assert!((0..table.rows.len()).any(|row| table.number(row, "flights [1]") > 1.0));
+}
+
+/// Some blocks overturn over an island, some from a level on, some at none.
+#[test]
+fn a_sweep_of_least_levels() {
+    let folder = folder(
+        r#"
+[study]
+design = "grid"
+least = { im = "PGA", from = 1, to = 14, points = 40, resolution = 1e-4 }
+
+[parameters]
+dimensionless.alpha = [0.15, 0.3]
+dimensionless.p = [0.9, 2, 4]
+epsilon = [0, 0.4]
+
+[[records]]
+horizontal = "h.csv"
+vertical = "v.csv"
+unit = "m/s2"
+dt = 0.01
+"#,
+    );
+    let table = the_same_bytes(folder.path(), &["sweep", "study.toml"], STOOD_AND_FELL);
+    let ranges = |row| table.number(row, "overturning_ranges [1]");
+    assert!((0..table.rows.len()).any(|row| ranges(row) > 1.0));
+}
+
+#[test]
+fn a_search_under_a_record() {
+    let folder = folder("");
+    let record = ["--record", "h.csv", "--vertical", "v.csv", "--unit", "m/s2", "--dt", "0.01"];
+    let scan = ["--alpha", "0.15", "--p", "2", "--from", "0.1", "--to", "2", "--points", "60"];
+    the_same_bytes(folder.path(), &[&["search", "overturning"], &record[..], &scan].concat(), STOOD_AND_FELL);
+}
+
+/// In free vibration, where a block separates unless there is damping enough.
+#[test]
+fn a_search_of_damping() {
+    let folder = folder("");
+    the_same_bytes(folder.path(), &["search", "damping", "--to", "0.4", "--points", "40"], ["separated", "completed"]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::numerics::wide::Width;
 use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_block::study::history::Run;
@@ -12,6 +13,9 @@ use crate::{Table, files, made, refused};
 
 /// A record that is here.
 const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/np01002p_4225a_a.smc");
+
+/// In tests of what is found; that it is the same in lanes is tested with them.
+const WIDTH: Option<Width> = None;
 
 const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
 
@@ -26,7 +30,8 @@ fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
 fn damping_against_separation_brackets_the_change() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
     let found =
-        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
+            .unwrap();
     assert!(!found.changes.is_empty());
     for change in &found.changes {
         assert!(change.above - change.below <= scan.resolution && change.below < change.above);
@@ -49,7 +54,7 @@ fn overturning_is_found_with_the_island_above_it() {
     let block = Block::from_dimensionless(&BLOCK, &common).unwrap();
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0 };
     let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
-    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, |_, _| ());
+    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ());
     let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
     assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
     for change in &found.changes {
@@ -72,7 +77,7 @@ fn similar_blocks_overturn_at_the_same_amplitude() {
         let block = Block::from_dimensionless(&Dimensionless { p, ..BLOCK }, &common).unwrap();
         let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0 };
         let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
-        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, |_, _| ())
+        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ())
             .least(End::Overturned)
             .unwrap()
     };
@@ -88,7 +93,8 @@ fn the_program_tells_what_the_library_finds() {
     assert_eq!(one, two);
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
     let found =
-        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, |_, _| ()).unwrap();
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
+            .unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     // To 1e-4: 17 digits would claim more than was found.
     assert!(one.contains(&format!("no separation from xi_v = {needed:.4} on\n")), "{one}");
@@ -164,7 +170,7 @@ fn progress_ends_with_all_runs_done() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
     let told = std::sync::Mutex::new(Vec::new());
     let progress = |done, runs| told.lock().unwrap().push((done, runs));
-    damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, progress).unwrap();
+    damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, progress).unwrap();
     let mut told = told.into_inner().unwrap();
     told.sort_unstable();
     assert!(told.iter().map(|run| run.0).eq(1..=told.len() as u64));

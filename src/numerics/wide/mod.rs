@@ -82,6 +82,11 @@ impl Width {
         processor::Vectors::at_most(lanes).map(Width)
     }
 
+    /// The widest; nothing where a vector has a single lane.
+    pub fn widest() -> Option<Width> {
+        Width::at_most(MOST_LANES)
+    }
+
     /// How many lanes a vector has.
     pub fn lanes(self) -> usize {
         self.0.lanes()

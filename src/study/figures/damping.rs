@@ -2,6 +2,7 @@
 
 use crate::block::BlockError;
 use crate::excitation::Pulse;
+use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
 use crate::study::chart::{Chart, Curve};
@@ -15,6 +16,7 @@ use crate::study::outcome::End;
 use crate::study::plot::short;
 use crate::study::search::{self, Scan};
 use crate::study::spectrum::Base;
+use crate::study::together::outcomes;
 
 /// Width to which ξ_v is closed in (1).
 const RESOLUTION: f64 = 1e-4;
@@ -36,20 +38,18 @@ pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Res
     let block = |xi_v| block(alpha, P, Base::Viscoelastic { eta, xi_v, epsilon });
     // What is good at both ends of a range is good between.
     block(scan.from).and(block(scan.to))?;
-    let outcome = |xi_v| {
-        let Ok(block) = block(xi_v) else { return End::Failed };
-        let run = Run {
-            block,
-            settings: Settings::default(),
-            initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },
-            pulse: Pulse::NONE,
-            ground: Ground::default(),
-            duration: None,
-            output_step: 0.01,
-        };
-        run.outcome().end
+    let run = |&(_, xi_v): &(usize, f64)| Run {
+        block: block(xi_v).unwrap_or_else(|error| unreachable!("{error}")),
+        settings: Settings::default(),
+        initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },
+        pulse: Pulse::NONE,
+        ground: Ground::default(),
+        duration: None,
+        output_step: 0.01,
     };
-    let found = search::changes(&scan, outcome, |_, _| ());
+    let outcomes = |values: &[(usize, f64)]| outcomes(Width::widest(), values.iter().map(run), || ());
+    let found = search::changes(&scan, 1, |values| outcomes(values).iter().map(|outcome| outcome.end).collect());
+    let [found] = found.as_slice() else { unreachable!("one search was asked for") };
     Ok(Least {
         against_separation: found.least_without(End::Separated),
         against_overturning: found.least_without(End::Overturned),
