@@ -1,8 +1,8 @@
 //! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu` of FMI 2.0 and
 //! `RockingBlock-fmi3.fmu` of FMI 3.0.
 //!
-//! The script runs before its own crate is compiled, so it has cargo compile the crate once more, as the shared library
-//! that goes into each FMU: `build/library.rs`. That inner run is without the feature `fmu`, so that only the table is made
+//! The script runs before its own crate is compiled, so it has cargo compile the crate once more, for the shared libraries
+//! that go into the FMUs: `build/library.rs`. That inner run is without the feature `fmu`, so that only the table is made
 //! and nothing is compiled that packs; so it is where `ROCKING_BLOCK_INNER` is set, and where the crate is a dependency of
 //! another one.
 
@@ -22,9 +22,10 @@ use std::path::{Path, PathBuf};
 const GUARD: &str = "ROCKING_BLOCK_INNER";
 
 /// What the FMU is made from.
-const SOURCES: [&str; 9] = [
+const SOURCES: [&str; 10] = [
     "build.rs",
     "build",
+    "exports",
     "modelDescription.xml",
     "src",
     "documentation",

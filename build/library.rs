@@ -41,27 +41,29 @@ impl Version {
         }
     }
 
-    /// The feature with which the library exports its functions.
-    fn feature(self) -> &'static str {
+    /// The crate that is the library: it exports the functions of this version.
+    fn library(self) -> &'static str {
         match self {
-            Version::Fmi2 => "exports",
-            Version::Fmi3 => "exports3",
+            Version::Fmi2 => "rocking-block-fmi2",
+            Version::Fmi3 => "rocking-block-fmi3",
         }
     }
 }
 
-/// Compiles the library in a target folder of its own: the outer one is locked while this script runs. What it depends on is
-/// compiled once for all versions.
-pub fn build(out: &Path, version: Version) -> Result<PathBuf, String> {
+/// Compiles the libraries of all versions in a target folder of their own: the outer one is locked while this script runs. The
+/// solver is compiled once for all of them.
+pub fn build(out: &Path) -> Result<[PathBuf; 2], String> {
     let target_dir = out.join("library");
     let (host, target) = (variable("HOST")?, variable("TARGET")?);
     let release = variable("PROFILE")? == "release";
     let mut command = inner_cargo()?;
-    command.args(["rustc", "--lib", "--crate-type", "cdylib", "--no-default-features"]);
-    command.args(["--features", version.feature()]);
+    command.arg("build");
+    for version in Version::ALL {
+        command.args(["--package", version.library()]);
+    }
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
-    // The library carries no path of this machine, and none of its names but those that it exports.
+    // The libraries carry no path of this machine, and none of their names but those that they export.
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols").env("CARGO_PROFILE_DEV_DEBUG", "0");
     let mut folder = target_dir.clone();
     if host != target {
@@ -75,18 +77,16 @@ pub fn build(out: &Path, version: Version) -> Result<PathBuf, String> {
     let output = command.output().map_err(|e| format!("cargo does not start: {e}"))?;
     if !output.status.success() {
         let told = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("the FMU's library does not compile ({}):\n{told}", output.status));
+        return Err(format!("the FMUs' libraries do not compile ({}):\n{told}", output.status));
     }
     let os = variable("CARGO_CFG_TARGET_OS")?;
-    let built = folder.join(match os.as_str() {
-        "windows" => "rocking_block.dll",
-        "macos" => "librocking_block.dylib",
-        _ => "librocking_block.so",
-    });
-    // The library of the next version has the same name there.
-    let kept = out.join(version.feature());
-    std::fs::copy(&built, &kept).map_err(|e| format!("{}: {e}", built.display()))?;
-    Ok(kept)
+    let (prefix, suffix) = match os.as_str() {
+        "windows" => ("", "dll"),
+        "macos" => ("lib", "dylib"),
+        _ => ("lib", "so"),
+    };
+    let file = |version: Version| format!("{prefix}{}.{suffix}", version.library().replace('-', "_"));
+    Ok(Version::ALL.map(|version| folder.join(file(version))))
 }
 
 /// The folder of the FMU that holds the binary, and the binary's name in it.

@@ -38,8 +38,8 @@ pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
         };
     }
     let papers = licences::collect()?;
-    for (version, fmu) in &fmus {
-        let library = library::build(out, *version)?;
+    let libraries = library::build(out)?;
+    for ((version, fmu), library) in fmus.iter().zip(libraries) {
         archive::pack(*version, fmu, description, &library, papers.clone())?;
     }
     std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;

@@ -1,7 +1,7 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
-//! and hands on to [`Instance`]. The names are exported with the feature `exports`, which only the FMU's library has.
+//! and hands on to [`Instance`]. The names are exported where the crate in `exports/fmi2` compiles this file, as the FMU's library.
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]

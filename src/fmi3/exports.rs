@@ -1,8 +1,7 @@
 //! The functions of the standard's headers (fmi3Functions.h, 3.0.1), and nothing else.
 //!
 //! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
-//! and hands on to [`Instance`]. The names are exported with the feature `exports3`, which only the FMU's library of FMI 3.0
-//! has.
+//! and hands on to [`Instance`]. The names are exported where the crate in `exports/fmi3` compiles this file, as the FMU's library.
 //!
 //! In each the instance is null or one that lives (standard, 2.3.1), arrays hold as many elements as their counts say (2.2.6),
 //! texts end with 0 (2.2.1), and places for results are only written.
@@ -28,13 +27,13 @@ use crate::model::variables::Kind;
 use crate::simulation::exchange::{INDICATORS, STATES};
 
 /// The version of the interface: "3.0".
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
 /// A new instance for Co-Simulation, or null. The path of the resources is not needed and not judged.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     instance_name: fmi3String,
     instantiation_token: fmi3String,
@@ -69,7 +68,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
 }
 
 /// A new instance for Model Exchange, or null. The path of the resources is not needed and not judged.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     instance_name: fmi3String,
     instantiation_token: fmi3String,
@@ -91,7 +90,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
 }
 
 /// Null: Scheduled Execution is not offered.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     instance_name: fmi3String,
     instantiation_token: fmi3String,
@@ -117,14 +116,14 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 }
 
 /// Frees an instance; nothing for null.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     // SAFETY: `instance` is null or an instance that lives, and is not used after this (standard, 2.3.1).
     unsafe { boundary::free_instance(instance) }
 }
 
 /// Which messages are logged.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetDebugLogging(
     instance: fmi3Instance,
     logging_on: fmi3Boolean,
@@ -140,7 +139,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
 }
 
 /// Begins the initialization, with tolerance, start and stop of the run.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3EnterInitializationMode(
     instance: fmi3Instance,
     tolerance_defined: fmi3Boolean,
@@ -162,7 +161,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
 macro_rules! transitions {
     ($($(#[$doc:meta])* $name:ident $call:ident $act:expr;)*) => {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance) -> fmi3Status {
             // SAFETY: the instance lives; there is no other pointer.
             unsafe { call(instance, Call::$call, $act) }
@@ -192,7 +191,7 @@ transitions! {
 macro_rules! getters {
     ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $get:expr;)*) => {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(
             instance: fmi3Instance,
             references: *const fmi3ValueReference,
@@ -252,7 +251,7 @@ getters! {
 macro_rules! setters {
     ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $set:expr;)*) => {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(
             instance: fmi3Instance,
             references: *const fmi3ValueReference,
@@ -303,7 +302,7 @@ setters! {
 }
 
 /// Sets String variables, all or none.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetString(
     instance: fmi3Instance,
     references: *const fmi3ValueReference,
@@ -323,7 +322,7 @@ pub unsafe extern "C" fn fmi3SetString(
 }
 
 /// No variable has this type.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3GetBinary(
     instance: fmi3Instance,
     references: *const fmi3ValueReference,
@@ -337,7 +336,7 @@ pub unsafe extern "C" fn fmi3GetBinary(
 }
 
 /// No variable has this type.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetBinary(
     instance: fmi3Instance,
     references: *const fmi3ValueReference,
@@ -351,28 +350,28 @@ pub unsafe extern "C" fn fmi3SetBinary(
 }
 
 /// Saves the state.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3GetFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
     // SAFETY: the instance lives; `state` points to null or to a state that was not freed (standard, 2.2.7).
     unsafe { call(instance, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
 }
 
 /// Goes back to a saved state.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetFMUState(instance: fmi3Instance, state: fmi3FMUState) -> fmi3Status {
     // SAFETY: the instance lives; `state` is one that was not freed (standard, 2.2.7).
     unsafe { call(instance, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
 }
 
 /// Frees a saved state.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3FreeFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
     // SAFETY: the instance lives; `state` is null, or points to null or to a state that was not freed (standard, 2.2.7).
     unsafe { call(instance, Call::FreeFmuState, |_| boundary::free_state(state)) }
 }
 
 /// Bytes that a saved state takes.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     instance: fmi3Instance,
     state: fmi3FMUState,
@@ -388,7 +387,7 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
 }
 
 /// A saved state as bytes.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SerializeFMUState(
     instance: fmi3Instance,
     state: fmi3FMUState,
@@ -406,7 +405,7 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
 }
 
 /// A saved state from bytes.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3DeserializeFMUState(
     instance: fmi3Instance,
     bytes: *const fmi3Byte,
@@ -425,7 +424,7 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
 macro_rules! derivatives {
     ($($(#[$doc:meta])* $name:ident $call:ident $get:expr;)*) => {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(
             instance: fmi3Instance,
             unknowns: *const fmi3ValueReference,
@@ -460,7 +459,7 @@ derivatives! {
 }
 
 /// How outputs change now.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     instance: fmi3Instance,
     references: *const fmi3ValueReference,
@@ -481,7 +480,7 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
 }
 
 /// Applies the event.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     instance: fmi3Instance,
     discrete_states_need_update: *mut fmi3Boolean,
@@ -513,7 +512,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
 }
 
 /// Goes on by a communication step, or to an event in it.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: fmi3Instance,
     time: fmi3Float64,
@@ -537,7 +536,7 @@ pub unsafe extern "C" fn fmi3DoStep(
 }
 
 /// Model Exchange: a step of the importer's solver was accepted.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     instance: fmi3Instance,
     _no_set_state_prior: fmi3Boolean,
@@ -558,14 +557,14 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
 }
 
 /// Model Exchange: the importer's clock.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status {
     // SAFETY: the instance lives; there is no other pointer.
     unsafe { call(instance, Call::SetTime, |instance| instance.set_time(time)) }
 }
 
 /// Model Exchange: the continuous states.
-#[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetContinuousStates(
     instance: fmi3Instance,
     states: *const fmi3Float64,
@@ -582,7 +581,7 @@ pub unsafe extern "C" fn fmi3SetContinuousStates(
 macro_rules! exchanged {
     ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(
             instance: fmi3Instance,
             values: *mut fmi3Float64,
@@ -610,7 +609,7 @@ exchanged! {
 macro_rules! counts {
     ($($(#[$doc:meta])* $name:ident $call:ident $place:literal $count:expr;)*) => {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance, count: *mut size_t) -> fmi3Status {
             // SAFETY: the instance lives; `count` is a place for the result (standard, 3.2).
             unsafe {
@@ -638,7 +637,7 @@ fn refused(_: &mut Instance) -> Result<Status, Fault> {
 macro_rules! missing {
     ($($name:ident $call:ident ($($argument:ident: $type:ty),*);)*) => {$(
         /// Not offered: refused with a message.
-        #[cfg_attr(feature = "exports3", unsafe(no_mangle))]
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
             // SAFETY: the instance lives; no other pointer is used.
             unsafe { call(instance, Call::$call, refused) }
