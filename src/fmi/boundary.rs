@@ -177,9 +177,18 @@ fn guarded_always<V: Version>(
     if instance.is_fatal() {
         return Status::Fatal;
     }
-    let (status, message) = match catch_unwind(AssertUnwindSafe(|| act(instance))) {
-        Ok(Ok(status)) => return status,
-        Ok(Err(Fault(message))) => (Status::Error, message),
+    match catch_unwind(AssertUnwindSafe(|| act(instance))) {
+        Ok(Ok(status)) => status,
+        Ok(Err(fault)) => failed(instance, call, Ok(fault)),
+        Err(panic) => failed(instance, call, Err(panic)),
+    }
+}
+
+/// What becomes of an instance after a fault or a panic: one function for all calls, of which each is compiled apart.
+#[cold]
+fn failed<V: Version>(instance: &mut Instance<V>, call: V::Call, reason: std::thread::Result<Fault>) -> Status {
+    let (status, message) = match reason {
+        Ok(Fault(message)) => (Status::Error, message),
         Err(panic) => {
             instance.unit.fail_fatally();
             (Status::Fatal, format!("internal error: {}", panic_reason(panic.as_ref())))

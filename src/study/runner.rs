@@ -1,6 +1,6 @@
 //! Numbered tasks → their results in order, made on all cores, with bounded memory.
 
-use std::collections::BTreeMap;
+use std::collections::VecDeque;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
@@ -148,10 +148,12 @@ fn in_order_ahead<T: Send, E>(
     let make = &make;
     pool.in_place_scope_fifo(|scope| {
         let receiver = receiver;
-        let mut waiting = BTreeMap::new();
+        // The results of the tasks from that whose turn it is, as far as they are there.
+        let mut waiting: VecDeque<Option<T>> = VecDeque::new();
         let (mut next, mut turn) = (tasks.start, tasks.start);
         while turn < tasks.end {
             while next < tasks.end && next < turn + window {
+                waiting.push_back(None);
                 let (sender, task) = (sender.clone(), next);
                 scope.spawn_fifo(move |_| {
                     // Nobody listens any more if the work was ended.
@@ -162,8 +164,9 @@ fn in_order_ahead<T: Send, E>(
             let Ok((task, result)) = receiver.recv() else {
                 unreachable!("a sender is held here");
             };
-            waiting.insert(task, result.unwrap_or_else(|panic| resume_unwind(panic)));
-            while let Some(result) = waiting.remove(&turn) {
+            waiting[(task - turn) as usize] = Some(result.unwrap_or_else(|panic| resume_unwind(panic)));
+            while let Some(result) = waiting.front_mut().and_then(Option::take) {
+                waiting.pop_front();
                 take(turn, result)?;
                 turn += 1;
             }

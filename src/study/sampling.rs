@@ -1,7 +1,7 @@
 //! A seed and a number of samples → a Latin hypercube.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 
 /// Points in the unit cube such that in each direction each of as many equal strata holds exactly one (M. D. McKay,
 /// R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239–245), at a random place in it.

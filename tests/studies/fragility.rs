@@ -1,8 +1,8 @@
 //! Fragility curves against curves that were planted.
 
 use crate::{labels, made, refused};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use rocking_block::study::fragility::{Data, FitError, Link, Observation, Profile, bootstrap, sufficiency};
 

@@ -1,7 +1,7 @@
 //! Observations of several records → how much a curve would change with other records.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 
 use crate::study::fragility::{Data, Fit, FitError, Interval, Link};
 

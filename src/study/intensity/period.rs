@@ -1,7 +1,8 @@
 //! A record → the mean period of its motion.
 
-use rustfft::FftPlannerScalar;
+use rustfft::algorithm::Radix4;
 use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftDirection};
 
 use crate::records::Record;
 
@@ -22,7 +23,7 @@ pub fn mean_period(record: &Record) -> Option<f64> {
     let mut values: Vec<Complex<f64>> = record.acceleration.iter().map(|&a| Complex::new(a, 0.0)).collect();
     values.resize(count, Complex::default());
     // Not that of the widest vectors which the machine has: the order of the sums is the same everywhere.
-    FftPlannerScalar::new().plan_fft_forward(count).process(&mut values);
+    Radix4::new(count, FftDirection::Forward).process(&mut values);
     let spacing = 1.0 / (count as f64 * record.time_step);
     let (mut weighted, mut power) = (0.0, 0.0);
     for (number, value) in values.iter().enumerate().take(count / 2 + 1) {
