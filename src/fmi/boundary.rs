@@ -1,7 +1,8 @@
-//! Pointers from C → references, slices and strings; panics and faults → a status and a message. For all versions of FMI.
+//! Pointers from C → references; panics and faults → a status and a message. For all versions of FMI.
 //!
-//! All that the exported functions do with pointers is here, or in the `boundary` of their version. What the standards (2.0.4,
-//! of whose sections the numbers are where none is named, and 3.0.1) have the importer answer for:
+//! All that the exported functions do with pointers is here, in [`arrays`](crate::fmi::arrays), or in the `boundary` of their
+//! version. What the standards (2.0.4, of whose sections the numbers are where none is named, and 3.0.1) have the importer
+//! answer for:
 //!
 //! - an instance is used between its instantiation and its being freed only (2.1.5; 3.0.1, 2.3.1);
 //! - arrays hold as many elements as their counts say (2.1.7; 3.0.1, 2.2.6), texts end with 0 (2.1.2; 3.0.1, 2.2.1), and
@@ -24,16 +25,12 @@
 //! message, or where this library and the host share a Rust runtime, the instance. A `longjmp` out of a callback is undefined
 //! behaviour and forbidden: it would skip what the frames in between have to put back.
 
-use std::borrow::Cow;
-use std::ffi::{CStr, c_char, c_void};
-use std::marker::PhantomData;
-use std::mem::MaybeUninit;
+use std::ffi::c_void;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use libc::size_t;
-
+use crate::fmi::arrays::{Room, place};
 use crate::fmi::instance::{Answer, Instance};
 use crate::fmi::{Call, Status, Version};
 use crate::model::fault::Fault;
@@ -243,139 +240,6 @@ pub unsafe fn free<V: Version>(handle: *mut c_void) {
     drop(unsafe { Box::from_raw(outer) });
 }
 
-/// Refuses what cannot be an array of `count` elements.
-fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {
-    if pointer.is_null() {
-        return Err(Fault::new(format!("{name} is NULL; expected {count} elements")));
-    }
-    if !pointer.is_aligned() {
-        let multiple = align_of::<T>();
-        return Err(Fault::new(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
-    }
-    if count > isize::MAX as usize / size_of::<T>() {
-        return Err(Fault::new(format!("{name} has {count} elements; expected what fits into memory")));
-    }
-    Ok(())
-}
-
-/// An array that is only read.
-///
-/// # Safety
-/// `pointer` is null or points to `count` elements that nothing changes meanwhile (standard, 2.1.7).
-pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Result<&'a [T], Fault> {
-    if count == 0 {
-        return Ok(&[]);
-    }
-    usable(name, pointer, count)?;
-    // SAFETY: not null, aligned and of a length that exists; by contract as many elements as it says (standard, 2.1.7).
-    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
-}
-
-/// Room for results in the importer's memory. Nothing is read of it: the importer need not have written it.
-pub struct Room<'a, T> {
-    pointer: *mut T,
-    count: usize,
-    memory: PhantomData<&'a mut [MaybeUninit<T>]>,
-}
-
-/// An array that is only written.
-///
-/// # Safety
-/// `pointer` is null or points to room for `count` elements that nothing else touches meanwhile (standard, 2.1.7), but for
-/// arrays that are read by [`Room::read_beside`].
-pub unsafe fn room<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<Room<'a, T>, Fault> {
-    if count > 0 {
-        usable(name, pointer, count)?;
-    }
-    Ok(Room { pointer, count, memory: PhantomData })
-}
-
-impl<'a, T> Room<'a, T> {
-    /// An array that is read while this room is written: itself, or a copy of it where the two share memory.
-    ///
-    /// # Safety
-    /// As for [`read`].
-    pub unsafe fn read_beside<U: Copy>(
-        &self,
-        name: &str,
-        pointer: *const U,
-        count: size_t,
-    ) -> Result<Cow<'a, [U]>, Fault> {
-        // SAFETY: by contract; where it shares memory with this room the slice is gone before anything is written.
-        let array = unsafe { read(name, pointer, count) }?;
-        let (here, there) = (self.pointer.addr(), array.as_ptr().addr());
-        let apart = here + self.count * size_of::<T>() <= there || there + size_of_val(array) <= here;
-        Ok(if apart || self.count == 0 { Cow::Borrowed(array) } else { Cow::Owned(array.to_vec()) })
-    }
-
-    /// The elements.
-    pub fn places(&mut self) -> &mut [MaybeUninit<T>] {
-        if self.count == 0 {
-            return &mut [];
-        }
-        // SAFETY: not null, aligned and of a length that exists (see `room`); by its contract room for as many elements
-        // (standard, 2.1.7), of which nothing is assumed, and by that of `read_beside` no slice shares it.
-        unsafe { std::slice::from_raw_parts_mut(self.pointer.cast(), self.count) }
-    }
-
-    /// Writes the one element of a room for one.
-    pub fn put(mut self, value: T) {
-        if let [place] = self.places() {
-            place.write(value);
-        }
-    }
-}
-
-impl Room<'_, u8> {
-    /// Copies bytes to the beginning of the room.
-    pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
-        let (found, needed) = (self.count, bytes.len());
-        let places = self.places().get_mut(..needed);
-        let places = places.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state takes {needed}")))?;
-        places.write_copy_of_slice(bytes);
-        Ok(())
-    }
-}
-
-/// A single place for a result.
-///
-/// # Safety
-/// As for [`room()`], with one element.
-pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<Room<'a, T>, Fault> {
-    if pointer.is_null() {
-        return Err(Fault::new(format!("{name} is NULL; expected a place for the result")));
-    }
-    // SAFETY: by contract.
-    unsafe { room(name, pointer, 1) }
-}
-
-/// A text of C.
-///
-/// # Safety
-/// `pointer` is null or points to a text that ends with 0 (standard, 2.1.2) and that nothing changes meanwhile.
-pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
-    // SAFETY: not null here, and by contract a text that ends with 0 (standard, 2.1.2).
-    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
-}
-
-/// The texts of an array.
-///
-/// # Safety
-/// As for [`read`], and each element is null or points to a text that ends with 0 (standard, 2.1.2) and stays meanwhile.
-pub unsafe fn texts<'a>(name: &str, pointer: *const *const c_char, count: size_t) -> Result<Vec<&'a str>, Fault> {
-    // SAFETY: by contract an array of as many pointers (standard, 2.1.5).
-    let pointers = unsafe { read(name, pointer, count) }?;
-    pointers
-        .iter()
-        .map(|&pointer| {
-            // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2).
-            let text =
-                unsafe { text(pointer) }.ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))?;
-            text.to_str().map_err(|_| Fault::new(format!("{name} holds {text:?}; expected UTF-8")))
-        })
-        .collect()
-}
-
 /// Saves the state: a new one, or the present one written over the state that `*state` points to.
 ///
 /// # Safety
@@ -429,6 +293,8 @@ pub fn give_state(place: Room<*mut c_void>, unit: Unit) -> Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ffi::CStr;
+
     use crate::fmi::log::{Log, Messenger};
     use crate::model::life_cycle::Phase;
     use crate::model::unit::Interface;
@@ -536,44 +402,5 @@ mod tests {
             assert_eq!(call::<Any>(handle, Function, |_| Ok(Status::Ok)), Status::Fatal);
             free::<Any>(handle);
         }
-    }
-
-    /// Whatever shares memory with the room is read before it is written.
-    #[test]
-    fn arrays_may_overlap() {
-        let mut memory = [1.0, 2.0, 3.0, 4.0, 5.0];
-        let start = memory.as_mut_ptr();
-        for shift in [0, 1, 2] {
-            memory = [1.0, 2.0, 3.0, 4.0, 5.0];
-            let start = memory.as_mut_ptr();
-            // SAFETY: within the memory.
-            let mut room = unsafe { room("room", start.add(shift), 5 - shift) }.unwrap();
-            // SAFETY: as before.
-            let array = unsafe { room.read_beside("array", start.cast_const(), 5 - shift) }.unwrap();
-            assert!(matches!(array, Cow::Owned(_)));
-            room.places().iter_mut().zip(array.iter()).for_each(|(place, &value)| _ = place.write(10.0 * value));
-            let tenfold: Vec<f64> = (1..=5 - shift).map(|i| 10.0 * i as f64).collect();
-            assert_eq!(memory[shift..], tenfold);
-        }
-        // SAFETY: two parts of the memory that touch and do not overlap.
-        let array = unsafe {
-            let room = room("room", start.add(2), 3).unwrap();
-            room.read_beside("array", start.cast_const(), 2).unwrap()
-        };
-        assert!(matches!(array, Cow::Borrowed([..])));
-    }
-
-    #[test]
-    fn what_cannot_be_an_array_is_refused() {
-        let number = 1.0_f64;
-        let pointer = &raw const number;
-        let refuse = |pointer: *const f64, count, words: &str| {
-            let fault = usable("value", pointer, count).unwrap_err();
-            assert!(fault.0.contains(words), "{fault}");
-        };
-        refuse(std::ptr::null(), 1, "value is NULL; expected 1 elements");
-        refuse(pointer.wrapping_byte_add(4), 1, "expected a multiple of 8");
-        refuse(pointer, usize::MAX / 8, "expected what fits into memory");
-        usable("value", pointer, isize::MAX as usize / 8).unwrap();
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! A [`Version`] adds the functions of its standard: their table of calls, its callbacks, its types.
 
+pub mod arrays;
 pub mod boundary;
 pub mod instance;
 pub mod log;

@@ -2,7 +2,8 @@
 
 use std::ffi::{CStr, CString};
 
-use crate::fmi::boundary::{self, text};
+use crate::fmi::arrays::text;
+use crate::fmi::boundary;
 use crate::fmi::log::{self, Log};
 use crate::fmi2::calls::Call;
 use crate::fmi2::instance::{Answer, Fmi2, Instance};
@@ -13,7 +14,7 @@ use crate::fmi2::types::{
 use crate::model::unit::Interface;
 use crate::model::variables::GUID;
 
-pub use crate::fmi::boundary::{Room, free_state, get_state, give_state, place, read, room, state, texts};
+pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 
 /// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
 ///

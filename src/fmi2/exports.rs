@@ -10,7 +10,8 @@ use std::ffi::c_char;
 
 use libc::size_t;
 
-use crate::fmi2::boundary::{self, call, is_true, place, read, room, texts};
+use crate::fmi::arrays::{place, read, room, texts};
+use crate::fmi2::boundary::{self, call, is_true};
 use crate::fmi2::calls::Call;
 use crate::fmi2::instance::{Instance, write};
 use crate::fmi2::types::*;

@@ -2,7 +2,8 @@
 
 use std::ffi::{CStr, CString};
 
-use crate::fmi::boundary::{self, read, text};
+use crate::fmi::arrays::{read, text};
+use crate::fmi::boundary;
 use crate::fmi::log::{self, Log};
 use crate::fmi3::calls::Call;
 use crate::fmi3::instance::{Answer, Fmi3, Instance};
@@ -11,7 +12,7 @@ use crate::fmi3::types::*;
 use crate::model::unit::Interface;
 use crate::model::variables::TOKEN;
 
-pub use crate::fmi::boundary::{Room, free_state, get_state, give_state, place, room, state, texts};
+pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 
 /// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
 ///

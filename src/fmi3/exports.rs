@@ -13,8 +13,8 @@ use std::ffi::c_char;
 
 use libc::size_t;
 
-use crate::fmi::boundary::read;
-use crate::fmi3::boundary::{self, Request, Stepping, call, is_true, place, room, texts};
+use crate::fmi::arrays::{place, read, room, texts};
+use crate::fmi3::boundary::{self, Request, Stepping, call, is_true};
 use crate::fmi3::calls::Call;
 use crate::fmi3::instance::{Instance, write};
 use crate::fmi3::step::Step;

@@ -1,0 +1,189 @@
+//! Arrays, places and texts of the importer → slices and rooms.
+//!
+//! What is asked of the importer and what is not is said in [`boundary`](crate::fmi::boundary).
+
+use std::borrow::Cow;
+use std::ffi::{CStr, c_char};
+use std::marker::PhantomData;
+use std::mem::MaybeUninit;
+
+use libc::size_t;
+
+use crate::model::fault::Fault;
+
+/// Refuses what cannot be an array of `count` elements.
+fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {
+    if pointer.is_null() {
+        return Err(Fault::new(format!("{name} is NULL; expected {count} elements")));
+    }
+    if !pointer.is_aligned() {
+        let multiple = align_of::<T>();
+        return Err(Fault::new(format!("{name} is at {pointer:p}; expected a multiple of {multiple}")));
+    }
+    if count > isize::MAX as usize / size_of::<T>() {
+        return Err(Fault::new(format!("{name} has {count} elements; expected what fits into memory")));
+    }
+    Ok(())
+}
+
+/// An array that is only read.
+///
+/// # Safety
+/// `pointer` is null or points to `count` elements that nothing changes meanwhile (standard, 2.1.7).
+pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Result<&'a [T], Fault> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    usable(name, pointer, count)?;
+    // SAFETY: not null, aligned and of a length that exists; by contract as many elements as it says (standard, 2.1.7).
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// Room for results in the importer's memory. Nothing is read of it: the importer need not have written it.
+pub struct Room<'a, T> {
+    pointer: *mut T,
+    count: usize,
+    memory: PhantomData<&'a mut [MaybeUninit<T>]>,
+}
+
+/// An array that is only written.
+///
+/// # Safety
+/// `pointer` is null or points to room for `count` elements that nothing else touches meanwhile (standard, 2.1.7), but for
+/// arrays that are read by [`Room::read_beside`].
+pub unsafe fn room<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<Room<'a, T>, Fault> {
+    if count > 0 {
+        usable(name, pointer, count)?;
+    }
+    Ok(Room { pointer, count, memory: PhantomData })
+}
+
+impl<'a, T> Room<'a, T> {
+    /// An array that is read while this room is written: itself, or a copy of it where the two share memory.
+    ///
+    /// # Safety
+    /// As for [`read`].
+    pub unsafe fn read_beside<U: Copy>(
+        &self,
+        name: &str,
+        pointer: *const U,
+        count: size_t,
+    ) -> Result<Cow<'a, [U]>, Fault> {
+        // SAFETY: by contract; where it shares memory with this room the slice is gone before anything is written.
+        let array = unsafe { read(name, pointer, count) }?;
+        let (here, there) = (self.pointer.addr(), array.as_ptr().addr());
+        let apart = here + self.count * size_of::<T>() <= there || there + size_of_val(array) <= here;
+        Ok(if apart || self.count == 0 { Cow::Borrowed(array) } else { Cow::Owned(array.to_vec()) })
+    }
+
+    /// The elements.
+    pub fn places(&mut self) -> &mut [MaybeUninit<T>] {
+        if self.count == 0 {
+            return &mut [];
+        }
+        // SAFETY: not null, aligned and of a length that exists (see `room`); by its contract room for as many elements
+        // (standard, 2.1.7), of which nothing is assumed, and by that of `read_beside` no slice shares it.
+        unsafe { std::slice::from_raw_parts_mut(self.pointer.cast(), self.count) }
+    }
+
+    /// Writes the one element of a room for one.
+    pub fn put(mut self, value: T) {
+        if let [place] = self.places() {
+            place.write(value);
+        }
+    }
+}
+
+impl Room<'_, u8> {
+    /// Copies bytes to the beginning of the room.
+    pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let (found, needed) = (self.count, bytes.len());
+        let places = self.places().get_mut(..needed);
+        let places = places.ok_or_else(|| Fault::new(format!("room for {found} bytes; the state takes {needed}")))?;
+        places.write_copy_of_slice(bytes);
+        Ok(())
+    }
+}
+
+/// A single place for a result.
+///
+/// # Safety
+/// As for [`room()`], with one element.
+pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<Room<'a, T>, Fault> {
+    if pointer.is_null() {
+        return Err(Fault::new(format!("{name} is NULL; expected a place for the result")));
+    }
+    // SAFETY: by contract.
+    unsafe { room(name, pointer, 1) }
+}
+
+/// A text of C.
+///
+/// # Safety
+/// `pointer` is null or points to a text that ends with 0 (standard, 2.1.2) and that nothing changes meanwhile.
+pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
+    // SAFETY: not null here, and by contract a text that ends with 0 (standard, 2.1.2).
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}
+
+/// The texts of an array.
+///
+/// # Safety
+/// As for [`read`], and each element is null or points to a text that ends with 0 (standard, 2.1.2) and stays meanwhile.
+pub unsafe fn texts<'a>(name: &str, pointer: *const *const c_char, count: size_t) -> Result<Vec<&'a str>, Fault> {
+    // SAFETY: by contract an array of as many pointers (standard, 2.1.5).
+    let pointers = unsafe { read(name, pointer, count) }?;
+    pointers
+        .iter()
+        .map(|&pointer| {
+            // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2).
+            let text =
+                unsafe { text(pointer) }.ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))?;
+            text.to_str().map_err(|_| Fault::new(format!("{name} holds {text:?}; expected UTF-8")))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever shares memory with the room is read before it is written.
+    #[test]
+    fn arrays_may_overlap() {
+        let mut memory = [1.0, 2.0, 3.0, 4.0, 5.0];
+        let start = memory.as_mut_ptr();
+        for shift in [0, 1, 2] {
+            memory = [1.0, 2.0, 3.0, 4.0, 5.0];
+            let start = memory.as_mut_ptr();
+            // SAFETY: within the memory.
+            let mut room = unsafe { room("room", start.add(shift), 5 - shift) }.unwrap();
+            // SAFETY: as before.
+            let array = unsafe { room.read_beside("array", start.cast_const(), 5 - shift) }.unwrap();
+            assert!(matches!(array, Cow::Owned(_)));
+            room.places().iter_mut().zip(array.iter()).for_each(|(place, &value)| _ = place.write(10.0 * value));
+            let tenfold: Vec<f64> = (1..=5 - shift).map(|i| 10.0 * i as f64).collect();
+            assert_eq!(memory[shift..], tenfold);
+        }
+        // SAFETY: two parts of the memory that touch and do not overlap.
+        let array = unsafe {
+            let room = room("room", start.add(2), 3).unwrap();
+            room.read_beside("array", start.cast_const(), 2).unwrap()
+        };
+        assert!(matches!(array, Cow::Borrowed([..])));
+    }
+
+    #[test]
+    fn what_cannot_be_an_array_is_refused() {
+        let number = 1.0_f64;
+        let pointer = &raw const number;
+        let refuse = |pointer: *const f64, count, words: &str| {
+            let fault = usable("value", pointer, count).unwrap_err();
+            assert!(fault.0.contains(words), "{fault}");
+        };
+        refuse(std::ptr::null(), 1, "value is NULL; expected 1 elements");
+        refuse(pointer.wrapping_byte_add(4), 1, "expected a multiple of 8");
+        refuse(pointer, usize::MAX / 8, "expected what fits into memory");
+        usable("value", pointer, isize::MAX as usize / 8).unwrap();
+    }
+}
