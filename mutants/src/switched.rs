@@ -1,0 +1,418 @@
+//! Sources and mutants → a copy of the sources in which each mutant has a switch.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use syn::spanned::Spanned;
+use syn::visit::{self, Visit};
+use syn::{BinOp, Expr};
+
+use crate::list::{self, Genre, Mutant};
+use crate::outcomes::Outcome;
+use crate::tests::CompileError;
+
+/// The module with the switch, which the copy has beside its own. It is set before anything of the program or of the library
+/// runs, so that a look at it is a load and a comparison.
+const SWITCH: &str = r#"
+mod mutation {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    static MUTANT: AtomicU32 = AtomicU32::new(0);
+
+    #[inline(always)]
+    pub fn active(mutant: u32) -> bool {
+        MUTANT.load(Ordering::Relaxed) == mutant
+    }
+
+    #[used]
+    #[unsafe(link_section = ".init_array")]
+    static SET: extern "C" fn() = set;
+
+    extern "C" fn set() {
+        let mutant = std::env::var("MUTANT").ok().and_then(|number| number.parse().ok());
+        MUTANT.store(mutant.unwrap_or(0), Ordering::Relaxed);
+    }
+}
+"#;
+
+/// The file that gets the switch.
+const LIBRARY: &str = "src/lib.rs";
+
+/// All that is compiled is optimized as a release, and checked as in the development profile.
+const CONFIG: &str = r#"[profile.dev.package]
+rocking-block = { opt-level = 3 }
+libm = { opt-level = 3 }
+nalgebra = { opt-level = 3 }
+num-dual = { opt-level = 3 }
+"#;
+
+/// A copy of the sources.
+pub struct Copy {
+    pub folder: PathBuf,
+}
+
+/// A part of a rewritten file, and the mutants that an error in it speaks against.
+pub struct Region {
+    place: Range<usize>,
+    mutants: Vec<u32>,
+    /// Whether it is the text of a mutant, or all of what has switches.
+    mutated: bool,
+}
+
+/// What came of rewriting a file.
+pub struct Rewritten {
+    pub regions: Vec<Region>,
+    pub refused: Vec<(u32, Outcome)>,
+}
+
+impl Copy {
+    /// Of all files that git knows or would add, but those that will be rewritten.
+    pub fn of_sources(folder: &Path, rewritten: impl Fn(&str) -> bool) -> Result<Copy, String> {
+        let listed = Command::new("git").args(["ls-files", "-co", "--exclude-standard", "-z"]).output();
+        let listed = listed.map_err(|e| format!("git does not start: {e}"))?;
+        let copy = Copy { folder: folder.to_path_buf() };
+        for file in String::from_utf8_lossy(&listed.stdout).split('\0').filter(|file| Path::new(file).is_file()) {
+            if file == LIBRARY || rewritten(file) {
+                continue;
+            }
+            copy.write(file, &std::fs::read(file).map_err(|e| format!("{file}: {e}"))?)?;
+        }
+        copy.write(".cargo/config.toml", CONFIG.as_bytes())?;
+        let library = std::fs::read_to_string(LIBRARY).map_err(|e| format!("{LIBRARY}: {e}"))?;
+        copy.write(LIBRARY, (library + SWITCH).as_bytes())?;
+        Ok(copy)
+    }
+
+    /// A file whose content is as it was keeps its time, so that nothing is compiled again.
+    fn write(&self, file: &str, content: &[u8]) -> Result<(), String> {
+        let path = self.folder.join(file);
+        if std::fs::read(&path).is_ok_and(|old| old == content) {
+            return Ok(());
+        }
+        let written =
+            path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(&path, content));
+        written.map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Writes a file with switches for these mutants, all of which are in it.
+    pub fn rewrite(&self, file: &str, mutants: &[&Mutant]) -> Result<Rewritten, String> {
+        let source = std::fs::read_to_string(file).map_err(|e| format!("{file}: {e}"))?;
+        let (text, rewritten) = rewrite(&source, mutants).map_err(|e| format!("{file}: {e}"))?;
+        self.write(file, text.as_bytes())?;
+        Ok(rewritten)
+    }
+}
+
+/// Which mutants an error of the compiler speaks against: the one in whose text it is, or all of the least part with switches
+/// that holds it.
+pub fn culprits(regions: &BTreeMap<&str, Vec<Region>>, error: &CompileError) -> Result<Vec<(u32, Outcome)>, String> {
+    // A constant calls no function.
+    const NOT_CONST: &str = "E0015";
+    let none = || format!("the copy does not compile, and no mutant is to blame:\n{}", error.text);
+    let regions = regions.get(error.file.as_str()).ok_or_else(none)?;
+    let around = |place: &Range<usize>, mutated: bool| {
+        let around = regions.iter().filter(|region| region.mutated == mutated);
+        let around = around.filter(|r| r.place.start <= place.start && place.end <= r.place.end);
+        around.min_by_key(|region| region.place.len())
+    };
+    let found = error.places.iter().find_map(|place| around(place, true));
+    let found = found.or_else(|| error.places.iter().find_map(|place| around(place, false)));
+    let Region { mutants, mutated, .. } = found.ok_or_else(none)?;
+    let outcome = if *mutated && error.code != NOT_CONST { Outcome::DoesNotCompile } else { Outcome::NotRun };
+    Ok(mutants.iter().map(|&mutant| (mutant, outcome.clone())).collect())
+}
+
+/// How mutants get their switches at a place.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    /// The body of a function, before which another one returns.
+    Body,
+    /// The guard of an arm, which may be passed over.
+    Guard,
+    /// The end of an arm's pattern, behind which a guard keeps it from matching.
+    Arm,
+    /// An expression beside which others stand.
+    Expression,
+}
+
+/// The place that gets the switch of a mutant.
+#[derive(Clone)]
+enum Site {
+    Switched(Kind, Range<usize>),
+    /// No expression stands there.
+    Refused(Outcome),
+}
+
+/// Where mutants begin, in bytes, and their genre → the places that get their switches.
+#[derive(Default)]
+struct Sites {
+    found: BTreeMap<(usize, Genre), Site>,
+    constant: bool,
+}
+
+impl Sites {
+    fn insert(&mut self, start: usize, genre: Genre, site: Site) {
+        let site = if self.constant { Site::Refused(Outcome::NotRun) } else { site };
+        self.found.insert((start, genre), site);
+    }
+
+    fn function(&mut self, block: &syn::Block, constant: bool, inside: impl FnOnce(&mut Sites)) {
+        self.within(constant, |sites| {
+            if let (Some(first), Some(last)) = (block.stmts.first(), block.stmts.last()) {
+                let body = bytes(first).start..bytes(last).end;
+                sites.insert(body.start, Genre::FnValue, Site::Switched(Kind::Body, body));
+            }
+            inside(sites);
+        });
+    }
+
+    fn within(&mut self, constant: bool, inside: impl FnOnce(&mut Sites)) {
+        let before = self.constant;
+        self.constant |= constant;
+        inside(self);
+        self.constant = before;
+    }
+}
+
+/// Operators that bind alike enough: whichever of its class replaces one, what it binds stays within the outermost of them.
+#[derive(PartialEq, Eq)]
+enum Class {
+    Arithmetic,
+    Logic,
+    Single,
+}
+
+fn class(op: &BinOp) -> Class {
+    use BinOp::*;
+    match op {
+        And(_) | Or(_) => Class::Logic,
+        Add(_) | Sub(_) | Mul(_) | Div(_) | Rem(_) | BitXor(_) | BitAnd(_) | BitOr(_) | Shl(_) | Shr(_) => {
+            Class::Arithmetic
+        }
+        _ => Class::Single,
+    }
+}
+
+/// Whether a condition binds names, which an expression beside it would not.
+fn binds(expression: &Expr) -> bool {
+    match expression {
+        Expr::Let(_) => true,
+        Expr::Binary(binary) if class(&binary.op) == Class::Logic => binds(&binary.left) || binds(&binary.right),
+        _ => false,
+    }
+}
+
+fn bytes(part: &impl Spanned) -> Range<usize> {
+    part.span().byte_range()
+}
+
+impl<'ast> Visit<'ast> for Sites {
+    fn visit_item_fn(&mut self, i: &'ast syn::ItemFn) {
+        self.function(&i.block, i.sig.constness.is_some(), |sites| visit::visit_item_fn(sites, i));
+    }
+
+    fn visit_impl_item_fn(&mut self, i: &'ast syn::ImplItemFn) {
+        self.function(&i.block, i.sig.constness.is_some(), |sites| visit::visit_impl_item_fn(sites, i));
+    }
+
+    fn visit_trait_item_fn(&mut self, i: &'ast syn::TraitItemFn) {
+        match &i.default {
+            Some(block) => self.function(block, false, |sites| visit::visit_trait_item_fn(sites, i)),
+            None => visit::visit_trait_item_fn(self, i),
+        }
+    }
+
+    fn visit_item_const(&mut self, i: &'ast syn::ItemConst) {
+        self.within(true, |sites| visit::visit_item_const(sites, i));
+    }
+
+    fn visit_impl_item_const(&mut self, i: &'ast syn::ImplItemConst) {
+        self.within(true, |sites| visit::visit_impl_item_const(sites, i));
+    }
+
+    fn visit_trait_item_const(&mut self, i: &'ast syn::TraitItemConst) {
+        self.within(true, |sites| visit::visit_trait_item_const(sites, i));
+    }
+
+    fn visit_item_static(&mut self, i: &'ast syn::ItemStatic) {
+        self.within(true, |sites| visit::visit_item_static(sites, i));
+    }
+
+    fn visit_type_array(&mut self, i: &'ast syn::TypeArray) {
+        self.within(true, |sites| visit::visit_type_array(sites, i));
+    }
+
+    fn visit_expr_repeat(&mut self, i: &'ast syn::ExprRepeat) {
+        self.visit_expr(&i.expr);
+        self.within(true, |sites| sites.visit_expr(&i.len));
+    }
+
+    fn visit_expr_binary(&mut self, i: &'ast syn::ExprBinary) {
+        let start = bytes(&i.op).start;
+        // Around this one may be another of its class, which has said what is switched.
+        let whole = self.found.get(&(start, Genre::BinaryOperator)).cloned().unwrap_or_else(|| {
+            let binds = class(&i.op) == Class::Logic && (binds(&i.left) || binds(&i.right));
+            match binds {
+                true => Site::Refused(Outcome::DoesNotCompile),
+                false => Site::Switched(Kind::Expression, bytes(i)),
+            }
+        });
+        for operand in [&i.left, &i.right] {
+            if let Expr::Binary(inner) = &**operand
+                && class(&i.op) != Class::Single
+                && class(&inner.op) == class(&i.op)
+            {
+                self.insert(bytes(&inner.op).start, Genre::BinaryOperator, whole.clone());
+            }
+        }
+        self.insert(start, Genre::BinaryOperator, whole);
+        visit::visit_expr_binary(self, i);
+    }
+
+    fn visit_expr_unary(&mut self, i: &'ast syn::ExprUnary) {
+        self.insert(bytes(&i.op).start, Genre::UnaryOperator, Site::Switched(Kind::Expression, bytes(i)));
+        visit::visit_expr_unary(self, i);
+    }
+
+    fn visit_arm(&mut self, i: &'ast syn::Arm) {
+        let end = bytes(&i.pat).end;
+        self.insert(bytes(i).start, Genre::MatchArm, Site::Switched(Kind::Arm, end..end));
+        if let Some((_, guard)) = &i.guard {
+            self.insert(bytes(guard).start, Genre::MatchArmGuard, Site::Switched(Kind::Guard, bytes(guard)));
+        }
+        visit::visit_arm(self, i);
+    }
+
+    fn visit_expr_struct(&mut self, i: &'ast syn::ExprStruct) {
+        for field in &i.fields {
+            self.insert(bytes(field).start, Genre::StructField, Site::Switched(Kind::Expression, bytes(i)));
+        }
+        visit::visit_expr_struct(self, i);
+    }
+}
+
+/// The text of a mutant that stands beside another text.
+struct Alternative {
+    mutant: u32,
+    text: String,
+}
+
+/// A place with switches. Places are sorted from front to back, and each before those in it.
+type Place = (usize, Reverse<usize>, Kind);
+
+/// A file with switches, and what came of rewriting it.
+fn rewrite(source: &str, mutants: &[&Mutant]) -> Result<(String, Rewritten), String> {
+    let file = syn::parse_file(source).map_err(|e| e.to_string())?;
+    let mut sites = Sites::default();
+    sites.visit_file(&file);
+    let starts: Vec<usize> = std::iter::once(0).chain(source.match_indices('\n').map(|(end, _)| end + 1)).collect();
+    let offset = |at: list::Place| -> Option<usize> {
+        let line = *starts.get(at.line.checked_sub(1)?)?;
+        let mut characters = source[line..].char_indices().map(|(offset, _)| line + offset).chain([source.len()]);
+        characters.nth(at.column.checked_sub(1)?)
+    };
+    let mut places: BTreeMap<Place, Vec<Alternative>> = BTreeMap::new();
+    let mut refused = Vec::new();
+    for mutant in mutants {
+        let span = (offset(mutant.span.start), offset(mutant.span.end));
+        let (Some(start), Some(end)) = span else { return Err(format!("{}: no such place", mutant.place())) };
+        let site = sites.found.get(&(start, mutant.genre)).cloned();
+        let (kind, place) = match site.ok_or_else(|| format!("{}: {}: not found", mutant.place(), mutant.change))? {
+            Site::Switched(kind, place) => (kind, place),
+            Site::Refused(outcome) => {
+                refused.push((mutant.number, outcome));
+                continue;
+            }
+        };
+        let mut text = mutant.replacement.clone();
+        if kind == Kind::Expression {
+            text = format!("{} {text} {}", &source[place.start..start], &source[end..place.end]);
+            if syn::parse_str::<Expr>(&text).is_err() {
+                refused.push((mutant.number, Outcome::DoesNotCompile));
+                continue;
+            }
+        }
+        let key = (place.start, Reverse(place.end), kind);
+        places.entry(key).or_default().push(Alternative { mutant: mutant.number, text });
+    }
+    let places: Vec<_> = places.into_iter().collect();
+    let mut writer = Writer { source, text: String::new(), regions: Vec::new() };
+    writer.render(0..source.len(), &places);
+    Ok((writer.text, Rewritten { regions: writer.regions, refused }))
+}
+
+struct Writer<'s> {
+    source: &'s str,
+    text: String,
+    regions: Vec<Region>,
+}
+
+impl Writer<'_> {
+    /// A part of the source, with the switches in it.
+    fn render(&mut self, part: Range<usize>, places: &[(Place, Vec<Alternative>)]) {
+        let (mut at, mut left) = (part.start, places);
+        while let Some(((place, alternatives), after)) = left.split_first() {
+            let (start, end, kind) = (place.0, place.1.0, place.2);
+            let inside = after.iter().take_while(|((start, ..), _)| *start < end).count();
+            self.text += &self.source[at..start];
+            let begun = self.text.len();
+            self.switch(kind, start..end, alternatives, &after[..inside]);
+            let mutants = alternatives.iter().map(|alternative| alternative.mutant).collect();
+            self.regions.push(Region { place: begun..self.text.len(), mutants, mutated: false });
+            (at, left) = (end, &after[inside..]);
+        }
+        self.text += &self.source[at..part.end];
+    }
+
+    fn switch(
+        &mut self,
+        kind: Kind,
+        place: Range<usize>,
+        alternatives: &[Alternative],
+        inside: &[(Place, Vec<Alternative>)],
+    ) {
+        let active = |mutant: u32| format!("crate::mutation::active({mutant})");
+        let inactive: Vec<String> = alternatives.iter().map(|a| format!("!{}", active(a.mutant))).collect();
+        let inactive = inactive.join(" && ");
+        match kind {
+            Kind::Body => {
+                for alternative in alternatives {
+                    self.text += &format!("if {} {{ return ", active(alternative.mutant));
+                    self.mutated(alternative);
+                    self.text += "; } ";
+                }
+                self.render(place, inside);
+            }
+            Kind::Guard => {
+                let passed = alternatives.iter().filter(|alternative| alternative.text == "true");
+                let passed: String = passed.map(|alternative| format!(" || {}", active(alternative.mutant))).collect();
+                self.text += &format!("(({inactive}) && (");
+                self.render(place, inside);
+                self.text += &format!("){passed})");
+            }
+            Kind::Arm => self.text += &format!(" if {inactive}"),
+            Kind::Expression => {
+                // What it was comes first: where another is of another type, that is the error.
+                self.text += &format!("(if {inactive} {{ ");
+                self.render(place, inside);
+                for (i, alternative) in alternatives.iter().enumerate() {
+                    let last = i + 1 == alternatives.len();
+                    let otherwise = if last { String::new() } else { format!("if {} ", active(alternative.mutant)) };
+                    self.text += &format!(" }} else {otherwise}{{ ");
+                    self.mutated(alternative);
+                }
+                self.text += " })";
+            }
+        }
+    }
+
+    fn mutated(&mut self, alternative: &Alternative) {
+        let begun = self.text.len();
+        self.text += &alternative.text;
+        let mutants = vec![alternative.mutant];
+        self.regions.push(Region { place: begun..self.text.len(), mutants, mutated: true });
+    }
+}
