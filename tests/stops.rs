@@ -113,3 +113,33 @@ proptest! {
         prop_assert_eq!(instants, stops);
     }
 }
+
+/// An event that ends the run is applied at once, and no other: where the block is held afterwards, the run stops there first.
+#[test]
+fn an_event_that_ends_the_run_is_no_stop() {
+    let case = |rigid: bool, theta: f64, vertical: f64| Case {
+        alpha: 0.25,
+        eta: 40.0,
+        epsilon: 0.0,
+        rigid,
+        on_separation: OnSeparation::Terminate,
+        on_overturning: OnOverturning::Terminate,
+        amplitude: 0.0,
+        shape: PulseShape::None,
+        theta,
+        vertical,
+    };
+    // It falls over, or the ground is taken away.
+    for falls in [case(true, 1.2, 0.0), case(false, 0.0, -20.0)] {
+        let held = Case { on_separation: OnSeparation::Hold, on_overturning: OnOverturning::Hold, ..falls.clone() };
+        for (case, holds) in [(falls, false), (held, true)] {
+            let (mut run, inputs) = simulation(&case);
+            let mut last_stop = f64::NAN;
+            while run.advance_to_event(20.0, run.time(), &inputs, &mut |_| ()).unwrap().is_none() {
+                last_stop = run.time();
+            }
+            let (_, ended) = run.ending().expect("it ends");
+            assert_eq!(last_stop == ended, holds, "{case:?}: ended at {ended} s, last stop at {last_stop} s");
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! The block stepped from outside, as in Model Exchange: sizes of its states, peaks between them, events and energies.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::contact::Regime;
+use rocking_block::excitation::{Inputs, Pulse, Ramp};
+use rocking_block::simulation::exchange::{STATES, States};
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::peaks::Peaks;
+use rocking_block::simulation::{Energies, Initial, OnSeparation, Settings, Simulation};
+use rocking_block::system::surfaces::Event;
+
+fn block(foundation: Foundation, alpha: f64, eta: f64, xi_v: f64) -> Block {
+    let common = Common { foundation, ..Common::default() };
+    Block::from_dimensionless(&Dimensionless { alpha, p: 8.0, eta, xi_v }, &common).unwrap()
+}
+
+fn start(block: Block, initial: &Initial) -> Simulation {
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    Simulation::new(block, settings, Pulse::NONE, initial, 0.0, &Inputs::default())
+}
+
+fn go(simulation: &mut Simulation, until: f64) -> Observation<f64> {
+    let inputs = Inputs::default();
+    simulation.advance(until, &inputs, &mut |_| ()).unwrap();
+    simulation.observe(&inputs)
+}
+
+/// The sizes by which an importer's solver weighs errors are, within a factor of ten, those of a block that rocks almost up to α,
+/// whether it is slender or broad; those of the vertical motion on supports are those of a block that stands on them and bounces.
+#[test]
+fn nominal_states_are_of_the_size_of_the_motion() {
+    let greatest = |mut simulation: Simulation| {
+        let energy = simulation.energies().total;
+        let mut greatest = [0.0_f64; STATES];
+        for i in 1..=2000 {
+            go(&mut simulation, 0.0005 * f64::from(i));
+            let states = simulation.states(&Inputs::default());
+            greatest = std::array::from_fn(|i| greatest[i].max(states[i].abs()));
+        }
+        // What it can lose, and what the ground would have to give.
+        [greatest[0], greatest[1], greatest[2], greatest[3], greatest[4], greatest[5], energy, energy]
+    };
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        for alpha in [0.02, 0.3] {
+            let block = block(foundation, alpha, 12.0 / alpha, 0.1);
+            let mut sizes = greatest(start(block, &Initial { theta: 0.9 * alpha, ..Initial::default() }));
+            if foundation == Foundation::Viscoelastic {
+                let lifted = Some((0.9 * block.static_deflection(), 0.0));
+                let bounces = greatest(start(block, &Initial { vertical: lifted, ..Initial::default() }));
+                (sizes[2], sizes[3]) = (bounces[2], bounces[3]);
+            }
+            for (i, (nominal, size)) in start(block, &Initial::default()).nominals().into_iter().zip(sizes).enumerate()
+            {
+                let ratio = nominal / size;
+                assert!((0.1..10.0).contains(&ratio), "state {i}, α = {alpha}, {foundation:?}: {nominal}, {size}");
+            }
+        }
+    }
+}
+
+/// Steps from outside that are long see peaks between their ends by cubics: to `(ω h)⁴/384` of a motion of circular frequency ω
+/// and amplitude 1, where the ends alone miss `(ω h)²/8`. The motions begin at each seventh of a step.
+#[test]
+fn peaks_between_states_from_outside_are_those_of_the_motion() {
+    // Nothing is faster than the vertical motion in full contact.
+    const TURN: f64 = 0.4;
+    let bounces = block(Foundation::Viscoelastic, 0.25, 20.0, 0.02);
+    let vertical = Some((0.0, 0.3 * bounces.static_deflection() * bounces.omega_v));
+    let theta_dot = 0.3 * bounces.separation_angle() * bounces.p;
+    let in_full_contact = Initial { theta: 0.0, theta_dot, vertical };
+    let on_a_corner = |theta: f64| Initial { theta, theta_dot: 0.25 * theta * bounces.p, vertical: None };
+    for (initial, steps) in [(in_full_contact, 30), (on_a_corner(0.12), 24), (on_a_corner(-0.12), 24)] {
+        let h = TURN / bounces.omega_v;
+        for seventh in 0..7 {
+            let mut motion = start(bounces, &initial);
+            let mut outside = motion.clone();
+            outside.begin_exchange();
+            outside.pass_events(&Inputs::default(), &mut |_| ()).unwrap();
+            let mut last = Some(outside.complete_step(&Inputs::default(), None));
+            let (mut peaks, mut least) = (Peaks::default(), [f64::INFINITY; 2]);
+            for step in 0..steps {
+                let end = h * (f64::from(step) + f64::from(seventh + 1) / 7.0);
+                let begin = motion.time();
+                for i in 0..=200 {
+                    let seen = go(&mut motion, begin + (end - begin) * f64::from(i) / 200.0);
+                    let greater = |a: f64, values: [f64; 2]| a.max(values[0]).max(values[1]);
+                    peaks.theta = peaks.theta.max(seen.theta.abs());
+                    peaks.reaction = greater(peaks.reaction, seen.reaction);
+                    peaks.uplift = greater(peaks.uplift, seen.uplift);
+                    least = std::array::from_fn(|i| least[i].min(seen.reaction[i]));
+                }
+                outside.set_states(end, &motion.states(&Inputs::default()));
+                last = Some(outside.complete_step(&Inputs::default(), last));
+            }
+            assert_eq!(motion.counts().liftoffs + motion.counts().impacts, 0, "the regime lasts");
+            let share = 2.0 * TURN.powi(4) / 384.0;
+            let found = outside.peaks();
+            let close = |a: f64, b: f64, range: f64| (a - b).abs() <= share * range;
+            assert!(close(found.theta, peaks.theta, peaks.theta), "{found:?}, {peaks:?}");
+            assert!(close(found.reaction, peaks.reaction, peaks.reaction), "{found:?}, {peaks:?}");
+            assert!(close(found.uplift, peaks.uplift, peaks.uplift), "{found:?}, {peaks:?}");
+        }
+    }
+}
+
+/// In the direction in which states and inputs change, what a user sees changes at the rates of the motion, and so do the
+/// energies; their balance stands. An energy that is a state changes its own sum and the balance alone.
+#[test]
+fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
+    let inputs =
+        Inputs { a_gx: Ramp { value: 1.0, rate: 20.0 }, a_gz: Ramp { value: -2.0, rate: 30.0 }, ..Inputs::default() };
+    let rates = Inputs { a_gx: Ramp::held(20.0), a_gz: Ramp::held(30.0), ..Inputs::default() };
+    let close = |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-11 * size, "{a}, {b}");
+    for (theta, foundation) in
+        [(0.001, Foundation::Viscoelastic), (-0.1, Foundation::Viscoelastic), (0.1, Foundation::Rigid)]
+    {
+        let initial = Initial { theta, theta_dot: 0.3, vertical: None };
+        let mut simulation = start(block(foundation, 0.25, 30.0, 0.1), &initial);
+        simulation.advance(0.003, &inputs, &mut |_| ()).unwrap();
+        let (seen, energies) =
+            simulation.directional(&inputs.moved_to(0.003), &simulation.derivatives(&inputs), &rates);
+        let moving = simulation.observe_rates(&inputs);
+        for (a, b) in [
+            (seen.theta, moving.theta),
+            (seen.theta_ddot, moving.theta_ddot),
+            (seen.v_ddot, moving.v_ddot),
+            (seen.u_dot, moving.u_dot),
+            (seen.reaction[0], moving.reaction[0]),
+            (seen.reaction[1], moving.reaction[1]),
+            (seen.horizontal, moving.horizontal),
+            (seen.power[0], moving.power[0]),
+        ] {
+            close(a.re, b.re, b.re.abs());
+            close(a.eps, b.eps, b.eps.abs().max(b.re.abs()));
+        }
+        let expected = simulation.energy_rates(&inputs);
+        let size = expected.kinetic.abs() + expected.potential.abs();
+        assert!(size > 1.0, "{expected:?}");
+        for (a, b) in [
+            (energies.kinetic, expected.kinetic),
+            (energies.potential, expected.potential),
+            (energies.total, expected.total),
+            (energies.total, energies.input - energies.dashpots),
+            (energies.input, expected.input),
+            (energies.dashpots, expected.dashpots),
+            (energies.residual, 0.0),
+        ] {
+            close(a, b, size);
+        }
+        for (state, expected) in [
+            (6, Energies { input: 1.0, residual: -1.0, ..Energies::default() }),
+            (7, Energies { dashpots: 1.0, residual: 1.0, ..Energies::default() }),
+        ] {
+            let direction = std::array::from_fn(|i| if i == state { 1.0 } else { 0.0 });
+            assert_eq!(simulation.directional(&inputs, &direction, &Inputs::default()).1, expected);
+        }
+    }
+}
+
+/// The importer's side: classical Runge–Kutta with steps of one length, and bisection of a step that holds an event.
+struct Outside {
+    simulation: Simulation,
+    inputs: Inputs,
+    events: Vec<Event>,
+}
+
+impl Outside {
+    fn begin(simulation: &Simulation, inputs: Inputs) -> Outside {
+        let mut outside = Outside { simulation: simulation.clone(), inputs, events: Vec::new() };
+        outside.pass_events();
+        outside
+    }
+
+    fn pass_events(&mut self) {
+        self.simulation.begin_exchange();
+        self.simulation.pass_events(&self.inputs, &mut |event| self.events.push(*event)).unwrap();
+    }
+
+    /// Where a step leads, and whether an event is behind.
+    fn attempt(&mut self, time: f64, states: &States, h: f64) -> bool {
+        let mut rate = |elapsed: f64, k: &States| {
+            let moved = std::array::from_fn(|i| states[i] + elapsed * k[i]);
+            self.simulation.set_states(time + elapsed, &moved);
+            self.simulation.derivatives(&self.inputs)
+        };
+        let k1 = rate(0.0, &[0.0; STATES]);
+        let k2 = rate(0.5 * h, &k1);
+        let k3 = rate(0.5 * h, &k2);
+        let k4 = rate(h, &k3);
+        let mean: States = std::array::from_fn(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0);
+        rate(h, &mean);
+        self.simulation.indicators(&self.inputs).iter().any(|&indicator| indicator <= 0.0)
+    }
+
+    fn go(&mut self, until: f64, h: f64) {
+        while self.simulation.time() < until && self.simulation.ending().is_none() {
+            let (time, states) = (self.simulation.time(), self.simulation.states(&self.inputs));
+            let h = h.min(until - time);
+            if !self.attempt(time, &states, h) {
+                continue;
+            }
+            let (mut before, mut after) = (0.0, h);
+            for _ in 0..60 {
+                let middle = 0.5 * (before + after);
+                if self.attempt(time, &states, middle) { after = middle } else { before = middle }
+            }
+            self.attempt(time, &states, after);
+            self.pass_events();
+        }
+    }
+}
+
+/// Stepped from outside, too, a block on the rigid base rocks until it rests, by as many impacts whatever its size: each takes the
+/// same part of the velocity.
+#[test]
+fn a_block_of_any_size_that_is_stepped_from_outside_comes_to_rest() {
+    for p in [0.1, 8.0, 1000.0] {
+        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let dimensionless = Dimensionless { alpha: 0.3, p, eta: 40.0, xi_v: 0.1 };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let mut inside = start(block, &Initial { theta: 0.2, ..Initial::default() });
+        let mut outside = Outside::begin(&inside, Inputs::default());
+        let end = 30.0 / p;
+        outside.go(end, 0.02 / p);
+        go(&mut inside, end);
+        let counts = [&inside, &outside.simulation].map(|simulation| simulation.counts().impacts);
+        assert_eq!(counts[0], counts[1], "p = {p}");
+        assert!(counts[0] > 50, "{counts:?}");
+        assert_eq!(outside.simulation.observe(&Inputs::default()).theta_dot, 0.0);
+    }
+}
+
+/// Flights over the rigid base, stepped from outside, have the events of those that are stepped inside, and lead to the same place.
+#[test]
+fn flights_over_the_rigid_base_are_the_same_from_outside() {
+    let common = Common { foundation: Foundation::Rigid, epsilon: 0.5, ..Common::default() };
+    let dimensionless = Dimensionless { alpha: 0.3, p: 2.0, eta: 40.0, xi_v: 0.1 };
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+    let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
+    // The ground falls away and comes back.
+    let inputs = Inputs { a_gx: Ramp::held(0.5), a_gz: Ramp { value: -14.0, rate: 30.0 }, ..Inputs::default() };
+    let initial = Initial { theta: 0.1, theta_dot: -0.3, vertical: None };
+    let mut inside = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+    let mut outside = Outside::begin(&inside, inputs);
+    let mut events = Vec::new();
+    inside.advance(0.6, &inputs, &mut |event| events.push(*event)).unwrap();
+    outside.go(0.6, 1e-3);
+    let kinds = |events: &[Event]| events.iter().map(|event| (event.kind, event.after)).collect::<Vec<_>>();
+    assert_eq!(kinds(&events), kinds(&outside.events));
+    for (a, b) in events.iter().zip(&outside.events) {
+        assert!((a.time - b.time).abs() < 1e-9, "{a}, {b}");
+    }
+    assert!(events.iter().any(|event| event.after == Regime::Separated), "{events:?}");
+    let [a, b] = [&inside, &outside.simulation].map(|simulation| simulation.observe(&inputs.moved_to(0.6)));
+    for (a, b) in [(a.theta, b.theta), (a.v, b.v), (a.u, b.u)] {
+        assert!((a - b).abs() < 1e-9, "{a}, {b}");
+    }
+}
