@@ -313,3 +313,60 @@ fn a_dip_late_in_a_long_interval_is_found() {
     let root = first_fall(dip(0.0), dip(80.0), 1e-15, 80.0, dip).unwrap();
     assert!((root - 74.5).abs() < 1e-12, "{root}");
 }
+
+/// The block stands and bounces, with stops at equal intervals of `size` (s): evaluations of the equations and steps for each.
+fn costs_of_a_stop(size: f64, tolerance: f64) -> [f64; 2] {
+    let block = block();
+    let settings = Settings { tolerance, ..Settings::default() };
+    let vertical = Some((0.05 * block.static_deflection(), 0.0));
+    let initial = Initial { vertical, ..Initial::default() };
+    let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+    let mut stop = || {
+        simulation.advance(simulation.time() + size, &Inputs::default(), &mut |_| ()).unwrap();
+        simulation.counts()
+    };
+    // Once the motion decays there is no new peak to be looked for.
+    let before = (0..60).map(|_| stop()).last().unwrap();
+    let after = (0..10).map(|_| stop()).last().unwrap();
+    [(after.evaluations - before.evaluations) as f64 / 10.0, (after.steps - before.steps) as f64 / 10.0]
+}
+
+/// A step to a stop close ahead takes four evaluations by Nyström's method, as long as the fastest motion turns by less than
+/// `(180 tolerance)^(1/5)` rad in it, and six after that; the start after the stop takes one.
+#[test]
+fn short_steps_take_four_evaluations_or_six() {
+    for tolerance in [1e-6, 1e-5, 1e-4] {
+        let turn = (180.0_f64 * tolerance).powf(0.2) / block().omega_v;
+        assert_eq!(costs_of_a_stop(0.95 * turn, tolerance), [5.0, 1.0], "tolerance {tolerance}");
+        assert_eq!(costs_of_a_stop(1.05 * turn, tolerance), [7.0, 1.0], "tolerance {tolerance}");
+    }
+}
+
+/// Where stops are close and the tolerance is loose, events are where they are for a narrow one, far within the steps, and the works
+/// are the same.
+#[test]
+fn loose_steps_from_stop_to_stop_hold_the_same_events() {
+    let run = |tolerance: f64| {
+        let push = |time: f64| Ramp { value: 5.0 * libm::sin(5.0 * time), rate: 25.0 * libm::cos(5.0 * time) };
+        let settings = Settings { tolerance, ..Settings::default() };
+        let begin = Inputs { a_gx: push(0.0), ..Inputs::default() };
+        let mut simulation = Simulation::new(block(), settings, Pulse::NONE, &Initial::default(), 0.0, &begin);
+        let mut events = Vec::new();
+        for k in 0..1500 {
+            let (time, until) = (0.004 * f64::from(k), 0.004 * f64::from(k + 1));
+            let inputs = Inputs { time, a_gx: push(time), ..Inputs::default() };
+            simulation.advance(until, &inputs, &mut |event| events.push(event.time)).unwrap();
+        }
+        (events, simulation)
+    };
+    let ((loose, a), (narrow, b)) = (run(1e-6), run(1e-12));
+    assert_eq!(loose.len(), narrow.len());
+    assert!(loose.len() > 10, "{} events", loose.len());
+    for (loose, narrow) in loose.iter().zip(&narrow) {
+        assert!((loose - narrow).abs() < 2e-5, "an event at {loose} s, not {narrow} s");
+    }
+    let [loose, narrow] = [a, b].map(|simulation| simulation.energies());
+    for (loose, narrow) in [(loose.input, narrow.input), (loose.dashpots, narrow.dashpots)] {
+        assert!((loose / narrow - 1.0).abs() < 1e-4, "{loose}, not {narrow}");
+    }
+}
