@@ -365,6 +365,7 @@ fn loose_steps_from_stop_to_stop_hold_the_same_events() {
     for (loose, narrow) in loose.iter().zip(&narrow) {
         assert!((loose - narrow).abs() < 2e-5, "an event at {loose} s, not {narrow} s");
     }
+    assert!(a.counts().steps >= 1500, "a step for each stop at least: {:?}", a.counts());
     let [loose, narrow] = [a, b].map(|simulation| simulation.energies());
     for (loose, narrow) in [(loose.input, narrow.input), (loose.dashpots, narrow.dashpots)] {
         assert!((loose / narrow - 1.0).abs() < 1e-4, "{loose}, not {narrow}");

@@ -103,6 +103,59 @@ fn peaks_between_states_from_outside_are_those_of_the_motion() {
     }
 }
 
+/// In flight under ground acceleration that is linear in time the height is a cubic, which one step from outside sees exactly: its
+/// top is where `v̇ = v̇₀ − (g + c) t − d t²/2` is zero.
+#[test]
+fn the_top_of_a_flight_is_seen_in_one_step_from_outside() {
+    let block = block(Foundation::Viscoelastic, 0.25, 40.0, 0.1);
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    for (c, d) in [(-2.0, 30.0), (1.0, -25.0), (0.0, 0.0)] {
+        let inputs = Inputs { a_gz: Ramp { value: c, rate: d }, ..Inputs::default() };
+        let (above, rate, fall) = (0.01, 1.5, block.gravity + c);
+        let initial = Initial { vertical: Some((block.static_deflection() + above, rate)), ..Initial::default() };
+        let mut flight = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+        let height = |t: f64| above + rate * t - 0.5 * fall * t * t - d / 6.0 * t * t * t;
+        // d t²/2 + fall t − rate = 0, without loss where d is small.
+        let top = 2.0 * rate / (fall + (fall * fall + 2.0 * d * rate).sqrt());
+        flight.begin_exchange();
+        flight.pass_events(&inputs, &mut |_| ()).unwrap();
+        let last = flight.complete_step(&inputs, None);
+        let mut states = flight.states(&inputs);
+        let end = 1.3 * top;
+        (states[2], states[3]) = (states[2] + height(end) - above, rate - fall * end - 0.5 * d * end * end);
+        flight.set_states(end, &states);
+        flight.complete_step(&inputs, Some(last));
+        let (found, exact) = (flight.peaks().uplift, height(top));
+        assert!((found / exact - 1.0).abs() < 1e-12, "a_gz = {c} + {d} t: {found} m, not {exact} m");
+    }
+}
+
+/// The rates by which peaks inside a step are found are those of what a user sees, also while a support that has just been left
+/// creeps up behind its corner.
+#[test]
+fn rates_at_the_ends_of_a_step_are_those_of_the_motion() {
+    let block = block(Foundation::Viscoelastic, 0.25, 30.0, 0.4);
+    let mut simulation = start(block, &Initial { theta: 0.0, theta_dot: 0.9 * 0.25 * block.p, vertical: None });
+    let mut lifted = 0;
+    for i in 1..200 {
+        go(&mut simulation, 0.0002 * f64::from(i));
+        let seen = simulation.observe_rates(&Inputs::default());
+        let (_, channels) = simulation.complete_step(&Inputs::default(), None);
+        for (sample, seen) in [
+            (channels.theta, seen.theta),
+            (channels.reaction[0], seen.reaction[0]),
+            (channels.reaction[1], seen.reaction[1]),
+            (channels.uplift[0], seen.uplift[0]),
+            (channels.uplift[1], seen.uplift[1]),
+        ] {
+            assert!((sample.value - seen.re).abs() <= 1e-12 * seen.re.abs(), "{sample:?}, {seen}");
+            assert!((sample.rate - seen.eps).abs() <= 1e-9 * seen.eps.abs(), "{sample:?}, {seen}");
+        }
+        lifted += u32::from(seen.uplift[0].eps > 0.0);
+    }
+    assert!(lifted > 10, "{lifted}");
+}
+
 /// In the direction in which states and inputs change, what a user sees changes at the rates of the motion, and so do the
 /// energies; their balance stands. An energy that is a state changes its own sum and the balance alone.
 #[test]

@@ -5,7 +5,7 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
 use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::peaks::Peaks;
+use rocking_block::simulation::peaks::{self, Peaks};
 use rocking_block::simulation::{Ending, Initial, LiftOff, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::system::impact;
 use rocking_block::system::surfaces::{Event, EventKind};
@@ -410,6 +410,54 @@ fn peaks_come_from_inside_the_longest_steps() {
             }
         }
     }
+}
+
+/// A block that stands on the rigid base under one sine of ground acceleration that does not lift it does not move: the greatest H
+/// is `M a_p`, the greatest reaction `M g/2 + M a_p h/(2 b)`, the greatest friction demand `a_p/g`, each inside a step. Each
+/// is found where it alone is new: loads have raised it almost to that before, and the others far above.
+#[test]
+fn each_peak_is_looked_for_by_itself() {
+    let block = rigid(0.25, 1.0);
+    let weight = block.mass * block.gravity;
+    let shear = 0.5 * weight * block.b / block.h;
+    let pulse = Pulse { start: 1.0, ..one_sine(shear / block.mass, 0.6) };
+    let exact = [0.5 * weight + 0.5 * shear * block.h / block.b, shear, shear / weight];
+    // Horizontal loads whose moment about the base is taken, and vertical ones, to which they grow.
+    let loads = [
+        [(0.0, weight - 2.0 * 0.97 * exact[0]), (10.0 * shear, 0.0)],
+        [(0.97 * shear, -10.0 * weight), (0.5 * shear, 0.95 * weight)],
+        [(0.97 * shear, 0.0), (10.0 * shear, -100.0 * weight)],
+    ];
+    for (looked_for, loads) in loads.into_iter().enumerate() {
+        let mut simulation = start(block, pulse, Initial::default(), 1e-8);
+        for (time, (f_x, f_z)) in [0.0, 0.5].into_iter().zip(loads) {
+            let grows = |to: f64| Ramp { value: 0.0, rate: to / 0.5 };
+            let inputs =
+                Inputs { time, f_x: grows(f_x), f_z: grows(f_z), m_y: grows(-f_x * block.h), ..Inputs::default() };
+            simulation.advance(time + 0.5, &inputs, &mut |event| panic!("{event}")).unwrap();
+        }
+        let peaks = |simulation: &Simulation| {
+            let Peaks { reaction, horizontal, friction_demand, .. } = simulation.peaks();
+            [reaction, horizontal, friction_demand]
+        };
+        let before = peaks(&simulation);
+        go(&mut simulation, 2.0);
+        for (i, (before, after)) in before.into_iter().zip(peaks(&simulation)).enumerate() {
+            if i == looked_for {
+                assert!((before / exact[i] - 0.97).abs() < 1e-9, "{i}: {before}, {}", exact[i]);
+                assert!((after / exact[i] - 1.0).abs() < 1e-9, "{i}: {after}, {}", exact[i]);
+            } else {
+                assert!(before > 4.0 * exact[i] && after == before, "{i}: {before}, {after}, {}", exact[i]);
+            }
+        }
+    }
+}
+
+/// Of zeros with either sign the first one stays, on every processor.
+#[test]
+fn the_greater_of_two_zeros_is_the_first() {
+    assert_eq!(peaks::greater(0.0, -0.0).to_bits(), 0.0_f64.to_bits());
+    assert_eq!(peaks::greater(-0.0, 0.0).to_bits(), (-0.0_f64).to_bits());
 }
 
 /// A block pushed over ends at a quarter turn; one thrown up by its supports ends without contact.

@@ -85,3 +85,13 @@ fn a_step_that_would_take_for_ever_ends() {
     assert!(error.to_string().contains(&format!("t = {time} s after {steps} steps towards t = ")), "{error}");
     simulation.advance(time + 1.0, &Inputs::default(), &mut |_| ()).unwrap();
 }
+
+/// An acceleration that is a number, but under which no step leads to one, is named as the reason, and no tolerance.
+#[test]
+fn a_motion_that_overflows_is_named() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let mut simulation = start(block(foundation, 0.1), Initial::default());
+        let error = simulation.advance(1.0, &pushed(0.0, 1e305), &mut |_| ()).unwrap_err();
+        assert_eq!(error, SimulationError::NotFinite { time: 0.0 });
+    }
+}

@@ -233,9 +233,9 @@ fn a_state_with_a_number_that_is_none_is_refused() {
     assert!(simulation.is_valid());
     let bytes = postcard::to_allocvec(&simulation).unwrap();
     let mut refused = std::collections::BTreeSet::new();
-    for at in 0..bytes.len() - 8 {
+    for (at, number) in (0..bytes.len() - 8).flat_map(|at| [(at, f64::NAN), (at, 0.0)]) {
         let mut bytes = bytes.clone();
-        bytes[at..at + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
         let Ok(forged) = postcard::from_bytes::<Simulation>(&bytes) else { continue };
         // Elsewhere than at the place of a number other fields are changed, too.
         let [was, is] = [&simulation, &forged].map(|simulation| fields(&serde_json::to_value(simulation).unwrap()));
@@ -246,6 +246,14 @@ fn a_state_with_a_number_that_is_none_is_refused() {
             assert!(!forged.is_valid(), "{place}");
             refused.insert(place.clone());
         }
+        // A step or a pulse of no length leads nowhere.
+        if number == 0.0 && ["/short_size", "/pulse/period"].contains(&place.as_str()) {
+            assert!(!forged.is_valid(), "{place} is zero");
+            refused.insert(format!("{place} of zero"));
+        }
+    }
+    for place in ["/short_size of zero", "/pulse/period of zero"] {
+        assert!(refused.contains(place), "{place} is not among {refused:?}");
     }
     for place in
         ["/pose/time", "/pose/footing/Free/u", "/pose/contacts/0/Lifted/depth", "/piece/offsets/3", "/pulse/period"]
