@@ -162,13 +162,17 @@ def test_the_bridges_interface_converges(bridge_parts):
     assert change < 0.1 * np.abs(fine["tower_1.theta"]).max()
 
 
+def need_master(master):
+    """Skips a test where a master is not installed: fmi-sim is a program, the others are packages."""
+    if master != "fmi-sim":
+        need(master)
+    elif shutil.which(master) is None:
+        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+
+
 @pytest.mark.parametrize("master", ["libcosimpy", "ecospy", "fmi-sim"])
 def test_the_same_block_in_every_master(fmu, master):
-    if master == "fmi-sim":
-        if shutil.which(master) is None:
-            pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
-    else:
-        need(master)
+    need_master(master)
     import one_line
 
     expected, theta = one_line.with_fmpy(), one_line.MASTERS[master]()
@@ -198,8 +202,7 @@ def test_an_example_leaves_its_page_alone(fmu, tmp_path, monkeypatch):
 
 
 def test_fmi_sim_takes_a_record(fmu, loma_prieta, tmp_path):
-    if shutil.which("fmi-sim") is None:
-        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
+    need_master("fmi-sim")
     from fmpy import simulate_fmu
 
     dt, record = loma_prieta
@@ -219,10 +222,7 @@ SEPARATING = {"initial.theta": 0.2, "initial.theta_dot": 1.0}
 @pytest.mark.parametrize("master, outcome", [("fmpy", "ends"), ("libcosimpy", "fails"), ("ecospy", "goes on"), ("fmi-sim", "ends")])
 def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
     """What docs/importing.md says of complete separation, which comes at 0.067 s here."""
-    if master == "fmi-sim" and shutil.which(master) is None:
-        pytest.skip("fmi-sim is not installed: cargo install fmi-sim --locked")
-    if master != "fmi-sim":
-        need(master)
+    need_master(master)
     import one_line
 
     monkeypatch.setattr(one_line, "START", SEPARATING)
@@ -240,10 +240,10 @@ def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
 
 
 @pytest.mark.parametrize("parts", [1, 2, 10])
-@pytest.mark.parametrize("master", ["libcosimpy", "ecospy"])
+@pytest.mark.parametrize("master", ["libcosimpy", "ecospy", "fmi-sim"])
 def test_a_record_inside_in_every_master(fmu, master, parts, monkeypatch):
     """At the record's own step and at parts of it; shorter steps change what the integration leaves of its tolerance alone."""
-    need(master)
+    need_master(master)
     import one_line
 
     record = EXAMPLES.parent / "records/np01002p_4225a_a.smc"
