@@ -227,6 +227,7 @@ fn the_error_follows_the_tolerance() {
         let settings = Settings { tolerance, ..Settings::default() };
         let mut simulation = Simulation::new(block(), settings, pulse, &Initial::default(), 0.0, &Inputs::default());
         simulation.advance(8.0, &Inputs::default(), &mut |_| ()).unwrap();
+        assert!(simulation.counts().rejected > 0, "the first of the steps are tried too long");
         simulation.observe(&Inputs::default()).theta
     };
     let exact = theta(1e-13);
