@@ -105,4 +105,6 @@ fn what_follows_from_the_parameters_is_checked_too() {
     assert_eq!(ratio.expect_err("an infinite damping ratio").name(), "C");
     let thin = Block::from_dimensionless(&Dimensionless { alpha: f64::MIN_POSITIVE, p: 1e3, ..PAPER }, &common());
     assert_eq!(thin.expect_err("a width that vanishes").name(), "b = R0 sin(alpha)");
+    let light = Block::from_dimensionless(&Dimensionless { p: 1e60, ..PAPER }, &Common { mass: 1e-200, ..common() });
+    assert_eq!(light.expect_err("an inertia that vanishes").name(), "I0");
 }

@@ -101,3 +101,20 @@ fn the_work_of_loads_is_in_the_energy_sums() {
         assert!(energies.input.abs() > 0.05 * largest && energies.residual.abs() < 1e-9 * largest, "{energies:?}");
     }
 }
+
+/// Inputs and a record add up at any time, whichever time each refers to.
+#[test]
+fn inputs_add_up_at_any_time() {
+    let ramp = |value: f64, rate: f64| Ramp { value, rate };
+    let one = Inputs { time: 1.0, a_gx: ramp(2.0, 3.0), f_z: ramp(-4.0, 0.5), ..Inputs::default() };
+    let other = Inputs { time: 3.0, a_gx: ramp(-1.0, 5.0), m_y: ramp(6.0, -7.0), ..Inputs::default() };
+    let sum = one.plus(&other);
+    for time in [0.0, 1.0, 4.5] {
+        let [sum, one, other] = [sum, one, other].map(|inputs| inputs.moved_to(time));
+        for (sum, one, other) in
+            [(sum.a_gx, one.a_gx, other.a_gx), (sum.f_z, one.f_z, other.f_z), (sum.m_y, one.m_y, other.m_y)]
+        {
+            assert_eq!((sum.value, sum.rate), (one.value + other.value, one.rate + other.rate), "at {time} s");
+        }
+    }
+}
