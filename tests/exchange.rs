@@ -296,16 +296,17 @@ fn flights_over_the_rigid_base_are_the_same_from_outside() {
     let mut inside = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
     let mut outside = Outside::begin(&inside, inputs);
     let mut events = Vec::new();
-    inside.advance(0.6, &inputs, &mut |event| events.push(*event)).unwrap();
-    outside.go(0.6, 1e-3);
+    inside.advance(1.0, &inputs, &mut |event| events.push(*event)).unwrap();
+    outside.go(1.0, 1e-3);
     let kinds = |events: &[Event]| events.iter().map(|event| (event.kind, event.after)).collect::<Vec<_>>();
     assert_eq!(kinds(&events), kinds(&outside.events));
+    // The last bounces take some 1e-6 s each.
     for (a, b) in events.iter().zip(&outside.events) {
-        assert!((a.time - b.time).abs() < 1e-9, "{a}, {b}");
+        assert!((a.time - b.time).abs() < 1e-6, "{a}, {b}");
     }
     assert!(events.iter().any(|event| event.after == Regime::Separated), "{events:?}");
-    let [a, b] = [&inside, &outside.simulation].map(|simulation| simulation.observe(&inputs.moved_to(0.6)));
+    let [a, b] = [&inside, &outside.simulation].map(|simulation| simulation.observe(&inputs.moved_to(1.0)));
     for (a, b) in [(a.theta, b.theta), (a.v, b.v), (a.u, b.u)] {
-        assert!((a - b).abs() < 1e-9, "{a}, {b}");
+        assert!((a - b).abs() < 1e-6, "{a}, {b}");
     }
 }

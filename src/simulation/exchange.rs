@@ -225,7 +225,8 @@ impl Simulation {
                 _ => 2.0 * surface.rounding(now.block),
             };
             match (surface, surface.sample(now)) {
-                (Surface::Gap(_), Sample { value, rate }) if value < 0.0 && opens(rate) => rounding - 2.0 * value,
+                // No more than that: bounces would sink in by twice as much each time.
+                (Surface::Gap(_), Sample { value, rate }) if value < 0.0 && opens(rate) => rounding - value,
                 _ => rounding,
             }
         })
