@@ -70,6 +70,26 @@ fn a_block_on_the_rigid_base_rests_for_ever() {
     assert!(left > right && right > 0.0);
 }
 
+/// Loads under which a block goes on resting on the rigid base press on it as greatly as on any other.
+#[test]
+fn loads_on_a_resting_block_are_peaks() {
+    let block = block(Foundation::Rigid, 0.1);
+    let mut simulation = start(block, Initial::default());
+    simulation.advance(1.0, &Inputs::default(), &mut |_| ()).unwrap();
+    let weight = block.mass * block.gravity;
+    let (f_x, f_z) = (0.1 * weight, -0.5 * weight);
+    let inputs = Inputs { time: 1.0, f_x: Ramp::held(f_x), f_z: Ramp::held(f_z), ..Inputs::default() };
+    simulation.advance(2.0, &inputs, &mut |_| ()).unwrap();
+    simulation.advance(3.0, &Inputs::default(), &mut |_| ()).unwrap();
+    let peaks = simulation.peaks();
+    let reaction = 0.75 * weight + 0.5 * f_x * block.h / block.b;
+    for (found, exact) in
+        [(peaks.reaction, reaction), (peaks.horizontal, f_x), (peaks.friction_demand, f_x / (1.5 * weight))]
+    {
+        assert!((found / exact - 1.0).abs() < 1e-12, "{found}, not {exact}");
+    }
+}
+
 /// Without damping a block never rests. A step that would take for ever ends with an error that says how far it came, and
 /// the run can go on from there.
 #[test]

@@ -163,6 +163,8 @@ impl Simulation {
         let limits = self.limits(law, excitation.frequency());
         loop {
             if steady && here.rests() {
+                // Loads may have come at this instant.
+                self.peaks.include(&here.channels());
                 self.rest(stop);
                 return Ok(());
             }
