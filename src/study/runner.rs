@@ -17,6 +17,9 @@ const AHEAD: u64 = 32;
 /// The same of batches of rows.
 const BATCHES_AHEAD: u64 = 4;
 
+/// Runs that a thread makes together, at most, but those of one row.
+pub(super) const MOST_RUNS: u64 = 512;
+
 /// Many runs, a row each.
 pub trait Study: Sync {
     /// What stands over the rows.
@@ -89,7 +92,6 @@ pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPo
 /// Rows that a thread makes together: so many that the lanes of this width are full most of the time, and so few that all
 /// threads have some; one where each run is made by itself.
 pub(super) fn batch(width: Option<Width>, rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
-    const MOST_RUNS: u64 = 512;
     if width.is_none() {
         return 1;
     }

@@ -15,7 +15,7 @@ use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
 use crate::study::history::Run;
-use crate::study::outcome::{End, Outcome};
+use crate::study::outcome::End;
 use crate::study::runner;
 use crate::study::sweep::Levels;
 use crate::study::together::outcomes;
@@ -178,9 +178,12 @@ fn changes_of_run(
         known = known.max(before + values.len() as u64 * if before == scan.points { scan.halvings() } else { 1 });
         let ended = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, known);
         let size = runner::batch(width, values.len() as u64, 1, rayon::current_num_threads() as u64);
-        let made = |values: &[(usize, f64)]| outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
-        let made: Vec<Vec<Outcome>> = values.par_chunks(size as usize).map(made).collect();
-        made.iter().flatten().map(|outcome| outcome.end).collect()
+        // Of millions of runs no more is kept than how they ended.
+        let ends = |values: &[(usize, f64)]| {
+            let made = outcomes(width, values.iter().map(|&(_, value)| run(value)), ended);
+            made.iter().map(|outcome| outcome.end).collect::<Vec<End>>()
+        };
+        values.par_chunks(size as usize).map(ends).collect::<Vec<Vec<End>>>().concat()
     };
     let mut found = changes(scan, 1, outcomes);
     found.swap_remove(0)

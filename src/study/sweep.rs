@@ -15,7 +15,7 @@ use crate::study::intensity::{Measure, pga};
 use crate::study::outcome::{End, Outcome};
 use crate::study::parameters::Parameter;
 use crate::study::resumable::Head;
-use crate::study::runner::{Study, StudyRow};
+use crate::study::runner::{MOST_RUNS, Study, StudyRow};
 use crate::study::sampling::LatinHypercube;
 use crate::study::search::{self, Found, Scan};
 use crate::study::strength::{Strengths, scale_to};
@@ -232,17 +232,19 @@ impl Sweep {
 
     /// At which values of a measure the blocks of some rows overturn.
     fn least(&self, measure: Measure, scan: &Scan, places: &[Place], width: Option<Width>) -> Vec<Found<End>> {
+        let run = |&(row, value): &(usize, f64)| {
+            let Place { values, motion, block, .. } = &places[row];
+            self.run_of(values, motion, scale_to(measure, value, motion, block))
+        };
+        let end = |outcome: Outcome| match outcome.end {
+            // The run's end is not what is looked for.
+            End::Separated => End::Completed,
+            end => end,
+        };
         search::changes(scan, places.len(), |values| {
-            let runs = values.iter().map(|&(row, value)| {
-                let Place { values, motion, block, .. } = &places[row];
-                self.run_of(values, motion, scale_to(measure, value, motion, block))
-            });
-            let ends = outcomes(width, runs, || ()).into_iter().map(|outcome| match outcome.end {
-                // The run's end is not what is looked for.
-                End::Separated => End::Completed,
-                end => end,
-            });
-            ends.collect()
+            // Of many runs no more is kept than how they ended.
+            let parts = values.chunks(MOST_RUNS as usize);
+            parts.flat_map(|values| outcomes(width, values.iter().map(run), || ())).map(end).collect()
         })
     }
 
