@@ -98,7 +98,7 @@ fn short_steps_of_the_fmu() {
         let mut x = state;
         for k in 0..STEPS {
             let time = black_box(f64::from(k) * STEP);
-            x += right_hand_side(&block, regime, &excitation, time, &x).state * 1e-12;
+            x = x + right_hand_side(&block, regime, &excitation, time, &x).state * 1e-12;
         }
         black_box(x);
     };

@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
+use crate::dual::Dual64;
 use crate::scalar::Elementary;
 
 /// A value that changes linearly in time.

@@ -8,6 +8,7 @@
 //! | --- | --- |
 //! | [`records`] | accelerogram files → ground accelerations, linear between their samples |
 //! | [`scalar`] | what formulas need of a number: `f64`, and dual numbers for derivatives |
+//! | [`dual`] | a number with its derivative |
 //! | [`block`] | parameters → all that the equations need |
 //! | [`excitation`] | inputs over a step, pulses → what drives the block at any time |
 //! | [`contact`] | what each corner does → the regime |
@@ -26,6 +27,8 @@
 pub mod records;
 
 pub mod scalar;
+
+pub mod dual;
 
 pub mod block;
 

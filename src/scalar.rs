@@ -3,8 +3,6 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use num_dual::Dual64;
-
 use crate::numerics;
 
 /// What the equations of motion need of a number.
@@ -41,19 +39,7 @@ pub trait Scalar:
 }
 
 /// A number without a derivative.
-pub trait Real: numerics::Real + Scalar<Real = Self> {
-    /// The number with a derivative.
-    type Dual: Dual<Real = Self> + Beside<Self>;
-}
-
-/// A number with its derivative.
-pub trait Dual: Scalar {
-    /// A number of this value with this derivative.
-    fn with_rate(value: Self::Real, rate: Self::Real) -> Self;
-
-    /// The derivative.
-    fn rate(self) -> Self::Real;
-}
+pub trait Real: numerics::Real + Scalar<Real = Self> {}
 
 /// A number that goes together with the numbers `P` of a block: both are of the same kind, or the block's have no derivative
 /// while this one carries one.
@@ -109,9 +95,7 @@ impl Scalar for f64 {
     }
 }
 
-impl Real for f64 {
-    type Dual = Dual64;
-}
+impl Real for f64 {}
 
 impl Elementary for f64 {
     #[inline]
@@ -147,77 +131,5 @@ impl Elementary for f64 {
     #[inline]
     fn is_zero(self) -> bool {
         self.to_bits() == 0
-    }
-}
-
-impl Scalar for Dual64 {
-    type Real = f64;
-
-    #[inline(always)]
-    fn constant(value: f64) -> Dual64 {
-        Dual64::from(value)
-    }
-
-    #[inline]
-    fn sin_cos(self) -> (Dual64, Dual64) {
-        let (sin, cos) = libm::sincos(self.re);
-        (Dual64::new(sin, cos * self.eps), Dual64::new(cos, -sin * self.eps))
-    }
-
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self.re
-    }
-
-    #[inline(always)]
-    fn select_less(a: f64, b: f64, yes: Dual64, no: Dual64) -> Dual64 {
-        if a < b { yes } else { no }
-    }
-}
-
-impl Dual for Dual64 {
-    #[inline(always)]
-    fn with_rate(value: f64, rate: f64) -> Dual64 {
-        Dual64::new(value, rate)
-    }
-
-    #[inline(always)]
-    fn rate(self) -> f64 {
-        self.eps
-    }
-}
-
-impl Elementary for Dual64 {
-    #[inline]
-    fn sin(self) -> Dual64 {
-        self.sin_cos().0
-    }
-
-    #[inline]
-    fn cos(self) -> Dual64 {
-        self.sin_cos().1
-    }
-
-    fn asin(self) -> Dual64 {
-        Dual64::new(libm::asin(self.re), self.eps / ((1.0 - self.re) * (1.0 + self.re)).sqrt())
-    }
-
-    fn atan2(self, x: Dual64) -> Dual64 {
-        let square = self.re * self.re + x.re * x.re;
-        Dual64::new(libm::atan2(self.re, x.re), (x.re * self.eps - self.re * x.eps) / square)
-    }
-
-    fn hypot(self, other: Dual64) -> Dual64 {
-        let length = libm::hypot(self.re, other.re);
-        Dual64::new(length, (self.re * self.eps + other.re * other.eps) / length)
-    }
-
-    fn sqrt(self) -> Dual64 {
-        let root = self.re.sqrt();
-        Dual64::new(root, 0.5 * self.eps / root)
-    }
-
-    fn is_zero(self) -> bool {
-        self.re.is_zero() && self.eps.is_zero()
     }
 }

@@ -21,11 +21,11 @@ fn rate(block: &Block, time: f64, x: &State) -> Rate {
     let forcing = Forcing { x: 2.0 * libm::sin(9.0 * time), z: 0.5 * libm::cos(7.0 * time), moment: 0.0 };
     let x = instant(block, Regime::TiltingRight, [x[0], x[1], x[2], x[3]], Footing::AT_START, forcing);
     let quadratures = x.powers(block, Regime::TiltingRight, forcing).into();
-    Rate { state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot), quadratures }
+    Rate { state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]), quadratures }
 }
 
 fn start() -> State {
-    State::new(0.1, -0.05, -0.004, 0.03)
+    State::from([0.1, -0.05, -0.004, 0.03])
 }
 
 /// State after 0.4 s in `steps` equal steps, and the state a third into the last of them from its dense output.
@@ -90,7 +90,7 @@ fn short_steps(pair: ShortPair, xi_v: f64, numbers: [u32; 5]) -> [[(f64, f64); 5
     let f = |t: f64, x: &State| rate(&block, t, x);
     let run = |pair: ShortPair, steps: u32| {
         let size = 0.4 / f64::from(steps);
-        let weights = State::repeat(1.0);
+        let weights = State::from([1.0; 4]);
         (0..steps).fold((start(), Quadratures::zeros(), 0.0_f64), |(x, work, estimate), i| {
             let time = size * f64::from(i);
             let step = ShortStep::attempt(pair, time, size, x, f(time, &x), &f);
@@ -142,14 +142,14 @@ fn the_estimate_of_nystroms_steps_is_above_their_error() {
         let block = Block { xi_v, ..block() };
         let f = |t: f64, x: &State| rate(&block, t, x);
         // Displacements count as the velocities that they amount to.
-        let weights = State::new(29.0, 1.0, 29.0, 1.0);
+        let weights = State::from([29.0, 1.0, 29.0, 1.0]);
         let (mut time, mut x, mut sums) = (0.0, start(), [0.0; 2]);
         for _ in 0..60 {
             let first = f(time, &x);
             let step = ShortStep::attempt(ShortPair::Nystrom, time, size, x, first, &f);
             let exact = Step::attempt(time, size, x, first, &f).end;
             sums[0] += step.error(f(time + size, &step.end), weights, 0.0).powi(2);
-            sums[1] += (step.end - exact).component_mul(&weights).norm_squared();
+            sums[1] += (step.end - exact).weighted(weights).square();
             (time, x) = (time + size, exact);
         }
         let ratio = (sums[0] / sums[1]).sqrt();
@@ -301,7 +301,7 @@ fn the_error_of_a_short_step_is_that_of_all_that_is_integrated() {
     let f = |t: f64, x: &State| rate(&block, t, x);
     let step = ShortStep::attempt(ShortPair::Tsitouras, 0.3, 0.02, start(), f(0.3, &start()), &f);
     let end = f(0.32, &step.end);
-    let weights = State::new(1.0, 0.5, 3.0, 2.0);
+    let weights = State::from([1.0, 0.5, 3.0, 2.0]);
     let [state, work, all] =
         [(weights, 0.0), (State::zeros(), 7.0), (weights, 7.0)].map(|(weights, work)| step.error(end, weights, work));
     assert!(state > 0.0 && work > 0.0 && (all / state.hypot(work) - 1.0).abs() < 1e-12, "{state}, {work}, {all}");

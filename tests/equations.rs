@@ -66,7 +66,7 @@ fn situations() -> Vec<(Block, Pose)> {
                     (_, [false, true]) => (0.13, -0.4),
                     (_, [true, true] | [false, false]) => (0.02, 0.3),
                 };
-                let state = State::new(theta, theta_dot, w, w_dot);
+                let state = State::from([theta, theta_dot, w, w_dot]);
                 all.push((block, Pose { time: TIME, state, contacts, footing }));
             }
         }
@@ -125,7 +125,11 @@ fn rates_are_those_of_the_motion() {
 /// The same of everything with dual numbers, accelerations and reactions included, whose rates are known in no other way.
 #[test]
 fn dual_numbers_give_the_rates_of_everything() {
-    type Field = (&'static str, fn(&Instant<f64>) -> f64, fn(&Instant<num_dual::Dual64>) -> num_dual::Dual64);
+    type Field = (
+        &'static str,
+        fn(&Instant<f64>) -> f64,
+        fn(&Instant<rocking_block::dual::Dual64>) -> rocking_block::dual::Dual64,
+    );
     let fields: [Field; 13] = [
         ("theta", |x| x.theta, |x| x.theta),
         ("theta_ddot", |x| x.theta_ddot, |x| x.theta_ddot),
@@ -331,7 +335,7 @@ fn gaps_open_as_fast_as_is_said() {
             [true, true] => (height - tilt * f64::sin(theta), rate - tilt * theta_dot * f64::cos(theta)),
             _ => (height, rate),
         };
-        let state = State::new(theta, theta_dot, w, w_dot);
+        let state = State::from([theta, theta_dot, w, w_dot]);
         let contacts = Contacts::touching(touching, 0.0);
         let pose = Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 } };
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, state);
@@ -342,12 +346,12 @@ fn gaps_open_as_fast_as_is_said() {
         gone.contacts.set(leaving, Contact::Lifted(Creep { depth, since: TIME }));
         match gone.contacts.regime() {
             Regime::Separated => {
-                gone.state = State::new(theta, theta_dot, now.instant.v, now.instant.v_dot);
+                gone.state = State::from([theta, theta_dot, now.instant.v, now.instant.v_dot]);
                 gone.footing = Footing::Free { u: now.instant.u, u_dot: now.instant.u_dot };
             }
             _ => {
                 let other = leaving.other().index();
-                gone.state = State::new(theta, theta_dot, now.instant.corner[other], now.instant.corner_dot[other]);
+                gone.state = State::from([theta, theta_dot, now.instant.corner[other], now.instant.corner_dot[other]]);
             }
         }
         let h = 1e-4 / fastest(&block);

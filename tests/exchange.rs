@@ -148,8 +148,8 @@ fn rates_at_the_ends_of_a_step_are_those_of_the_motion() {
             (channels.uplift[0], seen.uplift[0]),
             (channels.uplift[1], seen.uplift[1]),
         ] {
-            assert!((sample.value - seen.re).abs() <= 1e-12 * seen.re.abs(), "{sample:?}, {seen}");
-            assert!((sample.rate - seen.eps).abs() <= 1e-9 * seen.eps.abs(), "{sample:?}, {seen}");
+            assert!((sample.value - seen.re).abs() <= 1e-12 * seen.re.abs(), "{sample:?}, {seen:?}");
+            assert!((sample.rate - seen.eps).abs() <= 1e-9 * seen.eps.abs(), "{sample:?}, {seen:?}");
         }
         lifted += u32::from(seen.uplift[0].eps > 0.0);
     }

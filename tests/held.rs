@@ -153,7 +153,7 @@ fn a_corner_that_landed_without_rebound_goes_where_its_acceleration_points() {
         let free = block.static_deflection();
         let pose = Pose {
             time: 0.0,
-            state: State::new(libm::asin(free / block.b), -0.4, -free, 0.1),
+            state: State::from([libm::asin(free / block.b), -0.4, -free, 0.1]),
             contacts: Contacts::touching([false, true], 0.0),
             footing: Footing::AT_START,
         };

@@ -73,7 +73,7 @@ fn holds_the_licence_of_every_crate_it_lists() {
         .filter(|(name, version)| *name != "rocking-block" && version.starts_with(|first: char| first.is_ascii_digit()))
         .map(|(name, version)| format!("{name}-{version}"))
         .collect();
-    assert!(listed.iter().any(|name| name.starts_with("nalgebra-")), "{index}");
+    assert!(listed.iter().any(|name| name.starts_with("serde-")), "{index}");
     listed.insert("rust-standard-library".to_owned());
 
     let licenses = files.keys().filter_map(|path| path.strip_prefix("documentation/licenses/"));

@@ -24,7 +24,7 @@ fn a_block_that_has_decayed_is_at_rest() {
     let block = block(Foundation::Viscoelastic, 0.1);
     let mut simulation = start(block, Initial { theta: 0.001, ..Initial::default() });
     simulation.advance(1000.0, &Inputs::default(), &mut |_| ()).unwrap();
-    assert!(simulation.state().iter().all(|x| *x == 0.0 || x.is_normal()), "{:?}", simulation.state());
+    assert!(simulation.state().0.iter().all(|x| *x == 0.0 || x.is_normal()), "{:?}", simulation.state());
     let energies = simulation.energies();
     assert!(energies.residual.abs() < 1e-8 * energies.dashpots, "{energies:?}");
     let (state, evaluations) = (*simulation.state(), simulation.counts().evaluations);

@@ -30,8 +30,8 @@ pub fn loma_prieta() -> Ground {
 /// The equations of motion at one instant, with the powers, as the integrator evaluates them.
 pub fn right_hand_side(block: &Block, regime: Regime, excitation: &Excitation, time: f64, state: &State) -> Rate {
     let forcing = excitation.at(time);
-    instant_of(block, block.foundation, regime, (*state).into(), Footing::AT_START, forcing, |x| Rate {
-        state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
+    instant_of(block, block.foundation, regime, state.0, Footing::AT_START, forcing, |x| Rate {
+        state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
         quadratures: x.powers(block, regime, forcing).into(),
     })
 }

@@ -186,7 +186,7 @@ fn weights(block: &Block, regime: Regime, tolerance: f64) -> State {
     let allowed = 1.0 / (tolerance * block.alpha * block.p);
     let most = (block.r0 * block.alpha * block.p).min(10.0 * block.gravity / block.omega_v);
     let upright = 1.0 / (tolerance * most);
-    State::new(rocking * allowed, allowed, vertical * upright, upright)
+    State::from([rocking * allowed, allowed, vertical * upright, upright])
 }
 
 #[allow(clippy::too_many_arguments, reason = "a step of a method on a problem, written out")]
@@ -201,19 +201,19 @@ fn step(
     weights: &State,
 ) -> (State, f64) {
     let rate = |time: f64, x: &State| {
-        let x = instant(block, regime, (*x).into(), Footing::AT_START, excitation.at(time));
-        State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot)
+        let x = instant(block, regime, x.0, Footing::AT_START, excitation.at(time));
+        State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot])
     };
     let (next, k) = stages(pair, time, x, size, rate);
     let sum = |c: &[f64]| c.iter().zip(&k).fold(State::zeros(), |sum, (c, k)| sum + *k * *c);
-    let in_units = |c: &[f64]| sum(c).component_mul(weights);
+    let in_units = |c: &[f64]| sum(c).weighted(*weights);
     let error = match &pair.displacements {
         None => in_units(pair.error),
-        Some(of) => second_order(sum(of.error) * size, State::zeros()).component_mul(weights),
+        Some(of) => State::of_second_order(sum(of.error) * size, State::zeros()).weighted(*weights),
     };
     let norm = match pair.second_error {
         Some(second) => {
-            let (fifth, third) = (error.norm_squared(), in_units(second).norm_squared());
+            let (fifth, third) = (error.square(), in_units(second).square());
             if fifth == 0.0 { 0.0 } else { size * fifth / (fifth + 0.01 * third).sqrt() }
         }
         None => size * error.norm(),
@@ -226,7 +226,7 @@ fn stages(pair: &Pair, time: f64, x: State, size: f64, rate: impl Fn(f64, &State
     let sum = |row: &[f64], k: &[State]| row.iter().zip(k).fold(State::zeros(), |sum, (a, k)| sum + *k * *a);
     let moved = |node: f64, velocities: &[f64], displacements: Option<&[f64]>, k: &[State]| match displacements {
         None => sum(velocities, k) * size,
-        Some(row) => second_order(x * node + sum(row, k) * size, sum(velocities, k)) * size,
+        Some(row) => State::of_second_order(x * node + sum(row, k) * size, sum(velocities, k)) * size,
     };
     for (stage, (row, node)) in pair.stages.iter().zip(pair.nodes).enumerate() {
         let displacements = pair.displacements.as_ref().map(|of| of.stages[stage]);
@@ -236,23 +236,18 @@ fn stages(pair: &Pair, time: f64, x: State, size: f64, rate: impl Fn(f64, &State
     (x + moved(1.0, pair.weights, displacements, &k), k)
 }
 
-/// The velocities of the first in the places of displacements, and those of the second.
-fn second_order(displacements: State, velocities: State) -> State {
-    State::new(displacements[1], velocities[1], displacements[3], velocities[3])
-}
-
 /// Order with which a pair's error falls on problems with known solutions, as a check of its tableau.
 fn order(pair: &Pair) -> f64 {
     if pair.displacements.is_some() {
         return order_of_second_order(pair);
     }
     // x = (sin t, cos t, e^sin t, 1/(1+t)) at t = 6 from t = 0.
-    let rate = |t: f64, x: &State| State::new(x[1], -x[0], x[2] * t.cos(), -x[3] * x[3]);
+    let rate = |t: f64, x: &State| State::from([x[1], -x[0], x[2] * t.cos(), -x[3] * x[3]]);
     let error = |steps: u32| {
         let size = 6.0 / f64::from(steps);
-        let start = State::new(0.0, 1.0, 1.0, 1.0);
+        let start = State::from([0.0, 1.0, 1.0, 1.0]);
         let end = (0..steps).fold(start, |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
-        (end - State::new(6_f64.sin(), 6_f64.cos(), 6_f64.sin().exp(), 1.0 / 7.0)).norm()
+        (end - State::from([6_f64.sin(), 6_f64.cos(), 6_f64.sin().exp(), 1.0 / 7.0])).norm()
     };
     // Steps so long that rounding, which Verner's large coefficients magnify, stays out of the way.
     let coarse = if pair.order > 5 { 24 } else { 60 };
@@ -262,12 +257,12 @@ fn order(pair: &Pair) -> f64 {
 /// The same of a method for second-order equations without velocities.
 fn order_of_second_order(pair: &Pair) -> f64 {
     // x = sin t, y = 1/(1+t) at t = 6 from t = 0.
-    let rate = |_: f64, x: &State| State::new(x[1], -x[0], x[3], 2.0 * x[2].powi(3));
+    let rate = |_: f64, x: &State| State::from([x[1], -x[0], x[3], 2.0 * x[2].powi(3)]);
     let error = |steps: u32| {
         let size = 6.0 / f64::from(steps);
-        let end =
-            (0..steps).fold(State::new(0.0, 1.0, 1.0, -1.0), |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
-        (end - State::new(6_f64.sin(), 6_f64.cos(), 1.0 / 7.0, -1.0 / 49.0)).norm()
+        let end = (0..steps)
+            .fold(State::from([0.0, 1.0, 1.0, -1.0]), |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
+        (end - State::from([6_f64.sin(), 6_f64.cos(), 1.0 / 7.0, -1.0 / 49.0])).norm()
     };
     (error(60) / error(120)).log2()
 }

@@ -46,7 +46,6 @@ const CONFIG: &str = r#"[profile.dev.package]
 rocking-block = { opt-level = 3 }
 libm = { opt-level = 3 }
 nalgebra = { opt-level = 3 }
-num-dual = { opt-level = 3 }
 "#;
 
 /// A copy of the sources.

@@ -5,11 +5,10 @@
 //! [`ShortStep`](super::short::ShortStep) does with half the evaluations or a third. docs/integrator.md has the comparison that led
 //! to them.
 
-use nalgebra::SVector;
-
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::control::size_factor;
-use crate::numerics::{Equations, Quadratures, Rate, Real, State, Vector};
+use crate::numerics::numbers::Numbers;
+use crate::numerics::{Equations, Quadratures, Rate, Real, State};
 
 /// An attempted step, kept whole for its dense output.
 #[derive(Clone, Copy, Debug)]
@@ -21,13 +20,13 @@ pub struct Step<R: Real = f64> {
     /// Time at its end (s).
     pub end_time: R,
     /// State at its beginning.
-    pub start: R::State,
+    pub start: State<R>,
     /// State at its end.
-    pub end: R::State,
+    pub end: State<R>,
     /// What is integrated along, over the step.
-    pub work: R::Quadratures,
-    stages: [R::State; 12],
-    quadratures: [R::Quadratures; 12],
+    pub work: Quadratures<R>,
+    stages: [State<R>; 12],
+    quadratures: [Quadratures<R>; 12],
 }
 
 /// Number of evaluations of the right-hand side in one attempted step, the first stage aside, which is known.
@@ -40,11 +39,11 @@ impl<R: Real> Step<R> {
     /// Takes a step of `size` from `start` with known rate there. The right-hand side is evaluated
     /// [`EVALUATIONS_PER_STEP`] times, not at the end.
     #[inline(always)]
-    pub fn attempt(time: R, size: R, start: R::State, first: Rate<R>, equations: &impl Equations<R>) -> Step<R> {
+    pub fn attempt(time: R, size: R, start: State<R>, first: Rate<R>, equations: &impl Equations<R>) -> Step<R> {
         let (mut k, mut q) = Step::begin(first);
         macro_rules! stages {
             ($($i:tt)*) => {$({
-                let Rate { state, quadratures } = equations.rate(time + size * NODES[$i], &(start + increment!(k, $i) * size));
+                let Rate { state, quadratures } = equations.rate(time + size * NODES[$i], &(start + increment!(k, $i).times(size)));
                 (k[$i], q[$i]) = (state, quadratures);
             })*};
         }
@@ -58,7 +57,7 @@ impl<R: Real> Step<R> {
     pub fn attempt_in_loop(
         time: R,
         size: R,
-        start: R::State,
+        start: State<R>,
         first: Rate<R>,
         equations: &impl Equations<R>,
     ) -> Step<R> {
@@ -77,29 +76,30 @@ impl<R: Real> Step<R> {
                 10 => increment!(k, 10),
                 _ => increment!(k, 11),
             };
-            let Rate { state, quadratures } = equations.rate(time + size * NODES[stage], &(start + increment * size));
+            let Rate { state, quadratures } =
+                equations.rate(time + size * NODES[stage], &(start + increment.times(size)));
             (k[stage], q[stage]) = (state, quadratures);
         }
         Step::finish(time, size, start, k, q)
     }
 
     #[inline(always)]
-    fn begin(first: Rate<R>) -> ([R::State; 12], [R::Quadratures; 12]) {
-        let mut k = [R::State::zero(); 12];
-        let mut q = [R::Quadratures::zero(); 12];
+    fn begin(first: Rate<R>) -> ([State<R>; 12], [Quadratures<R>; 12]) {
+        let mut k = [State::zeros(); 12];
+        let mut q = [Quadratures::zeros(); 12];
         (k[0], q[0]) = (first.state, first.quadratures);
         (k, q)
     }
 
     #[inline(always)]
-    fn finish(time: R, size: R, start: R::State, k: [R::State; 12], q: [R::Quadratures; 12]) -> Step<R> {
+    fn finish(time: R, size: R, start: State<R>, k: [State<R>; 12], q: [Quadratures<R>; 12]) -> Step<R> {
         Step {
             time,
             size,
             end_time: time + size,
             start,
-            end: start + increment!(k, 12) * size,
-            work: increment!(q, 12) * size,
+            end: start + increment!(k, 12).times(size),
+            work: increment!(q, 12).times(size),
             stages: k,
             quadratures: q,
         }
@@ -109,7 +109,7 @@ impl<R: Real> Step<R> {
     ///
     /// `weights` are the reciprocals of the errors allowed in each component of the state.
     #[inline(always)]
-    pub fn error(&self, weights: R::State) -> R {
+    pub fn error(&self, weights: State<R>) -> R {
         let fifth = difference!(self.stages, 5).weighted(weights).square();
         let third = difference!(self.stages, 3).weighted(weights).square();
         let denominator = fifth + third * 0.01;
@@ -151,13 +151,13 @@ impl Step {
 }
 
 /// Value at the beginning, then the coefficients of the dense output.
-type Polynomial<const N: usize> = [SVector<f64, N>; 8];
+type Polynomial<const N: usize> = [Numbers<f64, N>; 8];
 
 fn polynomial<const N: usize>(
-    start: SVector<f64, N>,
-    change: SVector<f64, N>,
+    start: Numbers<f64, N>,
+    change: Numbers<f64, N>,
     size: f64,
-    k: &[SVector<f64, N>; 16],
+    k: &[Numbers<f64, N>; 16],
 ) -> Polynomial<N> {
     let mut polynomial = cubic(start, change, size, &k[0], &k[12]);
     polynomial[4..].copy_from_slice(&[
@@ -171,15 +171,15 @@ fn polynomial<const N: usize>(
 
 /// The cubic with these rates at the ends.
 fn cubic<const N: usize>(
-    start: SVector<f64, N>,
-    change: SVector<f64, N>,
+    start: Numbers<f64, N>,
+    change: Numbers<f64, N>,
     size: f64,
-    first: &SVector<f64, N>,
-    last: &SVector<f64, N>,
+    first: &Numbers<f64, N>,
+    last: &Numbers<f64, N>,
 ) -> Polynomial<N> {
-    let bend = first * size - change;
-    let none = SVector::zeros();
-    [start, change, bend, change - last * size - bend, none, none, none, none]
+    let bend = *first * size - change;
+    let none = Numbers::zeros();
+    [start, change, bend, change - *last * size - bend, none, none, none, none]
 }
 
 /// The motion inside a step: polynomials, of degree 7 or less, that take on the step's ends and their rates.
@@ -225,7 +225,7 @@ impl DenseOutput {
     }
 }
 
-fn evaluate<const N: usize>(f: &Polynomial<N>, x: f64) -> SVector<f64, N> {
+fn evaluate<const N: usize>(f: &Polynomial<N>, x: f64) -> Numbers<f64, N> {
     let y = 1.0 - x;
     f[0] + (f[1] + (f[2] + (f[3] + (f[4] + (f[5] + (f[6] + f[7] * x) * y) * x) * y) * x) * y) * x
 }

@@ -5,7 +5,7 @@ use crate::numerics::coefficients::{
     NYSTROM_NODES, SHORT_NODES, combine, nystrom_displacement, nystrom_velocity, short_difference,
     short_end_difference, short_increment,
 };
-use crate::numerics::{Equations, Rate, Real, Vector};
+use crate::numerics::{Equations, Quadratures, Rate, Real, State};
 
 /// A pair of a short step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,9 +31,9 @@ impl ShortPair {
 #[derive(Clone, Copy, Debug)]
 pub struct ShortStep<R: Real = f64> {
     /// State at its end.
-    pub end: R::State,
+    pub end: State<R>,
     /// What is integrated along, over the step.
-    pub work: R::Quadratures,
+    pub work: Quadratures<R>,
     pair: ShortPair,
     size: R,
     /// What the stages have to say of its error.
@@ -47,7 +47,7 @@ impl<R: Real> ShortStep<R> {
         pair: ShortPair,
         time: R,
         size: R,
-        start: R::State,
+        start: State<R>,
         first: Rate<R>,
         equations: &impl Equations<R>,
     ) -> ShortStep<R> {
@@ -63,14 +63,14 @@ impl<R: Real> ShortStep<R> {
         }
         macro_rules! tsitouras {
             ($k:ident, $i:tt) => {
-                equations.rate(time + size * SHORT_NODES[$i], &(start + short_increment!($k, $i) * size))
+                equations.rate(time + size * SHORT_NODES[$i], &(start + short_increment!($k, $i).times(size)))
             };
         }
         macro_rules! nystrom {
             ($k:ident, $i:tt) => {{
-                let displacement = start * NYSTROM_NODES[$i] + nystrom_displacement!($k, $i) * size;
-                let increment = R::State::of_second_order(displacement, nystrom_velocity!($k, $i));
-                equations.rate(time + size * NYSTROM_NODES[$i], &(start + increment * size))
+                let displacement = start * NYSTROM_NODES[$i] + nystrom_displacement!($k, $i).times(size);
+                let increment = State::of_second_order(displacement, nystrom_velocity!($k, $i));
+                equations.rate(time + size * NYSTROM_NODES[$i], &(start + increment.times(size)))
             }};
         }
         match pair {
@@ -92,7 +92,7 @@ impl<R: Real> ShortStep<R> {
         pair: ShortPair,
         time: R,
         size: R,
-        start: R::State,
+        start: State<R>,
         first: Rate<R>,
         equations: &impl Equations<R>,
     ) -> ShortStep<R> {
@@ -106,8 +106,9 @@ impl<R: Real> ShortStep<R> {
                         _ => (nystrom_displacement!(k, 3), nystrom_velocity!(k, 3)),
                     };
                     let node = NYSTROM_NODES[stage];
-                    let increment = R::State::of_second_order(start * node + displacement * size, velocity);
-                    let Rate { state, quadratures } = equations.rate(time + size * node, &(start + increment * size));
+                    let increment = State::of_second_order(start * node + displacement.times(size), velocity);
+                    let Rate { state, quadratures } =
+                        equations.rate(time + size * node, &(start + increment.times(size)));
                     (k[stage], q[stage]) = (state, quadratures);
                 }
                 ShortStep::nystrom(size, start, k, q)
@@ -123,7 +124,7 @@ impl<R: Real> ShortStep<R> {
                         _ => short_increment!(k, 5),
                     };
                     let Rate { state, quadratures } =
-                        equations.rate(time + size * SHORT_NODES[stage], &(start + increment * size));
+                        equations.rate(time + size * SHORT_NODES[stage], &(start + increment.times(size)));
                     (k[stage], q[stage]) = (state, quadratures);
                 }
                 ShortStep::tsitouras(size, start, k, q)
@@ -132,19 +133,19 @@ impl<R: Real> ShortStep<R> {
     }
 
     #[inline(always)]
-    fn begin<const STAGES: usize>(first: Rate<R>) -> ([R::State; STAGES], [R::Quadratures; STAGES]) {
-        let mut k = [R::State::zero(); STAGES];
-        let mut q = [R::Quadratures::zero(); STAGES];
+    fn begin<const STAGES: usize>(first: Rate<R>) -> ([State<R>; STAGES], [Quadratures<R>; STAGES]) {
+        let mut k = [State::zeros(); STAGES];
+        let mut q = [Quadratures::zeros(); STAGES];
         (k[0], q[0]) = (first.state, first.quadratures);
         (k, q)
     }
 
     #[inline(always)]
-    fn nystrom(size: R, start: R::State, k: [R::State; 4], q: [R::Quadratures; 4]) -> ShortStep<R> {
-        let displacement = start + nystrom_displacement!(k, 4) * size;
+    fn nystrom(size: R, start: State<R>, k: [State<R>; 4], q: [Quadratures<R>; 4]) -> ShortStep<R> {
+        let displacement = start + nystrom_displacement!(k, 4).times(size);
         ShortStep {
-            end: start + R::State::of_second_order(displacement, nystrom_velocity!(k, 4)) * size,
-            work: nystrom_velocity!(q, 4) * size,
+            end: start + State::of_second_order(displacement, nystrom_velocity!(k, 4)).times(size),
+            work: nystrom_velocity!(q, 4).times(size),
             pair: ShortPair::Nystrom,
             size,
             of_stages: Rate { state: k[3], quadratures: q[3] },
@@ -152,10 +153,10 @@ impl<R: Real> ShortStep<R> {
     }
 
     #[inline(always)]
-    fn tsitouras(size: R, start: R::State, k: [R::State; 6], q: [R::Quadratures; 6]) -> ShortStep<R> {
+    fn tsitouras(size: R, start: State<R>, k: [State<R>; 6], q: [Quadratures<R>; 6]) -> ShortStep<R> {
         ShortStep {
-            end: start + short_increment!(k, 6) * size,
-            work: short_increment!(q, 6) * size,
+            end: start + short_increment!(k, 6).times(size),
+            work: short_increment!(q, 6).times(size),
             pair: ShortPair::Tsitouras,
             size,
             of_stages: Rate { state: short_difference!(k), quadratures: short_difference!(q) },
@@ -169,16 +170,16 @@ impl<R: Real> ShortStep<R> {
     /// its state, were taken for the end: of one order less, and some ten times the error. It leaves the works out, whose
     /// estimate of that kind is a hundred times their error.
     #[inline(always)]
-    pub fn error(&self, end: Rate<R>, weights: R::State, work_weight: R) -> R {
+    pub fn error(&self, end: Rate<R>, weights: State<R>, work_weight: R) -> R {
         let Rate { state, quadratures } = self.of_stages;
         match self.pair {
             ShortPair::Nystrom => {
-                let difference = R::State::of_second_order(end.state + state * -1.0, R::State::zero());
-                self.size * self.size * difference.weighted(weights).square().sqrt() * (1.0 / 12.0)
+                let difference = State::of_second_order(end.state + state * -1.0, State::zeros());
+                self.size * self.size * difference.weighted(weights).norm() * (1.0 / 12.0)
             }
             ShortPair::Tsitouras => {
                 let state = short_end_difference!(state, end.state).weighted(weights);
-                let work = short_end_difference!(quadratures, end.quadratures) * work_weight;
+                let work = short_end_difference!(quadratures, end.quadratures).times(work_weight);
                 self.size * (state.square() + work.square()).sqrt()
             }
         }

@@ -1,8 +1,8 @@
 //! Records → inputs that are linear in time between their samples.
 
-use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
+use crate::dual::Dual64;
 use crate::excitation::{Inputs, Ramp};
 use crate::records::Record;
 use crate::scalar::Elementary;

@@ -1,7 +1,6 @@
 //! Initial values and parameters as dual numbers → exact derivatives of all that is put out at the beginning.
 
-use num_dual::Dual64;
-
+use crate::dual::Dual64;
 use crate::excitation::Inputs;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::{Peaks, channels};

@@ -5,10 +5,10 @@
 //! indicator falls through zero. In flight and while what touches slides, the horizontal motion is integrated, too, so that
 //! inputs may be any functions of time.
 
-use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
+use crate::dual::Dual64;
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::roots::Sample;
 use crate::simulation::outputs::{Observation, observe};
@@ -88,7 +88,7 @@ impl Simulation {
         }
         self.pose.time = time;
         let [w, w_dot] = height_of_what_stands(&block, regime, [theta, theta_dot, v, v_dot]);
-        self.pose.state = State::new(theta, theta_dot, w, w_dot);
+        self.pose.state = State::from([theta, theta_dot, w, w_dot]);
         if let Footing::Free { .. } = self.pose.footing {
             self.pose.footing = Footing::Free { u, u_dot };
         }

@@ -377,7 +377,7 @@ impl Simulation {
             && piece.is_none_or(|piece| piece.is_finite())
             && footing.is_finite()
             && contacts.is_finite()
-            && state.iter().copied().chain(sums).chain(others).all(f64::is_finite)
+            && state.0.iter().copied().chain(sums).chain(others).all(f64::is_finite)
     }
 
     /// Sets the clock without any motion, to take up the rounding of a master's clock.

@@ -1,9 +1,8 @@
 //! State, regime and excitation of an instant → what a user sees, with exact derivatives where asked for.
 
-use num_dual::Dual64;
-
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
+use crate::dual::Dual64;
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::roots::Sample;
 use crate::scalar::{Beside, Scalar};

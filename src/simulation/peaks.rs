@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
+use crate::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, upper_bound};
-use crate::scalar::{Dual, Real};
+use crate::scalar::Real;
 use crate::simulation::outputs::Observation;
 use crate::system::dynamics::Instant;
 use crate::system::now::Now;
@@ -197,7 +198,7 @@ pub fn greater(first: f64, second: f64) -> f64 {
 
 /// The channels of an observation whose dual parts are rates.
 #[inline(always)]
-pub fn channels<D: Dual>(x: &Observation<D>) -> Channels<D::Real> {
+pub fn channels<R: Real>(x: &Observation<Dual<R>>) -> Channels<R> {
     Channels {
         theta: sample(x.theta),
         reaction: [sample(x.reaction[0]), sample(x.reaction[1])],
@@ -208,8 +209,8 @@ pub fn channels<D: Dual>(x: &Observation<D>) -> Channels<D::Real> {
 }
 
 #[inline(always)]
-fn sample<D: Dual>(x: D) -> Sample<D::Real> {
-    Sample { value: x.value(), rate: x.rate() }
+fn sample<R: Real>(x: Dual<R>) -> Sample<R> {
+    Sample { value: x.re, rate: x.eps }
 }
 
 /// [`Now::cheap_channels`], of any numbers, inlined for a `regime` that the compiler knows; `tops` are the heights of the

@@ -184,7 +184,7 @@ impl Simulation {
                 }
             };
             let mut there = motion.at(end_time, end);
-            if !there.state.iter().chain(there.rate.state.iter()).all(|x| x.is_finite()) {
+            if !there.state.0.iter().chain(&there.rate.state.0).all(|x| x.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
             let between = match accepted {
@@ -340,7 +340,7 @@ impl Simulation {
             attempt = self.control.reject(&attempt, factor);
             let size = attempt.size;
             if size < shortest {
-                return Err(if here.rate.state.iter().all(|x| x.is_finite()) && error.is_finite() {
+                return Err(if here.rate.state.0.iter().all(|x| x.is_finite()) && error.is_finite() {
                     SimulationError::StepTooSmall { time, size, tolerance: self.settings.tolerance }
                 } else {
                     SimulationError::NotFinite { time }
@@ -373,7 +373,7 @@ impl Simulation {
             Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v),
         };
         let upright = 1.0 / (self.settings.tolerance * most);
-        let weights = State::new(rocking * allowed, allowed, vertical * upright, upright);
+        let weights = State::from([rocking * allowed, allowed, vertical * upright, upright]);
         let longest = LONGEST / rocking.max(vertical).max(pulse_frequency);
         let loosely = if self.settings.tolerance >= LOOSE { self.settings.tolerance } else { 0.0 };
         Limits {

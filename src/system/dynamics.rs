@@ -7,14 +7,14 @@
 //! Within this module forces and energies are per unit of the block's mass; with `δ_s = g/ω_v²`, one support gives
 //! `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
 
-use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
+use crate::dual::{Dual, Dual64};
 use crate::excitation::Forcing;
 use crate::numerics;
-use crate::scalar::{Beside, Dual, Elementary, Real, Scalar};
+use crate::scalar::{Beside, Elementary, Real, Scalar};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State = numerics::State;
@@ -152,7 +152,7 @@ pub fn along(
     x: &Instant<f64>,
     forcing: Forcing<Dual64>,
 ) -> Instant<Dual64> {
-    along_of(block, regime, (*state).into(), footing, x, forcing)
+    along_of(block, regime, state.0, footing, x, forcing)
 }
 
 /// The same of any numbers, inlined into the equations of a `regime` that the compiler knows.
@@ -163,19 +163,20 @@ pub fn along_of<R: Real>(
     [_, _, w, _]: [R; 4],
     footing: Footing<R>,
     x: &Instant<R>,
-    forcing: Forcing<R::Dual>,
-) -> Instant<R::Dual> {
+    forcing: Forcing<Dual<R>>,
+) -> Instant<Dual<R>>
+where
+    Dual<R>: Beside<R>,
+{
     let state = [
-        R::Dual::with_rate(x.theta, x.theta_dot),
-        R::Dual::with_rate(x.theta_dot, x.theta_ddot),
-        R::Dual::with_rate(w, x.w_dot),
-        R::Dual::with_rate(x.w_dot, x.w_ddot),
+        Dual::new(x.theta, x.theta_dot),
+        Dual::new(x.theta_dot, x.theta_ddot),
+        Dual::new(w, x.w_dot),
+        Dual::new(x.w_dot, x.w_ddot),
     ];
     let footing = match footing {
-        Footing::Grips { offset } => Footing::Grips { offset: R::Dual::constant(offset) },
-        Footing::Free { u, u_dot } => {
-            Footing::Free { u: R::Dual::with_rate(u, u_dot), u_dot: R::Dual::with_rate(u_dot, x.u_ddot) }
-        }
+        Footing::Grips { offset } => Footing::Grips { offset: Dual::new(offset, R::default()) },
+        Footing::Free { u, u_dot } => Footing::Free { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot) },
     };
     instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
 }

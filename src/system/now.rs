@@ -1,12 +1,12 @@
 //! Where the block is and what it stands on → its equations of motion at any time while that lasts, and all that follows
 //! from them at one instant.
 
-use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 use crate::contact::Contacts;
 use crate::contact::{Corner, Regime};
+use crate::dual::Dual64;
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::roots::Sample;
 use crate::numerics::{Equations, Rate};
@@ -91,7 +91,7 @@ impl<'a, L: Law> Motion<'a, L> {
         let (foundation, regime) = (self.law.foundation(), self.law.regime());
         let forcing = self.excitation.at(time);
         let footing = self.footing_at(time);
-        instant_of(self.block, foundation, regime, state.into(), footing, forcing, |instant| Now {
+        instant_of(self.block, foundation, regime, state.0, footing, forcing, |instant| Now {
             block: self.block,
             excitation: self.excitation,
             time,
@@ -117,7 +117,7 @@ impl<'a, L: Law> Motion<'a, L> {
     #[inline(always)]
     fn rate_of(&self, x: &Instant<f64>, forcing: Forcing<f64>) -> Rate {
         Rate {
-            state: State::new(x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot),
+            state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
             quadratures: x.powers(self.block, self.law.regime(), forcing).into(),
         }
     }
@@ -155,7 +155,7 @@ impl<L: Law> Motion<'_, L> {
         let (foundation, regime) = (self.law.foundation(), self.law.regime());
         let forcing = self.excitation.at(time);
         let footing = self.footing_at(time);
-        instant_of(self.block, foundation, regime, (*state).into(), footing, forcing, |x| self.rate_of(&x, forcing))
+        instant_of(self.block, foundation, regime, state.0, footing, forcing, |x| self.rate_of(&x, forcing))
     }
 }
 

@@ -1,9 +1,10 @@
-//! The equations of motion of several blocks side by side: sines, cosines and derivatives in each lane.
+//! The equations of motion of several blocks side by side: sines and cosines in each lane, and duals of them.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Sub};
 
+use crate::dual::Dual;
 use crate::numerics::wide::{Array, MOST_LANES, Simd, Wide};
-use crate::scalar::{Dual, Real, Scalar};
+use crate::scalar::{Real, Scalar};
 
 impl<V: Simd> Scalar for Wide<V> {
     type Real = Wide<V>;
@@ -34,9 +35,7 @@ impl<V: Simd> Scalar for Wide<V> {
     }
 }
 
-impl<V: Simd> Real for Wide<V> {
-    type Dual = WideDual<V>;
-}
+impl<V: Simd> Real for Wide<V> {}
 
 /// The least angle (rad), π/4 or so, that `libm` brings nearer to zero before it takes its sine: the least number above those
 /// with these upper 32 bits.
@@ -87,122 +86,36 @@ fn far_from_zero(angles: &Array) -> (Array, Array) {
     (sines, cosines)
 }
 
-/// A number with its derivative in each lane, by the rules of `num_dual::Dual64`, with the same operations in the same order.
-#[derive(Clone, Copy)]
-pub struct WideDual<V> {
-    value: Wide<V>,
-    rate: Wide<V>,
-}
-
-impl<V: Simd> Scalar for WideDual<V> {
-    type Real = Wide<V>;
-
+impl<V: Simd> From<Wide<V>> for Dual<Wide<V>> {
     #[inline(always)]
-    fn constant(value: Wide<V>) -> WideDual<V> {
-        WideDual { value, rate: Wide::default() }
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (WideDual<V>, WideDual<V>) {
-        let (sin, cos) = self.value.sin_cos();
-        (WideDual { value: sin, rate: cos * self.rate }, WideDual { value: cos, rate: -sin * self.rate })
-    }
-
-    #[inline(always)]
-    fn value(self) -> Wide<V> {
-        self.value
-    }
-
-    #[inline(always)]
-    fn select_less(a: Wide<V>, b: Wide<V>, yes: WideDual<V>, no: WideDual<V>) -> WideDual<V> {
-        let lanes = a.less(b);
-        WideDual { value: yes.value.in_lanes(lanes, no.value), rate: yes.rate.in_lanes(lanes, no.rate) }
+    fn from(value: Wide<V>) -> Dual<Wide<V>> {
+        Dual::constant(value)
     }
 }
 
-impl<V: Simd> Dual for WideDual<V> {
-    #[inline(always)]
-    fn with_rate(value: Wide<V>, rate: Wide<V>) -> WideDual<V> {
-        WideDual { value, rate }
-    }
+impl<V: Simd> Add<Wide<V>> for Dual<Wide<V>> {
+    type Output = Dual<Wide<V>>;
 
     #[inline(always)]
-    fn rate(self) -> Wide<V> {
-        self.rate
+    fn add(self, other: Wide<V>) -> Dual<Wide<V>> {
+        Dual::new(self.re + other, self.eps)
     }
 }
 
-impl<V: Simd> From<f64> for WideDual<V> {
+impl<V: Simd> Sub<Wide<V>> for Dual<Wide<V>> {
+    type Output = Dual<Wide<V>>;
+
     #[inline(always)]
-    fn from(value: f64) -> WideDual<V> {
-        WideDual::constant(Wide::from(value))
+    fn sub(self, other: Wide<V>) -> Dual<Wide<V>> {
+        Dual::new(self.re - other, self.eps)
     }
 }
 
-impl<V: Simd> From<Wide<V>> for WideDual<V> {
-    #[inline(always)]
-    fn from(value: Wide<V>) -> WideDual<V> {
-        WideDual::constant(value)
-    }
-}
-
-impl<V: Simd> Neg for WideDual<V> {
-    type Output = WideDual<V>;
+impl<V: Simd> Mul<Wide<V>> for Dual<Wide<V>> {
+    type Output = Dual<Wide<V>>;
 
     #[inline(always)]
-    fn neg(self) -> WideDual<V> {
-        WideDual { value: -self.value, rate: -self.rate }
-    }
-}
-
-/// An operator between duals, and between a dual and what does not change.
-macro_rules! operator {
-    ($trait:ident, $operate:ident, |$a:ident, $b:ident| $of_duals:expr, |$c:ident, $d:ident| $of_number:expr) => {
-        impl<V: Simd> $trait for WideDual<V> {
-            type Output = WideDual<V>;
-
-            #[inline(always)]
-            fn $operate(self, other: WideDual<V>) -> WideDual<V> {
-                let ($a, $b) = (self, other);
-                let (value, rate) = $of_duals;
-                WideDual { value, rate }
-            }
-        }
-
-        impl<V: Simd> $trait<Wide<V>> for WideDual<V> {
-            type Output = WideDual<V>;
-
-            #[inline(always)]
-            fn $operate(self, other: Wide<V>) -> WideDual<V> {
-                let ($c, $d) = (self, other);
-                let (value, rate) = $of_number;
-                WideDual { value, rate }
-            }
-        }
-
-        impl<V: Simd> $trait<f64> for WideDual<V> {
-            type Output = WideDual<V>;
-
-            #[inline(always)]
-            fn $operate(self, other: f64) -> WideDual<V> {
-                self.$operate(Wide::from(other))
-            }
-        }
-    };
-}
-operator!(Add, add, |a, b| (a.value + b.value, a.rate + b.rate), |a, b| (a.value + b, a.rate));
-operator!(Sub, sub, |a, b| (a.value - b.value, a.rate - b.rate), |a, b| (a.value - b, a.rate));
-operator!(Mul, mul, |a, b| (a.value * b.value, a.rate * b.value + b.rate * a.value), |a, b| (a.value * b, a.rate * b));
-
-impl<V: Simd> Div for WideDual<V> {
-    type Output = WideDual<V>;
-
-    #[inline(always)]
-    fn div(self, other: WideDual<V>) -> WideDual<V> {
-        let inverse = Wide::from(1.0) / other.value;
-        WideDual {
-            value: self.value * inverse,
-            rate: (self.rate * other.value - other.rate * self.value) * inverse * inverse,
-        }
+    fn mul(self, other: Wide<V>) -> Dual<Wide<V>> {
+        Dual::new(self.re * other, self.eps * other)
     }
 }

@@ -184,7 +184,7 @@ fn a_level_landing_makes_no_energy() {
     let excitation = Excitation::none();
     let pose = Pose {
         time: 0.0,
-        state: State::new(0.0, 0.05, 0.0, -2.0),
+        state: State::from([0.0, 0.05, 0.0, -2.0]),
         contacts: Contacts::touching([false; 2], 0.0),
         footing: Footing::Free { u: 0.0, u_dot: 0.0 },
     };
@@ -204,7 +204,7 @@ fn a_corner_that_slides_and_is_pressed_on_is_held_there() {
     for (corner, side) in [(Corner::Right, 1.0), (Corner::Left, -1.0)] {
         let pose = Pose {
             time: 0.0,
-            state: State::new(side * 0.1, side * -0.05, 0.0, 0.0),
+            state: State::from([side * 0.1, side * -0.05, 0.0, 0.0]),
             contacts: Contacts::touching(Corner::BOTH.map(|of| of == corner), 0.0),
             footing: Footing::Free { u: side * 0.4, u_dot: side * 0.3 },
         };

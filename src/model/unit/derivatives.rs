@@ -3,9 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use num_dual::Dual64;
-
 use crate::block::Block;
+use crate::dual::Dual64;
 use crate::excitation::{Excitation, Ramp};
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;

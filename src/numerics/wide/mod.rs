@@ -10,7 +10,7 @@ mod x86;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::numerics::{Real, Vector};
+use crate::numerics::Real;
 
 #[cfg(not(target_arch = "x86_64"))]
 use portable as processor;
@@ -237,9 +237,6 @@ operator!(Mul, mul);
 operator!(Div, div);
 
 impl<V: Simd> Real for Wide<V> {
-    type State = Wides<V, 4>;
-    type Quadratures = Wides<V, 2>;
-
     #[inline(always)]
     fn sqrt(self) -> Wide<V> {
         Wide(self.0.sqrt())
@@ -248,76 +245,5 @@ impl<V: Simd> Real for Wide<V> {
     #[inline(always)]
     fn where_less(a: Wide<V>, b: Wide<V>, yes: Wide<V>, no: Wide<V>) -> Wide<V> {
         yes.in_lanes(a.less(b), no)
-    }
-}
-
-/// Numbers that are integrated together, each in all lanes.
-#[derive(Clone, Copy)]
-pub struct Wides<V, const N: usize>(pub [Wide<V>; N]);
-
-impl<V: Simd, const N: usize> Add for Wides<V, N> {
-    type Output = Wides<V, N>;
-
-    #[inline(always)]
-    fn add(mut self, other: Wides<V, N>) -> Wides<V, N> {
-        for i in 0..N {
-            self.0[i] = self.0[i] + other.0[i];
-        }
-        self
-    }
-}
-
-impl<V: Simd, const N: usize> Mul<Wide<V>> for Wides<V, N> {
-    type Output = Wides<V, N>;
-
-    #[inline(always)]
-    fn mul(mut self, factor: Wide<V>) -> Wides<V, N> {
-        for i in 0..N {
-            self.0[i] = self.0[i] * factor;
-        }
-        self
-    }
-}
-
-impl<V: Simd, const N: usize> Mul<f64> for Wides<V, N> {
-    type Output = Wides<V, N>;
-
-    #[inline(always)]
-    fn mul(self, factor: f64) -> Wides<V, N> {
-        self * Wide::from(factor)
-    }
-}
-
-impl<V: Simd, const N: usize> Vector<Wide<V>> for Wides<V, N> {
-    #[inline(always)]
-    fn zero() -> Wides<V, N> {
-        Wides([Wide::default(); N])
-    }
-
-    #[inline(always)]
-    fn weighted(mut self, weights: Wides<V, N>) -> Wides<V, N> {
-        for i in 0..N {
-            self.0[i] = self.0[i] * weights.0[i];
-        }
-        self
-    }
-
-    #[inline(always)]
-    fn of_second_order(displacements: Wides<V, N>, mut velocities: Wides<V, N>) -> Wides<V, N> {
-        for i in (0..N).step_by(2) {
-            velocities.0[i] = displacements.0[i + 1];
-        }
-        velocities
-    }
-
-    /// In the order of nalgebra, which adds every other one of four.
-    #[inline(always)]
-    fn square(self) -> Wide<V> {
-        let squares = self.weighted(self).0;
-        match *squares.as_slice() {
-            [a, b] => a + b,
-            [a, b, c, d] => (a + c) + (b + d),
-            _ => unreachable!("a state has four numbers, the quadratures two"),
-        }
     }
 }

@@ -5,13 +5,14 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Foundation};
 use crate::contact::{Corner, Regime};
+use crate::dual::Dual;
 use crate::excitation::Forcing;
 use crate::numerics::dop853::Step;
+use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
 use crate::numerics::short::{ShortPair, ShortStep};
-use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Wides, Width};
-use crate::numerics::{Equations, Rate, Real};
-use crate::scalar::Dual;
+use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Width};
+use crate::numerics::{Equations, Rate, Real, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::{Lane, place};
 use crate::simulation::outputs::observe;
@@ -112,8 +113,8 @@ impl<V: Simd, L: Law> Motion<V, L> {
     #[inline(always)]
     fn rate_of(&self, x: &Instant<Wide<V>>, forcing: Forcing<Wide<V>>) -> Rate<Wide<V>> {
         Rate {
-            state: Wides([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
-            quadratures: Wides(x.powers(&self.block, self.law.regime(), forcing)),
+            state: Numbers([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
+            quadratures: Numbers(x.powers(&self.block, self.law.regime(), forcing)),
         }
     }
 
@@ -135,14 +136,14 @@ impl<V: Simd, L: Law> Motion<V, L> {
     fn channels(&self, now: &Now<V>) -> Channels<Wide<V>> {
         let (block, regime) = (&self.block, self.law.regime());
         let forcing = Forcing {
-            x: Dual::with_rate(now.forcing.x, self.rate[0] + 0.0),
-            z: Dual::with_rate(now.forcing.z, self.rate[1]),
-            moment: Dual::with_rate(now.forcing.moment, Wide::default()),
+            x: Dual::new(now.forcing.x, self.rate[0] + 0.0),
+            z: Dual::new(now.forcing.z, self.rate[1]),
+            moment: Dual::new(now.forcing.moment, Wide::default()),
         };
         let footing = Footing::Grips { offset: self.offset };
         let along = along_of(block, regime, now.state, footing, &now.instant, forcing);
         let [left, right] = now.tops;
-        let tops = [Dual::with_rate(left.value, left.rate), Dual::with_rate(right.value, right.rate)];
+        let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
         channels(&observe(block, regime, &along, tops, forcing))
     }
 
@@ -250,7 +251,7 @@ impl<V: Simd, L: Law> Motion<V, L> {
 
 impl<V: Simd, L: Law> Equations<Wide<V>> for Motion<V, L> {
     #[inline(always)]
-    fn rate(&self, time: Wide<V>, state: &Wides<V, 4>) -> Rate<Wide<V>> {
+    fn rate(&self, time: Wide<V>, state: &State<Wide<V>>) -> Rate<Wide<V>> {
         let forcing = self.forcing(time);
         self.rate_of(&self.instant(state.0, forcing), forcing)
     }
@@ -385,7 +386,7 @@ impl<L: Law> Task for Together<'_, L> {
     fn run<V: Simd>(self) -> Stepped {
         let motion = self.motion::<V>();
         let place = place(self.law.regime()).unwrap_or(0);
-        let weights = Wides([
+        let weights = Numbers([
             self.each(|lane| lane.limits[place].weights[0]),
             self.each(|lane| lane.limits[place].weights[1]),
             self.each(|lane| lane.limits[place].weights[2]),
@@ -416,11 +417,11 @@ impl<L: Law> Task for Together<'_, L> {
         }
         let (end, work, error) = match self.short {
             Some(pair) => {
-                let step = ShortStep::attempt_in_loop(pair, time, size, Wides(state), here.rate, &motion);
+                let step = ShortStep::attempt_in_loop(pair, time, size, Numbers(state), here.rate, &motion);
                 (step.end, step.work, Error::AtEnd(step))
             }
             None => {
-                let step = Step::attempt_in_loop(time, size, Wides(state), here.rate, &motion);
+                let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
                 (step.end, step.work, Error::Known(step.error(weights)))
             }
         };

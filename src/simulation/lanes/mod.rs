@@ -264,7 +264,7 @@ impl Lane {
         simulation.events_in_this_instant = 0;
         simulation.pose.time = end_time;
         let [theta, theta_dot, w, w_dot] = &stepped.state;
-        simulation.pose.state = State::new(theta[lane], theta_dot[lane], w[lane], w_dot[lane]);
+        simulation.pose.state = State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]);
         let [input, dashpots] = &stepped.sums;
         (simulation.sums.input, simulation.sums.dashpots) = (input[lane], dashpots[lane]);
         let [theta, reaction, horizontal, uplift, friction_demand] = &stepped.peaks;

@@ -78,7 +78,7 @@ pub(super) fn beginning_on_rigid_base(initial: &Initial, time: f64) -> Pose {
     let lean = if initial.theta != 0.0 { initial.theta } else { initial.theta_dot };
     Pose {
         time,
-        state: State::new(initial.theta, initial.theta_dot, 0.0, 0.0),
+        state: State::from([initial.theta, initial.theta_dot, 0.0, 0.0]),
         // A block that leans to the left stands on L alone.
         contacts: Contacts::touching([lean <= 0.0, lean >= 0.0], time),
         footing: Footing::AT_START,

@@ -75,7 +75,7 @@ impl Change<'_> {
             self.pose.state = State::zeros();
         } else {
             self.raise(corner.other());
-            self.pose.state = State::new(0.0, theta_dot, 0.0, 0.0);
+            self.pose.state = State::from([0.0, theta_dot, 0.0, 0.0]);
             self.tally.liftoffs += 1;
         }
         self.settle_on_rigid_base();

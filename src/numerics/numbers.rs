@@ -1,0 +1,133 @@
+//! Numbers that are integrated together: the components of a state, or of what is integrated along with it.
+//!
+//! The order of operations is part of a run's bits, so it is written here.
+
+use std::ops::{Add, Index, IndexMut, Mul, Sub};
+
+use serde::{Deserialize, Serialize};
+
+use crate::numerics::Real;
+
+/// So many numbers, as a vector; in each lane, where `R` has several.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[R; N]: Serialize", deserialize = "[R; N]: Deserialize<'de>"))]
+pub struct Numbers<R, const N: usize>(pub [R; N]);
+
+impl<R: Real, const N: usize> Numbers<R, N> {
+    /// All zero.
+    #[inline(always)]
+    pub fn zeros() -> Self {
+        Numbers([R::default(); N])
+    }
+
+    /// Each times the same factor.
+    #[inline(always)]
+    pub fn times(mut self, factor: R) -> Self {
+        for i in 0..N {
+            self.0[i] = self.0[i] * factor;
+        }
+        self
+    }
+
+    /// Each times that of `weights`.
+    #[inline(always)]
+    pub fn weighted(mut self, weights: Self) -> Self {
+        for i in 0..N {
+            self.0[i] = self.0[i] * weights.0[i];
+        }
+        self
+    }
+
+    /// Sum of the squares; of four the first and the third are added, the second and the fourth, and then both sums.
+    #[inline(always)]
+    pub fn square(self) -> R {
+        let squares = self.weighted(self).0;
+        match *squares.as_slice() {
+            [a, b] => a + b,
+            [a, b, c, d] => (a + c) + (b + d),
+            _ => unreachable!("a state has four numbers, the quadratures two"),
+        }
+    }
+
+    /// Root of the sum of the squares.
+    #[inline(always)]
+    pub fn norm(self) -> R {
+        self.square().sqrt()
+    }
+
+    /// Of two vectors `[x, ẋ, y, ẏ]` one with the velocities of the first in the places of displacements, and those of the second.
+    #[inline(always)]
+    pub fn of_second_order(displacements: Self, mut velocities: Self) -> Self {
+        for i in (0..N).step_by(2) {
+            velocities.0[i] = displacements.0[i + 1];
+        }
+        velocities
+    }
+}
+
+impl<R: Real, const N: usize> Default for Numbers<R, N> {
+    #[inline(always)]
+    fn default() -> Self {
+        Numbers::zeros()
+    }
+}
+
+impl<R, const N: usize> From<[R; N]> for Numbers<R, N> {
+    #[inline(always)]
+    fn from(numbers: [R; N]) -> Self {
+        Numbers(numbers)
+    }
+}
+
+impl<R, const N: usize> Index<usize> for Numbers<R, N> {
+    type Output = R;
+
+    #[inline(always)]
+    fn index(&self, i: usize) -> &R {
+        &self.0[i]
+    }
+}
+
+impl<R, const N: usize> IndexMut<usize> for Numbers<R, N> {
+    #[inline(always)]
+    fn index_mut(&mut self, i: usize) -> &mut R {
+        &mut self.0[i]
+    }
+}
+
+impl<R: Real, const N: usize> Add for Numbers<R, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(mut self, other: Self) -> Self {
+        for i in 0..N {
+            self.0[i] = self.0[i] + other.0[i];
+        }
+        self
+    }
+}
+
+impl<R: Real, const N: usize> Sub for Numbers<R, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(mut self, other: Self) -> Self {
+        for i in 0..N {
+            self.0[i] = self.0[i] - other.0[i];
+        }
+        self
+    }
+}
+
+/// Each times the same constant.
+impl<R: Real, const N: usize> Mul<f64> for Numbers<R, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(mut self, factor: f64) -> Self {
+        for i in 0..N {
+            self.0[i] = self.0[i] * factor;
+        }
+        self
+    }
+}
