@@ -44,10 +44,13 @@ pub mod simulation;
 
 pub mod model;
 
+#[cfg(any(feature = "fmi", doc))]
 pub mod fmi;
 
+#[cfg(any(feature = "fmi", doc))]
 pub mod fmi2;
 
+#[cfg(any(feature = "fmi", doc))]
 pub mod fmi3;
 
 #[cfg(feature = "studies")]
