@@ -7,8 +7,9 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::study::formula::{self, formula, typeset};
+use crate::study::letters::FONT_FAMILY;
 use crate::study::look::Look;
-use crate::study::picture::{FONT_FAMILY, PictureError};
+use crate::study::picture::PictureError;
 use crate::study::plot::{GRID, INK, short};
 
 /// A part of a drawing.

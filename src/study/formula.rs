@@ -1,5 +1,7 @@
 //! Formulas in labels, as `ξ_v` → smaller, lowered text in the drawing.
 
+use crate::study::letters;
+
 /// Begin and end of a subscript in a label that is drawn; characters that Unicode leaves to its users.
 const SUBSCRIPT: [char; 2] = ['\u{E000}', '\u{E001}'];
 
@@ -48,37 +50,20 @@ pub fn typeset(svg: &str) -> String {
     set
 }
 
-/// Width of a label in DejaVu Sans of this size, roughly (pixels).
+/// Width of a label of this size (pixels).
 pub fn width(label: &str, size: f64) -> f64 {
-    let mut in_subscript = false;
-    let mut width = 0.0;
-    for c in formula(label).chars() {
-        match c {
-            c if c == SUBSCRIPT[0] => in_subscript = true,
-            c if c == SUBSCRIPT[1] => in_subscript = false,
-            _ => width += size * advance(c) * if in_subscript { SIZE } else { 1.0 },
-        }
-    }
-    width
-}
-
-/// What a character moves on by, in the size of the text; the means of classes, on the large side.
-fn advance(c: char) -> f64 {
-    match c {
-        // A dot over the letter before.
-        '\u{307}' => 0.0,
-        ' ' | '\u{A0}' | ',' | '.' | ':' | ';' | 'i' | 'j' | 'l' | '|' | '/' | '(' | ')' => 0.35,
-        'f' | 'r' | 't' => 0.4,
-        'm' | 'w' | 'M' | 'W' | 'ω' | '=' | '−' | '×' | '<' | '≤' | '≥' => 0.87,
-        c if c.is_uppercase() => 0.72,
-        _ => 0.62,
-    }
+    let marked = formula(label);
+    let parts = marked.split_inclusive(SUBSCRIPT).map(|part| match part.strip_suffix(SUBSCRIPT[1]) {
+        Some(subscript) => letters::width(subscript, SIZE * size),
+        None => letters::width(part.trim_end_matches(SUBSCRIPT[0]), size),
+    });
+    parts.sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resvg::usvg::{Node, Options, Tree};
+    use resvg::usvg::{Options, Tree};
 
     /// A label in a text element as plotters writes it.
     fn drawn(label: &str) -> String {
@@ -91,11 +76,8 @@ mod tests {
 
     /// Left, top, right and bottom of the outlines of a drawing's one text.
     fn bounds(svg: &str) -> [f32; 4] {
-        let mut options = Options::default();
-        options.fontdb_mut().load_font_data(include_bytes!("../../assets/DejaVuSans.ttf").to_vec());
-        let tree = Tree::from_str(svg, &options).unwrap();
-        let [Node::Text(text)] = tree.root().children() else { panic!("{svg}") };
-        let bounds = text.flattened().abs_bounding_box();
+        let tree = Tree::from_str(&letters::outlined(svg).unwrap(), &Options::default()).unwrap();
+        let bounds = tree.root().abs_bounding_box();
         [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
     }
 
@@ -123,15 +105,16 @@ mod tests {
         assert!((with[2] - without[2]).abs() < 0.1 && with[1] < without[1] - 1.0, "{with:?} {without:?}");
     }
 
-    /// The rough width is no less than the true one, and not much more.
+    /// Outlines fill the width of their label but for the space beside the first and the last letter.
     #[test]
-    fn widths_have_room() {
+    fn widths_are_those_of_the_outlines() {
         for label in
             ["η = 20", "ξ_v = 0.1, ε = 0.4", "complete separation, where the analysis ends", "M g R0 (1 − cos α)"]
         {
             let [left, _, right, _] = bounds(&drawn(label));
-            let (exact, rough) = (f64::from(right - left), width(label, 40.0));
-            assert!(rough > exact && rough < 1.25 * exact, "{label}: {rough}, in truth {exact}");
+            let (drawn, width) = (f64::from(right - left), width(label, 40.0));
+            assert!(drawn < width && width < drawn + 0.2 * 40.0, "{label}: {width}, drawn {drawn}");
         }
+        assert!(width("a_b", 40.0) < width("ab", 40.0));
     }
 }

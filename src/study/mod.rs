@@ -15,6 +15,8 @@ pub mod ground_files;
 pub mod history;
 pub mod intensity;
 #[cfg(feature = "program")]
+mod letters;
+#[cfg(feature = "program")]
 mod look;
 pub mod normal;
 pub mod outcome;

@@ -5,11 +5,7 @@ use std::path::Path;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// The font of all pictures, which is part of the program (assets/LICENSE_DEJAVU).
-const FONT: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
-
-/// Name of that font.
-pub const FONT_FAMILY: &str = "DejaVu Sans";
+use crate::study::letters;
 
 /// A picture that cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -69,9 +65,8 @@ impl PictureFormat {
 
 fn png(svg: &str) -> Result<Vec<u8>, PictureError> {
     let failed = |error: &dyn std::fmt::Display| PictureError::Drawing(error.to_string());
-    let mut options = Options { font_family: FONT_FAMILY.into(), ..Options::default() };
-    options.fontdb_mut().load_font_data(FONT.to_vec());
-    let tree = Tree::from_str(svg, &options).map_err(|e| failed(&e))?;
+    let outlined = letters::outlined(svg).map_err(|e| failed(&e))?;
+    let tree = Tree::from_str(&outlined, &Options::default()).map_err(|e| failed(&e))?;
     let size = tree.size().to_int_size();
     let mut pixels = Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"it is too large for memory"))?;
     resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());

@@ -6,7 +6,8 @@ use crate::block::{Block, Foundation};
 use crate::contact::Regime;
 use crate::study::formula::{formula, typeset};
 use crate::study::history::{History, Row};
-use crate::study::picture::{FONT_FAMILY, PictureError};
+use crate::study::letters::FONT_FAMILY;
+use crate::study::picture::PictureError;
 
 /// Coordinates of the drawing are whole numbers: so many that lines are smooth.
 const WIDTH: u32 = 1920;

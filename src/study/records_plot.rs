@@ -8,7 +8,8 @@ use std::ops::Range;
 use plotters::prelude::*;
 
 use crate::study::formula::{formula, typeset};
-use crate::study::picture::{FONT_FAMILY, PictureError};
+use crate::study::letters::FONT_FAMILY;
+use crate::study::picture::PictureError;
 use crate::study::plot::{GRID, INK, LEFT, short};
 use crate::study::spectrum::Spectrum;
 use crate::study::spectrum_plot::{self, Abscissa, Curves};
