@@ -1,5 +1,5 @@
 //! Runs that are stepped together in the lanes of the processor's vectors: their bits are those of each run alone.
-#![cfg(feature = "program")]
+#![cfg(feature = "studies")]
 
 #[path = "common/cases.rs"]
 mod cases;
