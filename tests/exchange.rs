@@ -283,6 +283,29 @@ fn a_block_of_any_size_that_is_stepped_from_outside_comes_to_rest() {
     }
 }
 
+/// Whatever it stands on, a block is where it was put and moves as it was told.
+#[test]
+fn states_that_are_set_are_those_that_are_read() {
+    for (theta, regime) in [(0.12, Regime::TiltingRight), (-0.12, Regime::TiltingLeft), (0.0, Regime::FullContact)] {
+        let block = block(Foundation::Viscoelastic, 0.3, 40.0, 0.1);
+        let mut simulation = start(block, &Initial { theta, ..Initial::default() });
+        assert_eq!(simulation.regime(), regime);
+        let inputs = Inputs::default();
+        let now = simulation.states(&inputs);
+        let deflection = block.static_deflection();
+        let put = [0.9 * theta + 1e-4, -0.7, now[2] + 0.1 * deflection, 2.0, now[4], now[5], 0.3, 0.2];
+        simulation.set_states(0.0, &put);
+        let read = simulation.states(&inputs);
+        // Where a foot grips, the horizontal motion follows.
+        for i in [0, 1, 2, 3, 6, 7] {
+            assert!(
+                (read[i] - put[i]).abs() <= 1e-14 * (1.0 + put[i].abs()),
+                "{regime:?}, state {i}: {read:?}, {put:?}"
+            );
+        }
+    }
+}
+
 /// Flights over the rigid base, stepped from outside, have the events of those that are stepped inside, and lead to the same place.
 #[test]
 fn flights_over_the_rigid_base_are_the_same_from_outside() {

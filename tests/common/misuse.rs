@@ -309,7 +309,7 @@ fn wrong_derivative(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
 fn wrong_status_kind(c: fmi2Component, phase: Phase, choice: u32) -> (fmi2Status, fmi2Status) {
     let unknown = pick(choice, &[4, -1, i32::MAX, i32::MIN]);
     // No status is a text, and a master that asks for a pending one is told that there is none, as the standard has it.
-    let pending = if matches!(phase, Instantiated | Initialization) { ERROR } else { DISCARD };
+    let pending = if matches!(phase, Instantiated | Initialization | Phase::Error) { ERROR } else { DISCARD };
     // SAFETY: the instance lives, and there is a place for each result, or null.
     unsafe {
         match choice / 4 % 8 {
