@@ -3,6 +3,9 @@
 #[path = "common/fmu.rs"]
 #[allow(dead_code, reason = "each test uses its part")]
 mod fmu;
+#[path = "common/sealed.rs"]
+#[allow(dead_code, reason = "each test uses its part")]
+mod sealed;
 
 use fmu::{Fmu, OK, reference};
 use rocking_block::fmi2::exports::fmi2DeSerializeFMUstate;
@@ -67,6 +70,29 @@ fn eight_threads_at_once_give_the_bits_of_one() {
             assert_eq!(thread.join().unwrap(), alone);
         }
     });
+}
+
+/// FMI 3.0 and Model Exchange come into states that an instance for Co-Simulation of FMI 2.0 has no way out of, not even into
+/// being freed; their saved states are otherwise the same.
+#[test]
+fn a_state_saved_where_this_version_never_comes_is_refused_and_frees() {
+    for (phase, refused) in [(0, false), (1, true), (2, false)] {
+        let mut fmu = rocking();
+        let before = fmu.bits();
+        let mut other = Fmu::new();
+        assert_eq!(other.save(0), OK);
+        // Interface and phase are the first two bytes of the content.
+        let mut content = sealed::content(&other.serialize(0).unwrap()).to_vec();
+        assert_eq!(content[..2], [0, 0]);
+        content[1] = phase;
+        assert_eq!(fmu.deserialize(&sealed::seal(&content)), OK);
+        assert_eq!(fmu.restore(0), if refused { fmu::ERROR } else { OK }, "phase {phase}");
+        if refused {
+            assert_eq!(fmu.bits(), before);
+        }
+        assert_eq!(fmu.free(0), OK);
+        assert_eq!(fmu.reset(), OK);
+    }
 }
 
 /// In a process of its own, since other tests that run at once take memory, too.

@@ -1,4 +1,5 @@
-//! Contents of serialized states: refused, or a state that can be restored and stepped, without a panic and in time.
+//! Contents of serialized states: refused, or a state that can be restored and stepped, or one of another interface or version
+//! that is refused then, without a panic, a leak or a long wait.
 
 #![no_main]
 
@@ -10,9 +11,11 @@ mod sealed;
 #[path = "../seeds.rs"]
 mod seeds;
 
-use fmu::{Fmu, OK, reference};
+use fmu::{ERROR, Fmu, OK, reference};
 use libfuzzer_sys::fuzz_target;
+use rocking_block::model::life_cycle::Phase;
 use rocking_block::model::snapshot;
+use rocking_block::model::unit::Interface;
 
 /// Contents of real states: before, during and after initialization, and under way in every regime and ending.
 fn plant_seeds() {
@@ -63,8 +66,13 @@ fuzz_target!(init: plant_seeds(), |content: &[u8]| {
     let _ = snapshot::deserialize(content);
     // Under a header that fits.
     let mut fmu = Fmu::new();
-    if fmu.deserialize(&sealed::seal(content)) == OK {
-        assert_eq!(fmu.restore(0), OK);
+    let sealed = sealed::seal(content);
+    if let Ok(unit) = snapshot::deserialize(&sealed) {
+        assert_eq!(fmu.deserialize(&sealed), OK);
+        let elsewhere = matches!(unit.phase(), Phase::ConfigurationMode | Phase::EventMode);
+        let own = unit.interface() == Interface::CoSimulation && !elsewhere;
+        assert_eq!(fmu.restore(0), if own { OK } else { ERROR });
         sealed::go_on(&mut fmu);
+        assert_eq!(fmu.free(0), OK);
     }
 });

@@ -206,6 +206,13 @@ impl<V: Version> Instance<V> {
         if found != expected {
             return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
         }
+        // Another version's, from bytes, where no call of this one would lead out again.
+        if !V::Call::lead_to(saved.phase(), expected) {
+            let found = saved.phase();
+            return Err(Fault::new(format!(
+                "the state was saved in {found:?}, which this version of FMI does not have"
+            )));
+        }
         self.unit.clone_from(saved);
         Ok(Status::Ok)
     }

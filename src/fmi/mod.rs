@@ -27,6 +27,9 @@ pub trait Call: Copy {
 
     /// Whether the state of an instance for this interface allows the call; if not, a sentence that says what would.
     fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String>;
+
+    /// Whether calls lead an instance for this interface into this state.
+    fn lead_to(phase: Phase, interface: Interface) -> bool;
 }
 
 /// What a call answers; the numbers are the same in all versions.

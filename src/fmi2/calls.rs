@@ -114,15 +114,20 @@ impl fmi::Call for Call {
                 "this belongs to Co-Simulation; the instance is one for Model Exchange".into()
             }
             _ => {
-                let others = match interface {
-                    Interface::CoSimulation => OF_MODEL_EXCHANGE,
-                    Interface::ModelExchange => OF_CO_SIMULATION,
-                };
-                let allowed = Phase::ALL.into_iter().filter(|phase| phases & !others & phase.bit() != 0);
+                let allowed = |phase: &Phase| phases & phase.bit() != 0 && Call::lead_to(*phase, interface);
+                let allowed = Phase::ALL.into_iter().filter(allowed);
                 let allowed: Vec<&str> = allowed.map(name).collect();
                 format!("not allowed in state {}; it is in {}", name(phase), allowed.join(", "))
             }
         })
+    }
+
+    fn lead_to(phase: Phase, interface: Interface) -> bool {
+        let others = match interface {
+            Interface::CoSimulation => OF_MODEL_EXCHANGE,
+            Interface::ModelExchange => OF_CO_SIMULATION,
+        };
+        AFTER_INSTANTIATION & !others & phase.bit() != 0
     }
 }
 

@@ -146,13 +146,18 @@ impl fmi::Call for Call {
         if phases == NEVER {
             return Err(self.missing().into());
         }
+        let allowed = |phase: &Phase| phases & phase.bit() != 0 && Call::lead_to(*phase, interface);
+        let allowed = Phase::ALL.into_iter().filter(allowed);
+        let allowed: Vec<&str> = allowed.map(name).collect();
+        Err(format!("not allowed in {}; it is in {}", name(phase), allowed.join(", ")))
+    }
+
+    fn lead_to(phase: Phase, interface: Interface) -> bool {
         let others = match interface {
             Interface::CoSimulation => OF_MODEL_EXCHANGE,
             Interface::ModelExchange => OF_CO_SIMULATION,
         };
-        let allowed = Phase::ALL.into_iter().filter(|phase| phases & !others & phase.bit() != 0);
-        let allowed: Vec<&str> = allowed.map(name).collect();
-        Err(format!("not allowed in {}; it is in {}", name(phase), allowed.join(", ")))
+        (ANY | AHEAD | LOOKING) & !others & phase.bit() != 0
     }
 }
 
