@@ -320,6 +320,10 @@ mod tests {
         fn admitted_in(self, _: Phase, _: Interface) -> Result<(), String> {
             Ok(())
         }
+
+        fn lead_to(_: Phase, _: Interface) -> bool {
+            true
+        }
     }
 
     impl Messenger for Panicking {
