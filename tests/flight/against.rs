@@ -38,31 +38,70 @@ struct Deviation {
     events: f64,
 }
 
+impl Deviation {
+    /// Takes in that of two instants, in θ and in the place of the centre of mass.
+    fn include(&mut self, block: &Block, theta: f64, place: [f64; 2]) {
+        self.theta = self.theta.max(theta.abs() / block.alpha);
+        let unit = block.r0 * block.alpha;
+        self.place = place.into_iter().fold(self.place, |greatest, x| greatest.max(x.abs() / unit));
+    }
+}
+
 impl Flight {
+    /// When to look: neither computation steps across the ends of the pulse.
+    fn times(&self) -> Vec<f64> {
+        let Flight { pulse, until, .. } = *self;
+        let steps = (until / 0.05).round();
+        let mut times: Vec<f64> = (1..=steps as u32).map(|i| until / steps * f64::from(i)).collect();
+        times.extend([pulse.start, pulse.start + pulse.period].into_iter().filter(|time| (0.0..until).contains(time)));
+        times.sort_by(f64::total_cmp);
+        times
+    }
+
+    fn initial(&self) -> Initial {
+        self.thrown.map_or(Initial::default(), |[theta, theta_dot, v, v_dot]| Initial {
+            theta,
+            theta_dot,
+            vertical: Some((v, v_dot)),
+        })
+    }
+
+    /// How far the flight is from one under a pulse that is stronger by a factor of 1 + 10⁻⁹, as far as both go.
+    fn sensitivity(&self) -> Deviation {
+        let Flight { block, pulse, vertical, .. } = *self;
+        let stronger = Pulse { amplitude: pulse.amplitude * (1.0 + 1e-9), ..pulse };
+        let mut runs = [pulse, stronger].map(|pulse| start(block, pulse, &self.initial()));
+        let inputs = Inputs { a_gz: vertical, ..Inputs::default() };
+        let mut greatest = Deviation::default();
+        for time in self.times() {
+            for run in &mut runs {
+                go(run, time, &inputs);
+            }
+            if runs.iter().any(|run| run.ending().is_some()) {
+                break;
+            }
+            let [one, other] = [&runs[0], &runs[1]].map(|run| run.observe(&inputs));
+            greatest.include(&block, one.theta - other.theta, [one.u - other.u, one.v - other.v]);
+        }
+        greatest
+    }
+
     /// Flies it both ways until it has ended or turns over.
     fn compare(&self) -> (Deviation, Vec<Event>, BTreeSet<Rule>) {
-        let Flight { block, pulse, vertical, until, .. } = *self;
+        let Flight { block, pulse, vertical, .. } = *self;
         let ground = |time: f64| {
             let phase = (time - pulse.start) / pulse.period;
             let a_gx = if (0.0..1.0).contains(&phase) { pulse.amplitude * (TAU * phase).sin() } else { 0.0 };
             [a_gx, vertical.value + vertical.rate * time]
         };
         let inputs = Inputs { a_gz: vertical, ..Inputs::default() };
-        let (mut run, initial) = match self.thrown {
-            None => (Run::at_rest(&block, &ground), Initial::default()),
-            Some([theta, theta_dot, v, v_dot]) => {
-                let initial = Initial { theta, theta_dot, vertical: Some((v, v_dot)) };
-                (Run::in_flight(&block, [theta, theta_dot, v, v_dot], &ground), initial)
-            }
+        let mut run = match self.thrown {
+            None => Run::at_rest(&block, &ground),
+            Some(thrown) => Run::in_flight(&block, thrown, &ground),
         };
-        let mut simulation = start(block, pulse, &initial);
-        // Neither steps across the ends of the pulse.
-        let steps = (until / 0.05).round();
-        let mut times: Vec<f64> = (1..=steps as u32).map(|i| until / steps * f64::from(i)).collect();
-        times.extend([pulse.start, pulse.start + pulse.period].into_iter().filter(|time| (0.0..until).contains(time)));
-        times.sort_by(f64::total_cmp);
+        let mut simulation = start(block, pulse, &self.initial());
         let (mut greatest, mut events) = (Deviation::default(), Vec::new());
-        for time in times {
+        for time in self.times() {
             events.extend(go(&mut simulation, time, &inputs));
             if simulation.ending().is_some() {
                 events.pop();
@@ -70,10 +109,8 @@ impl Flight {
             }
             run.advance(time);
             let seen = simulation.observe(&inputs);
-            let unit = block.r0 * block.alpha;
-            let place = [seen.u - run.state[0], seen.v + block.h - run.state[1]];
-            greatest.theta = greatest.theta.max((seen.theta - run.state[2]).abs() / block.alpha);
-            greatest.place = place.into_iter().fold(greatest.place, |greatest, x| greatest.max(x.abs() / unit));
+            let [u, height, theta] = [run.state[0], run.state[1], run.state[2]];
+            greatest.include(&block, seen.theta - theta, [seen.u - u, seen.v + block.h - height]);
         }
         let pairs = events.iter().zip(&run.events);
         greatest.events = pairs.fold(0.0, |greatest: f64, (event, other)| {
@@ -225,7 +262,8 @@ proptest! {
     #![proptest_config(cases(24))]
 
     /// Blocks of any kind thrown in any way. Where two events fall together to rounding, each computation may take another
-    /// first, so that only the motion is compared.
+    /// first, so that only the motion is compared; and where a corner lifts just as it would come to slide, rounding decides
+    /// what follows, so that the motion is compared only as far as a change of 10⁻⁹ of the pulse leaves it what it is.
     #[test]
     fn random_flights_are_those_of_an_independent_computation(
         block in blocks(),
@@ -239,6 +277,10 @@ proptest! {
         let until = (100.0 / block.omega_v).min(1.5);
         let flight = Flight { block, thrown, pulse: one_sine(amplitude, period, 0.1), vertical: STILL, until };
         let (Deviation { theta, place, .. }, events, _) = flight.compare();
-        prop_assert!(theta <= 1e-6 && place <= 1e-6, "theta {:e}, place {:e}, {:#?}", theta, place, events);
+        if theta > 1e-6 || place > 1e-6 {
+            let by = flight.sensitivity();
+            let decided_by_rounding = theta <= 10.0 * by.theta && place <= 10.0 * by.place;
+            prop_assert!(decided_by_rounding, "theta {:e}, place {:e}, {:#?}", theta, place, events);
+        }
     }
 }
