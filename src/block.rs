@@ -207,7 +207,6 @@ impl<T: Elementary> Block<T> {
         let r0 = common.gamma / (common.gamma + 1.0) * common.gravity / (d.p * d.p);
         Block {
             alpha: d.alpha,
-            r0,
             b: r0 * sin,
             h: r0 * cos,
             p: d.p,
@@ -226,7 +225,6 @@ impl<T: Elementary> Block<T> {
         let omega_v = (physical.stiffness * 2.0 / common.mass).sqrt();
         Block {
             alpha: b.atan2(h),
-            r0,
             b,
             h,
             p: (common.gamma / (common.gamma + 1.0) * common.gravity / r0).sqrt(),
