@@ -8,7 +8,7 @@ use std::process::Command;
 
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
-use syn::{BinOp, Expr};
+use syn::{BinOp, Expr, Pat, PatGuard};
 
 use crate::list::{self, Genre, Mutant};
 use crate::outcomes::Outcome;
@@ -283,9 +283,13 @@ impl<'ast> Visit<'ast> for Sites {
     }
 
     fn visit_arm(&mut self, i: &'ast syn::Arm) {
-        let end = bytes(&i.pat).end;
+        let (pattern, guard) = match &i.pat {
+            Pat::Guard(PatGuard { pat, guard, .. }) => (pat.as_ref(), Some(guard)),
+            pattern => (pattern, None),
+        };
+        let end = bytes(pattern).end;
         self.insert(bytes(i).start, Genre::MatchArm, Site::Switched(Kind::Arm, end..end));
-        if let Some((_, guard)) = &i.guard {
+        if let Some(guard) = guard {
             self.insert(bytes(guard).start, Genre::MatchArmGuard, Site::Switched(Kind::Guard, bytes(guard)));
         }
         visit::visit_arm(self, i);
