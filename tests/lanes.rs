@@ -215,5 +215,6 @@ fn runs_without_a_step_are_there_too() {
         assert!(together(width, std::iter::empty(), || ()).0.is_empty());
     }
     assert_eq!(Width::at_most(1), None);
+    assert_eq!(Width::widest(), widths().last().copied());
     assert_eq!(Width::at_most(3), Width::at_most(2));
 }
