@@ -97,7 +97,7 @@ impl Limits {
     /// In a step of h at a circular frequency ω an oscillation of amplitude A rises by at most A (ωh)²/8 above its ends; this
     /// is eight times as much, since the value may be a sum of larger ones, and at least half, since that is all
     /// that a sinusoid rises in the longest step.
-    fn near_a_peak(&self, elapsed: f64) -> f64 {
+    pub(super) fn near_a_peak(&self, elapsed: f64) -> f64 {
         let phase = LONGEST * elapsed / self.longest;
         (1.0 - phase * phase).max(0.5)
     }
@@ -401,7 +401,7 @@ impl Simulation {
     /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
     /// part of that, and are zero elsewhere.
     #[inline(always)]
-    fn channels_at_ends(&self, here: &Now, there: &Now, near: f64) -> [Channels; 2] {
+    pub(super) fn channels_at_ends(&self, here: &Now, there: &Now, near: f64) -> [Channels; 2] {
         let Block { mass, foundation, .. } = self.system.block;
         let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
         let close = |now: &Now| {
@@ -421,7 +421,7 @@ impl Simulation {
 
 /// Whether a surface may be fallen through between two instants.
 #[inline(always)]
-fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
+pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
     let may_fall = |surface: Surface| {
         let rounding = surface.rounding(here.block);
         roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)

@@ -3,7 +3,7 @@
 //! Sums, differences, products, quotients and square roots of vectors are rounded as those of single numbers are, and none is
 //! fused with another; so each lane has the bits that the same operations give on `f64`.
 
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(any(not(target_arch = "x86_64"), test))]
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -245,5 +245,74 @@ impl<V: Simd> Real for Wide<V> {
     #[inline(always)]
     fn where_less(a: Wide<V>, b: Wide<V>, yes: Wide<V>, no: Wide<V>) -> Wide<V> {
         yes.in_lanes(a.less(b), no)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NUMBERS: [Array; 2] = [
+        [1.5, -0.0, 3e200, -7.25, 1e-310, f64::INFINITY, 0.1, 2.0],
+        [0.3, 0.0, 4e200, -7.25, 2.0, 5.0, f64::NAN, -1e-3],
+    ];
+
+    /// All that a vector can do with two others.
+    struct Operations;
+
+    impl Task for Operations {
+        type Output = (Vec<Array>, Vec<u32>);
+
+        fn run<V: Simd>(self) -> (Vec<Array>, Vec<u32>) {
+            let [a, b] = NUMBERS.map(|numbers| V::load(&numbers));
+            let (less, small) = (a.less(b), b.less(V::splat(1.0)));
+            let picked = a.select(less, b);
+            let made =
+                [a.add(b), a.sub(b), a.mul(b), a.div(b), a.abs().sqrt(), a.neg(), a.abs(), picked, V::splat(0.7)];
+            let masks = [less, small, V::both(less, small), V::either(less, small)];
+            (made.map(V::store).to_vec(), masks.map(V::bits).to_vec())
+        }
+    }
+
+    /// Bits of the numbers, except that a NaN is like any other.
+    fn bits(arrays: &[Array]) -> Vec<[u64; MOST_LANES]> {
+        arrays.iter().map(|array| array.map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() })).collect()
+    }
+
+    fn check(lanes: usize, (made, masks): (Vec<Array>, Vec<u32>)) {
+        let [a, b] = NUMBERS;
+        let each = |number: &dyn Fn(usize) -> f64| {
+            let mut array = [0.0; MOST_LANES];
+            array.iter_mut().enumerate().take(lanes).for_each(|(i, place)| *place = number(i));
+            array
+        };
+        let expected = [
+            each(&|i| a[i] + b[i]),
+            each(&|i| a[i] - b[i]),
+            each(&|i| a[i] * b[i]),
+            each(&|i| a[i] / b[i]),
+            each(&|i| a[i].abs().sqrt()),
+            each(&|i| -a[i]),
+            each(&|i| a[i].abs()),
+            each(&|i| if a[i] < b[i] { a[i] } else { b[i] }),
+            each(&|_| 0.7),
+        ];
+        assert_eq!(bits(&made), bits(&expected), "{lanes} lanes");
+        let mask = |is: &dyn Fn(usize) -> bool| (0..lanes).map(|i| u32::from(is(i)) << i).sum::<u32>();
+        let (less, small) = (|i: usize| a[i] < b[i], |i: usize| b[i] < 1.0);
+        let expected = [mask(&less), mask(&small), mask(&|i| less(i) && small(i)), mask(&|i| less(i) || small(i))];
+        assert_eq!(masks, expected, "{lanes} lanes");
+    }
+
+    /// With all vectors that this processor has, and with the pairs of those that are not asked by name.
+    #[test]
+    fn vectors_do_what_single_numbers_do() {
+        for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+            check(width.lanes(), width.run(Operations));
+        }
+        assert_eq!(portable::Vectors::at_most(1), None);
+        let pairs = portable::Vectors::at_most(3).expect("pairs");
+        assert_eq!(pairs.lanes(), 2);
+        check(2, pairs.run(Operations));
     }
 }

@@ -58,3 +58,75 @@ impl<V: Simd> Ends<V> {
         (above & dips) | (!above & near)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::numerics::roots;
+    use crate::numerics::wide::{Array, Task, Width};
+
+    /// Ends of steps, and numbers beside which they are seen.
+    #[derive(Debug)]
+    struct Cases {
+        start: Sample<Array>,
+        end: Sample<Array>,
+        duration: Array,
+        above: Array,
+        rounding: Array,
+    }
+
+    impl Task for &Cases {
+        type Output = [u32; 2];
+
+        fn run<V: Simd>(self) -> [u32; 2] {
+            let wide = |numbers: &Array| Wide::<V>::load(numbers);
+            let sample = |of: &Sample<Array>| Sample { value: wide(&of.value), rate: wide(&of.rate) };
+            let ends = Ends { start: sample(&self.start), end: sample(&self.end), duration: wide(&self.duration) };
+            [ends.may_rise_inside(wide(&self.above)), ends.may_fall(wide(&self.rounding))]
+        }
+    }
+
+    /// Numbers among which some are the same.
+    fn numbers(scale: f64) -> impl Strategy<Value = Array> {
+        let number = prop_oneof![(-4..=4).prop_map(f64::from), -4.0..4.0];
+        prop::array::uniform8(number.prop_map(move |number| scale * number))
+    }
+
+    prop_compose! {
+        fn cases()(
+            values in (numbers(1.0), numbers(1.0)),
+            rates in (numbers(3.0), numbers(3.0)),
+            (duration, above, rounding) in (numbers(1.0), numbers(1.0), numbers(0.5)),
+        ) -> Cases {
+            Cases {
+                start: Sample { value: values.0, rate: rates.0 },
+                end: Sample { value: values.1, rate: rates.1 },
+                duration: duration.map(|x| 0.5 * x.abs() + 0.1),
+                above,
+                rounding: rounding.map(f64::abs),
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
+
+        #[test]
+        fn each_lane_decides_as_a_run_alone_does(cases in cases()) {
+            for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+                let [may_rise, may_fall] = width.run(&cases);
+                for i in 0..width.lanes() {
+                    let at = |of: &Sample<Array>| Sample { value: of.value[i], rate: of.rate[i] };
+                    let (start, end, duration) = (at(&cases.start), at(&cases.end), cases.duration[i]);
+                    let turns = start.rate > 0.0 && end.rate < 0.0;
+                    let rises = turns && roots::upper_bound(start, end, duration) > cases.above[i];
+                    prop_assert_eq!(may_rise >> i & 1 == 1, rises, "{} of {:?}", i, &cases);
+                    let falls = roots::may_fall(start, end, cases.rounding[i], duration);
+                    prop_assert_eq!(may_fall >> i & 1 == 1, falls, "{} of {:?}", i, &cases);
+                }
+            }
+        }
+    }
+}

@@ -438,13 +438,14 @@ impl<L: Law> Task for Together<'_, L> {
         };
 
         let duration = end_time - time;
-        let mut magnitude = Wide::default();
+        let mut moves = Wide::default().less(duration);
         for i in 0..4 {
-            magnitude = magnitude + there.state[i].abs() + there.rate.state.0[i].abs();
+            let finite = there.state[i].abs().less(infinite).and(there.rate.state.0[i].abs().less(infinite));
+            moves = moves.and(finite);
         }
         let rests = motion.rests(&here, &rounding);
         let unusual = motion.may_hold_event(&here, &there, duration, &rounding) | rests;
-        let usual = error_is_fine & magnitude.less(infinite).bits() & Wide::default().less(duration).bits() & !unusual;
+        let usual = error_is_fine & moves.bits() & !unusual;
 
         let mut peaks = self.peaks();
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
@@ -460,6 +461,205 @@ impl<L: Law> Task for Together<'_, L> {
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
             root: root.store(),
             longest: longest.store(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::block::{Common, Dimensionless};
+    use crate::contact::{Contact, Contacts, Creep};
+    use crate::excitation::{Inputs, Pulse, Ramp};
+    use crate::numerics::control::Attempt;
+    use crate::simulation::peaks::Peaks;
+    use crate::simulation::stepping::may_hold_event;
+    use crate::simulation::{Initial, Settings, Simulation};
+    use crate::system::dynamics;
+    use crate::system::now;
+
+    /// What a lane finds at both ends of a step.
+    #[derive(Debug, Default, PartialEq)]
+    struct Found {
+        may_hold_event: bool,
+        rests: bool,
+        may_rise_inside: bool,
+        /// Bits of the peaks.
+        peaks: [u64; 5],
+    }
+
+    /// A run before a step, and the state to which the step leads.
+    #[derive(Clone, Debug)]
+    struct Case {
+        lane: Lane,
+        there: [f64; 4],
+    }
+
+    struct Look<'g, L> {
+        together: Together<'g, L>,
+        cases: &'g [Case],
+    }
+
+    impl<L: Law> Task for Look<'_, L> {
+        type Output = Vec<Found>;
+
+        fn run<V: Simd>(self) -> Vec<Found> {
+            let Look { together, cases } = self;
+            let motion = together.motion::<V>();
+            let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
+            let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
+            let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
+            let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
+            let here = motion.at(time, state, together.tops(Lane::top));
+            let there = motion.at(end_time, end, together.tops(Lane::top_at_end));
+            let rounding = Rounding {
+                reaction: motion.block.gravity * ROUNDING,
+                gap: each(&|case| case.lane.gap_rounding),
+                quarter_turn: Wide::from(ROUNDING * FRAC_PI_2),
+            };
+            let longest = each(&|case| case.lane.limits[place(together.law.regime()).unwrap()].longest);
+            let mut peaks = together.peaks();
+            let rests = motion.rests(&here, &rounding);
+            let events = motion.may_hold_event(&here, &there, end_time - time, &rounding);
+            let inside = motion.raise_peaks(&mut peaks, &here, &there, end_time - time, longest);
+            let peaks = peaks.map(Wide::store);
+            let found = |i: usize| Found {
+                may_hold_event: events >> i & 1 == 1,
+                rests: rests >> i & 1 == 1,
+                may_rise_inside: inside >> i & 1 == 1,
+                peaks: peaks.map(|peak| peak[i].to_bits()),
+            };
+            (0..V::LANES).map(found).collect()
+        }
+    }
+
+    impl Case {
+        /// What a run finds alone.
+        fn alone(&self, law: impl Law) -> Found {
+            let Case { lane, there } = self;
+            let Simulation { ref pose, mut peaks, ref system, .. } = lane.simulation;
+            let excitation = lane.simulation.excitation(&lane.inputs);
+            let motion = now::Motion::under(law, &system.block, pose, &excitation);
+            let here = motion.at(pose.time, pose.state);
+            let there = motion.at(lane.end_time(), dynamics::State::from(*there));
+            let duration = there.time - here.time;
+            let near = lane.limits[place(law.regime()).unwrap()].near_a_peak(duration);
+            let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
+            let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
+            peaks.include(&start);
+            peaks.include(&end);
+            let Peaks { theta, reaction, horizontal, uplift, friction_demand } = peaks;
+            Found {
+                may_hold_event: may_hold_event(law, &here, &there),
+                rests: excitation.is_constant() && here.rests(),
+                may_rise_inside,
+                peaks: [theta, reaction, horizontal, uplift, friction_demand].map(f64::to_bits),
+            }
+        }
+    }
+
+    /// What decides of a motion whether the block rests.
+    fn small() -> impl Strategy<Value = f64> {
+        prop_oneof![Just(0.0), Just(1.0), (-15.5..-11.5).prop_map(libm::exp10)]
+    }
+
+    prop_compose! {
+        /// Numbers of the order of 1, from which a state follows.
+        fn states()(
+            [theta, theta_dot, w, w_dot] in prop::array::uniform4(-1.0..1.0),
+            leans in prop_oneof![Just(0.0), Just(1.0), Just(-1.0)],
+        ) -> [f64; 5] {
+            [theta, theta_dot, w, w_dot, leans]
+        }
+    }
+
+    prop_compose! {
+        fn case(regime: Regime)(
+            (alpha, p, eta, xi_v) in (0.05..0.8, 0.5..5.0, 5.0..100.0, 0.0..0.8),
+            (here, there) in (states(), states()),
+            scale in small(),
+            (ramps, constant) in (prop::array::uniform4(-1.0..1.0), any::<bool>()),
+            (depth, peaks) in (0.0..1.0, prop::array::uniform5(0.0..1.5)),
+            (time, duration) in (0.0..10.0, 0.0..1.0),
+        ) -> Case {
+            let block =
+                Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &Common::default()).unwrap();
+            let free = block.static_deflection();
+            let scale = if regime == Regime::FullContact { scale } else { 1.0 };
+            // Near a quarter turn, if it leans; else as far as supports give way.
+            let state = |[theta, theta_dot, w, w_dot, leans]: [f64; 5]| {
+                let lean = if scale == 1.0 { leans * (FRAC_PI_2 - 0.05 + 0.05 * theta) } else { 0.0 };
+                let turn = if leans == 0.0 || scale != 1.0 { scale * theta * free / block.b } else { lean };
+                let rate = scale * block.omega_v * free;
+                [turn, theta_dot * rate / block.b, scale * w * free, w_dot * rate]
+            };
+            let ramp = |i: usize| {
+                let rate = if constant { 0.0 } else { 10.0 * ramps[i + 1] };
+                Ramp { value: scale * 5.0 * ramps[i], rate }
+            };
+            let inputs = Inputs { time, a_gx: ramp(0), a_gz: ramp(2), ..Inputs::default() };
+            let initial = Initial::default();
+            let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, time, &inputs);
+            simulation.pose.state = dynamics::State::from(state(here));
+            simulation.pose.contacts = Contacts::FULL;
+            for corner in Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)) {
+                let creep = Creep { depth: depth * free, since: time - 0.1 };
+                simulation.pose.contacts.set(corner, Contact::Lifted(creep));
+            }
+            let mut lane = Lane::new(simulation, 0);
+            lane.send(time + 100.0, &inputs);
+            lane.begin_piece();
+            lane.attempt = Attempt::to_stop(duration * lane.limits[place(regime).unwrap()].longest);
+            lane.stop = time + lane.attempt.size;
+            let mut case = Case { lane, there: state(there) };
+            // Peaks near those of the step.
+            let of = |state: [f64; 4]| {
+                let pose = &case.lane.simulation.pose;
+                let excitation = case.lane.simulation.excitation(&inputs);
+                let seen = now::Motion::from_pose(&block, pose, &excitation).at(time, dynamics::State::from(state));
+                let mut peaks = Peaks::default();
+                peaks.include(&seen.channels());
+                peaks
+            };
+            let (a, b) = (of(case.lane.simulation.pose.state.0), of(case.there));
+            case.lane.simulation.peaks = Peaks {
+                theta: peaks[0] * a.theta.max(b.theta),
+                reaction: peaks[1] * a.reaction.max(b.reaction),
+                horizontal: peaks[2] * a.horizontal.max(b.horizontal),
+                uplift: peaks[3] * a.uplift.max(b.uplift),
+                friction_demand: peaks[4] * a.friction_demand.max(b.friction_demand),
+            };
+            case
+        }
+    }
+
+    fn compare(law: impl Law, cases: &[Case]) -> Result<(), TestCaseError> {
+        let runs: [&Lane; MOST_LANES] = std::array::from_fn(|i| &cases[i].lane);
+        for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+            let together = Together { law, short: None, runs, count: width.lanes() };
+            let found = width.run(Look { together, cases });
+            for (found, case) in found.iter().zip(cases) {
+                prop_assert_eq!(found, &case.alone(law), "{:?}", case);
+            }
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+
+        /// Where a lane decides otherwise the run would come to other bits than alone.
+        #[test]
+        fn each_lane_finds_what_a_run_alone_does(
+            both in prop::collection::vec(case(Regime::FullContact), MOST_LANES),
+            left in prop::collection::vec(case(Regime::TiltingLeft), MOST_LANES),
+            right in prop::collection::vec(case(Regime::TiltingRight), MOST_LANES),
+        ) {
+            compare(Gripping::<true, true, false>, &both)?;
+            compare(Gripping::<true, false, false>, &left)?;
+            compare(Gripping::<false, true, false>, &right)?;
         }
     }
 }
