@@ -207,10 +207,10 @@ impl<V: Version> Instance<V> {
             return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
         }
         // Another version's, from bytes, where no call of this one would lead out again.
-        if !V::Call::lead_to(saved.phase(), expected) {
-            let found = saved.phase();
+        let phase = saved.phase();
+        if !V::Call::lead_to(phase, expected) {
             return Err(Fault::new(format!(
-                "the state was saved in {found:?}, which this version of FMI does not have"
+                "the state was saved in {phase:?}, to which no call of this version of FMI leads in {expected:?}"
             )));
         }
         self.unit.clone_from(saved);
