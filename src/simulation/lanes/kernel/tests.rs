@@ -1,0 +1,211 @@
+//! Decisions of a lane beside those of a single run.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::block::{Common, Dimensionless};
+use crate::contact::{Contact, Contacts, Creep};
+use crate::excitation::{Inputs, Pulse, Ramp};
+use crate::numerics::control::Attempt;
+use crate::numerics::roots;
+use crate::simulation::peaks::Peaks;
+use crate::simulation::stepping::may_hold_event;
+use crate::simulation::{Initial, Settings, Simulation};
+use crate::system::dynamics;
+use crate::system::now;
+
+/// What a lane finds at both ends of a step.
+#[derive(Debug, Default, PartialEq)]
+struct Found {
+    may_hold_event: bool,
+    /// The surfaces of L, R and the quarter turn.
+    may_fall: [bool; 3],
+    rests: bool,
+    may_rise_inside: bool,
+    /// Bits of the peaks.
+    peaks: [u64; 5],
+}
+
+/// A run before a step, and the state to which the step leads.
+#[derive(Clone, Debug)]
+struct Case {
+    lane: Lane,
+    there: [f64; 4],
+}
+
+struct Look<'g, L> {
+    together: Together<'g, L>,
+    cases: &'g [Case],
+}
+
+impl<L: Law> Task for Look<'_, L> {
+    type Output = Vec<Found>;
+
+    fn run<V: Simd>(self) -> Vec<Found> {
+        let Look { together, cases } = self;
+        let motion = together.motion::<V>();
+        let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
+        let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
+        let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
+        let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
+        let here = motion.at(time, state, together.tops(Lane::top));
+        let there = motion.at(end_time, end, together.tops(Lane::top_at_end));
+        let rounding = together.rounding(&motion);
+        let longest = each(&|case| case.lane.limits[place(together.law.regime()).unwrap()].longest);
+        let mut peaks = together.peaks();
+        let rests = motion.rests(&here, &rounding);
+        let duration = end_time - time;
+        let events = motion.may_hold_event(&here, &there, duration, &rounding);
+        let may_fall = surfaces(together.law).map(|of| motion.may_fall(of, &here, &there, duration, &rounding));
+        let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
+        let peaks = peaks.map(Wide::store);
+        let found = |i: usize| Found {
+            may_hold_event: events >> i & 1 == 1,
+            may_fall: may_fall.map(|falls| falls >> i & 1 == 1),
+            rests: rests >> i & 1 == 1,
+            may_rise_inside: inside >> i & 1 == 1,
+            peaks: peaks.map(|peak| peak[i].to_bits()),
+        };
+        (0..V::LANES).map(found).collect()
+    }
+}
+
+fn surfaces(law: impl Law) -> [Surface; 3] {
+    [law.surface(Corner::Left), law.surface(Corner::Right), Surface::QuarterTurn]
+}
+
+impl Case {
+    /// What a run finds alone.
+    fn alone(&self, law: impl Law) -> Found {
+        let Case { lane, there } = self;
+        let Simulation { ref pose, mut peaks, ref system, .. } = lane.simulation;
+        let excitation = lane.simulation.excitation(&lane.inputs);
+        let motion = now::Motion::under(law, &system.block, pose, &excitation);
+        let here = motion.at(pose.time, pose.state);
+        let there = motion.at(lane.end_time(), dynamics::State::from(*there));
+        let duration = there.time - here.time;
+        let near = lane.limits[place(law.regime()).unwrap()].near_a_peak(duration);
+        let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
+        let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
+        peaks.include(&start);
+        peaks.include(&end);
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand } = peaks;
+        Found {
+            may_hold_event: may_hold_event(law, &here, &there),
+            may_fall: surfaces(law).map(|surface| {
+                let (start, end) = (surface.sample(&here), surface.sample(&there));
+                roots::may_fall(start, end, surface.rounding(&system.block), duration)
+            }),
+            rests: excitation.is_constant() && here.rests(),
+            may_rise_inside,
+            peaks: [theta, reaction, horizontal, uplift, friction_demand].map(f64::to_bits),
+        }
+    }
+}
+
+/// Sizes of motions: around that below which a block rests, too.
+fn small() -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 2 => Just(1.0), 3 => (-13.6..-12.2).prop_map(libm::exp10)]
+}
+
+prop_compose! {
+    /// Numbers of the order of 1, from which a state follows.
+    fn states()(
+        [theta, theta_dot, w, w_dot] in prop::array::uniform4(prop_oneof![1 => Just(0.0), 3 => -1.0..1.0]),
+        leans in prop_oneof![Just(0.0), Just(1.0), Just(-1.0)],
+    ) -> [f64; 5] {
+        [theta, theta_dot, w, w_dot, leans]
+    }
+}
+
+prop_compose! {
+    fn case(regime: Regime)(
+        (alpha, p, eta, xi_v) in (0.05..0.8, 0.5..5.0, 5.0..100.0, 0.0..0.8),
+        (here, there) in (states(), states()),
+        scale in small(),
+        (ramps, constant) in (prop::array::uniform4(-1.0..1.0), any::<bool>()),
+        // Peaks that hide nothing, so that each counts by itself.
+        (depth, peaks) in (0.0..1.0, prop::array::uniform5(prop_oneof![0.0..1.5, Just(1e3)])),
+        (time, duration) in (0.0..10.0, 0.0..1.0),
+    ) -> Case {
+        let block =
+            Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &Common::default()).unwrap();
+        let free = block.static_deflection();
+        let scale = if regime == Regime::FullContact { scale } else { 1.0 };
+        // Near a quarter turn, if it leans; else as far as supports give way.
+        let state = |[theta, theta_dot, w, w_dot, leans]: [f64; 5]| {
+            let rate = scale * block.omega_v * free;
+            let [turn, turns] = if leans == 0.0 || scale != 1.0 {
+                [scale * theta * free / block.b, theta_dot * rate / block.b]
+            } else {
+                [leans * (FRAC_PI_2 - 0.05 + 0.05 * theta), 0.2 * block.omega_v * theta_dot]
+            };
+            [turn, turns, scale * w * free, w_dot * rate]
+        };
+        let ramp = |i: usize| {
+            let rate = if constant { 0.0 } else { 10.0 * ramps[i + 1] };
+            Ramp { value: scale * 5.0 * ramps[i], rate }
+        };
+        let inputs = Inputs { time, a_gx: ramp(0), a_gz: ramp(2), ..Inputs::default() };
+        let initial = Initial::default();
+        let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, time, &inputs);
+        simulation.pose.state = dynamics::State::from(state(here));
+        simulation.pose.contacts = Contacts::FULL;
+        for corner in Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)) {
+            let creep = Creep { depth: depth * free, since: time - depth / block.creep_rate() };
+            simulation.pose.contacts.set(corner, Contact::Lifted(creep));
+        }
+        let mut lane = Lane::new(simulation, 0);
+        lane.send(time + 100.0, &inputs);
+        lane.begin_piece();
+        lane.attempt = Attempt::to_stop(duration * lane.limits[place(regime).unwrap()].longest);
+        lane.stop = time + lane.attempt.size;
+        let mut case = Case { lane, there: state(there) };
+        // Peaks near those of the step.
+        let of = |state: [f64; 4]| {
+            let pose = &case.lane.simulation.pose;
+            let excitation = case.lane.simulation.excitation(&inputs);
+            let seen = now::Motion::from_pose(&block, pose, &excitation).at(time, dynamics::State::from(state));
+            let mut peaks = Peaks::default();
+            peaks.include(&seen.channels());
+            peaks
+        };
+        let (a, b) = (of(case.lane.simulation.pose.state.0), of(case.there));
+        case.lane.simulation.peaks = Peaks {
+            theta: peaks[0] * a.theta.max(b.theta),
+            reaction: peaks[1] * a.reaction.max(b.reaction),
+            horizontal: peaks[2] * a.horizontal.max(b.horizontal),
+            uplift: peaks[3] * a.uplift.max(b.uplift),
+            friction_demand: peaks[4] * a.friction_demand.max(b.friction_demand),
+        };
+        case
+    }
+}
+
+fn compare(law: impl Law, cases: &[Case]) -> Result<(), TestCaseError> {
+    let runs: [&Lane; MOST_LANES] = std::array::from_fn(|i| &cases[i].lane);
+    for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+        let together = Together { law, short: None, runs, count: width.lanes() };
+        let found = width.run(Look { together, cases });
+        for (found, case) in found.iter().zip(cases) {
+            prop_assert_eq!(found, &case.alone(law), "{:?}", case);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
+
+    /// Where a lane decides otherwise the run would come to other bits than alone.
+    #[test]
+    fn each_lane_finds_what_a_run_alone_does(
+        both in prop::collection::vec(case(Regime::FullContact), MOST_LANES),
+        left in prop::collection::vec(case(Regime::TiltingLeft), MOST_LANES),
+        right in prop::collection::vec(case(Regime::TiltingRight), MOST_LANES),
+    ) {
+        compare(Gripping::<true, true, false>, &both)?;
+        compare(Gripping::<true, false, false>, &left)?;
+        compare(Gripping::<false, true, false>, &right)?;
+    }
+}
