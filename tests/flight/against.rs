@@ -1,5 +1,6 @@
 //! Whole flights beside an independent computation of them: take-offs, landings on one corner and on both, grips, slides.
 
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
@@ -258,18 +259,18 @@ fn flights_are_those_of_an_independent_computation() {
     assert!(missing.is_empty(), "no flight needs {missing:?}");
 }
 
-proptest! {
-    #![proptest_config(cases(24))]
-
-    /// Blocks of any kind thrown in any way. Where two events fall together to rounding, each computation may take another
-    /// first, so that only the motion is compared; and where a corner lifts just as it would come to slide, rounding decides
-    /// what follows, so that the motion is compared only as far as a change of 10⁻⁹ of the pulse leaves it what it is.
-    #[test]
-    fn random_flights_are_those_of_an_independent_computation(
+/// Blocks of any kind thrown in any way. Where two events fall together to rounding, each computation may take another
+/// first, so that only the motion is compared; and where a corner lifts just as it would come to slide, rounding decides
+/// what follows, so that the motion is compared only as far as a change of 10⁻⁹ of the pulse leaves it what it is. That is
+/// rare.
+#[test]
+fn random_flights_are_those_of_an_independent_computation() {
+    let (flown, decided_by_rounding) = (Cell::new(0), Cell::new(0));
+    proptest!(cases(24), |(
         block in blocks(),
         (theta, theta_dot, height, v_dot) in (-0.3..0.3, -0.8..0.8, 1.1..3.0, -1.0..1.0),
         (amplitude, period) in (-15.0..15.0, 0.2..2.0),
-    ) {
+    )| {
         let v = height * block.static_deflection() + f64::abs(theta) * block.alpha * block.b;
         let rocking = block.alpha * block.p;
         let thrown = Some([theta * block.alpha, theta_dot * rocking, v, v_dot * rocking * block.r0]);
@@ -277,10 +278,15 @@ proptest! {
         let until = (100.0 / block.omega_v).min(1.5);
         let flight = Flight { block, thrown, pulse: one_sine(amplitude, period, 0.1), vertical: STILL, until };
         let (Deviation { theta, place, .. }, events, _) = flight.compare();
+        flown.set(flown.get() + 1);
         if theta > 1e-6 || place > 1e-6 {
             let by = flight.sensitivity();
-            let decided_by_rounding = theta <= 10.0 * by.theta && place <= 10.0 * by.place;
-            prop_assert!(decided_by_rounding, "theta {:e}, place {:e}, {:#?}", theta, place, events);
+            let by_rounding = theta <= 10.0 * by.theta && place <= 10.0 * by.place;
+            prop_assert!(by_rounding, "theta {:e}, place {:e}, {:#?}", theta, place, events);
+            decided_by_rounding.set(decided_by_rounding.get() + 1);
         }
-    }
+    });
+    let (flown, decided) = (flown.get(), decided_by_rounding.get());
+    println!("rounding decided {decided} of {flown} flights");
+    assert!(decided <= 1 + flown / 200, "rounding decided {decided} of {flown} flights");
 }
