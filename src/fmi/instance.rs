@@ -202,19 +202,24 @@ impl<V: Version> Instance<V> {
 
     /// From here on as when the state was saved.
     pub fn restore(&mut self, saved: &Unit) -> Answer {
+        self.check_restorable(saved)?;
+        self.unit.clone_from(saved);
+        Ok(Status::Ok)
+    }
+
+    /// Refuses a state of the other interface, and one of another version's, from bytes, out of which no call of this version leads.
+    pub fn check_restorable(&self, saved: &Unit) -> Result<(), Fault> {
         let (found, expected) = (saved.interface(), self.unit.interface());
         if found != expected {
             return Err(Fault::new(format!("the state is one of {found:?}; expected one of {expected:?}")));
         }
-        // Another version's, from bytes, where no call of this one would lead out again.
         let phase = saved.phase();
         if !V::Call::lead_to(phase, expected) {
             return Err(Fault::new(format!(
                 "the state was saved in {phase:?}, to which no call of this version of FMI leads in {expected:?}"
             )));
         }
-        self.unit.clone_from(saved);
-        Ok(Status::Ok)
+        Ok(())
     }
 }
 

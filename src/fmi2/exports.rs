@@ -339,8 +339,9 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `size` bytes, and
     // `state` is a place for the new state, which is only written (standard, 2.1.8).
     unsafe {
-        call(component, Call::DeSerializeFmuState, |_| {
+        call(component, Call::DeSerializeFmuState, |instance| {
             let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
+            instance.check_restorable(&unit)?;
             boundary::give_state(place("FMUstate", state)?, unit)
         })
     }

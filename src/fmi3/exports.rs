@@ -414,8 +414,9 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
 ) -> fmi3Status {
     // SAFETY: the instance lives; there are `size` bytes, and `state` is a place for the new state (standard, 2.2.7).
     unsafe {
-        call(instance, Call::DeserializeFmuState, |_| {
+        call(instance, Call::DeserializeFmuState, |instance| {
             let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
+            instance.check_restorable(&unit)?;
             boundary::give_state(place("FMUState", state)?, unit)
         })
     }
