@@ -29,31 +29,43 @@ impl<R: std::ops::Neg<Output = R>> Sample<R> {
 /// the shortest period of the motion, so that a piece is below 1/24 of it and a cubic follows it closely.
 const PIECES: u32 = 8;
 
+/// Halvings of a piece in which a root may still hide.
+const HALVINGS_OF_A_PIECE: u32 = 6;
+
 /// Upper bound of a function over `duration`, from its ends: where the tangents at the ends meet, if it rises at the
 /// beginning and falls at the end, and the greater end otherwise. Strict for a function without a turn in its curvature.
 #[inline]
 pub fn upper_bound(start: Sample, end: Sample, duration: f64) -> f64 {
     let ends = start.value.max(end.value);
-    if start.rate > 0.0 && end.rate < 0.0 {
-        let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
-        ends.max(start.value + start.rate * meeting)
-    } else {
-        ends
-    }
+    if start.rate > 0.0 && end.rate < 0.0 { ends.max(tip(start, end, duration)) } else { ends }
 }
 
-/// Lower bound, the mirror image of [`upper_bound`].
+/// Whether a function over `duration`, that is not below the `floor` at the start, may be so later: at the end, where the tangents
+/// at the ends meet, as in [`upper_bound`], or by the control polygon of the cubic with these ends, which no value of the cubic is
+/// below wherever its curvature turns.
 #[inline]
-pub fn lower_bound(start: Sample, end: Sample, duration: f64) -> f64 {
-    -upper_bound(start.negated(), end.negated(), duration)
+fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
+    let third = duration * (1.0 / 3.0);
+    let polygon = [start.value + third * start.rate, end.value - third * end.rate];
+    end.value < floor
+        || polygon[0] < floor
+        || polygon[1] < floor
+        || (start.rate < 0.0 && end.rate > 0.0 && tip(start, end, duration) < floor)
+}
+
+/// Where the tangents at the ends meet.
+#[inline]
+fn tip(start: Sample, end: Sample, duration: f64) -> f64 {
+    let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
+    start.value + start.rate * meeting
 }
 
 /// The first time in `[0, duration]` at which `function` falls through zero; `None` if it does not.
 ///
 /// `start` and `end` are the function's samples at 0 and `duration`. What lies within `rounding` of zero at the start
-/// counts as a zero that the function is leaving upwards: it is muted until it has left it. Between samples the function
-/// may dip below zero and come back; the dip's bottom is looked for where the rate changes sign. The result is within
-/// rounding of a sign change, see [`sign_change`].
+/// counts as a zero that the function is leaving upwards, see [`leaves_downwards`]: it is muted until it has left it. Between
+/// samples the function may dip below zero and come back; the dip's bottom is looked for where the rate changes sign. The
+/// result is within rounding of a sign change, see [`sign_change`].
 pub fn first_fall(
     start: Sample,
     end: Sample,
@@ -65,6 +77,8 @@ pub fn first_fall(
         return Some(0.0);
     }
     let mut muted = start.value <= rounding;
+    // Otherwise it leaves zero with a rate of zero, and dips may be errors of the step.
+    let rises = start.rate * duration > rounding;
     let (mut low, mut left) = (0.0, start);
     for piece in 1..=PIECES {
         let (high, right) = if piece == PIECES {
@@ -73,23 +87,62 @@ pub fn first_fall(
             let high = duration * f64::from(piece) / f64::from(PIECES);
             (high, function(high))
         };
-        if muted && right.value < -rounding {
-            return Some(fall_after_zero(low, high, right.value, |t| function(t).value));
-        }
-        if !muted && right.value < 0.0 {
-            return Some(sign_change(low, high, left.value, right.value, |t| function(t).value));
-        }
-        if !muted && lower_bound(left, right, high - low) < 0.0 {
-            let bottom = sign_change(low, high, -left.rate, -right.rate, |t| -function(t).rate);
-            let value = function(bottom).value;
-            if value < 0.0 {
-                return Some(sign_change(low, bottom, left.value, value, |t| function(t).value));
-            }
+        let floor = if muted { -rounding } else { 0.0 };
+        let found = match muted && !rises {
+            true => (right.value < floor).then_some((high, right.value)),
+            false => below(floor, [(low, left), (high, right)], HALVINGS_OF_A_PIECE, &mut function),
+        };
+        if let Some((time, value)) = found {
+            let value_at = |t: f64| function(t).value;
+            return Some(match muted {
+                true => fall_after_zero(low, time, value, value_at),
+                false => sign_change(low, time, left.value, value, value_at),
+            });
         }
         muted &= right.value <= rounding;
         (low, left) = (high, right);
     }
     None
+}
+
+/// A time in an interval at which a function is below the `floor`, with its value then; it is not at the beginning.
+fn below(
+    floor: f64,
+    [(low, left), (high, right)]: [(f64, Sample); 2],
+    halvings: u32,
+    function: &mut impl FnMut(f64) -> Sample,
+) -> Option<(f64, f64)> {
+    if right.value < floor {
+        return Some((high, right.value));
+    }
+    if !may_be_below(floor, left, right, high - low) {
+        return None;
+    }
+    if left.rate < 0.0 && right.rate > 0.0 {
+        let bottom = sign_change(low, high, -left.rate, -right.rate, |t| -function(t).rate);
+        let value = function(bottom).value;
+        return (value < floor).then_some((bottom, value));
+    }
+    // The curvature turns inside.
+    let halvings = halvings.checked_sub(1)?;
+    let half = 0.5 * (low + high);
+    let middle = (half, function(half));
+    below(floor, [(low, left), middle], halvings, function)
+        .or_else(|| below(floor, [middle, (high, right)], halvings, function))
+}
+
+/// Whether a function that begins at zero falls further below it than rounding does, before it rises so far.
+pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut function: impl FnMut(f64) -> Sample) -> bool {
+    // When it would be that far below at its rate.
+    let mut time = if start.value.abs() <= rounding { -2.0 * rounding / start.rate } else { 0.0 };
+    while time > 0.0 && time < duration {
+        let value = function(time).value;
+        if value.abs() > rounding {
+            return value < 0.0;
+        }
+        time *= 2.0;
+    }
+    false
 }
 
 /// The time in `[low, high]` at which a function falls through zero that is zero at `low` and negative at `high`: after a
@@ -112,7 +165,7 @@ fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f
 #[inline]
 pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     if start.value > rounding {
-        end.value < 0.0 || lower_bound(start, end, duration) < 0.0
+        may_be_below(0.0, start, end, duration)
     } else {
         // Just after an event, or before one: look closely, unless the function stays at zero.
         start.value < -rounding || end.value.abs() > rounding
@@ -253,7 +306,8 @@ mod tests {
         let hump = |t: f64| Sample { value: t * (4.0 - t), rate: 4.0 - 2.0 * t };
         assert_eq!(upper_bound(hump(0.0), hump(4.0), 4.0), 8.0);
         assert_eq!(upper_bound(hump(1.0), hump(4.0), 3.0), 6.0);
-        assert_eq!(lower_bound(hump(0.0).negated(), hump(4.0).negated(), 4.0), -8.0);
+        let [start, end] = [hump(0.0).negated(), hump(4.0).negated()];
+        assert!(may_be_below(-7.9, start, end, 4.0) && !may_be_below(-8.0, start, end, 4.0));
         assert_eq!(upper_bound(hump(0.0), hump(1.0), 1.0), 3.0);
         assert_eq!(upper_bound(hump(2.5), hump(4.0), 1.5), 3.75);
     }
@@ -264,6 +318,66 @@ mod tests {
         let rising = |t: f64| Sample { value: t - 0.1, rate: 1.0 };
         assert_eq!(first_fall(rising(0.0), rising(1.0), 1e-15, 1.0, rising), Some(0.0));
         assert!(may_fall(rising(0.0), Sample::default(), 1e-15, 1.0));
+    }
+
+    /// One that falls at both ends may be below zero in between, if its curvature turns.
+    #[test]
+    fn sees_a_dip_between_falling_ends() {
+        for gap in [0.05, 1e-3] {
+            let dip = |t: f64| {
+                let [a, b, c] = [t - 0.3, t - 0.3 - gap, t - 1.2];
+                Sample { value: -a * b * c, rate: -(b * c + a * c + a * b) }
+            };
+            let (start, end) = (dip(0.0), dip(1.0));
+            assert!(start.value > 0.0 && end.value > 0.0 && start.rate < 0.0 && end.rate < 0.0);
+            assert!(upper_bound(start.negated(), end.negated(), 1.0) < 0.0, "the tangents do not meet below zero");
+            assert!(may_fall(start, end, 1e-15, 1.0));
+            let root = first_fall(start, end, 1e-15, 1.0, dip).unwrap();
+            assert!((root - 0.3).abs() < 1e-13, "{root}");
+        }
+    }
+
+    /// No value of a cubic is below what is seen, wherever its curvature turns.
+    #[test]
+    fn no_cubic_dips_unseen() {
+        for i in 0..1000 {
+            let [a, b, c, d] = [0.123, 0.457, 0.811, 0.239].map(|by: f64| 4.0 * (f64::from(i) * by).fract() - 2.0);
+            let cubic = |t: f64| Sample { value: a + t * (b + t * (c + t * d)), rate: b + t * (2.0 * c + 3.0 * t * d) };
+            let least = (0..=300).map(|k| cubic(0.005 * f64::from(k)).value).fold(f64::INFINITY, f64::min);
+            let found = may_be_below(least + 1e-14, cubic(0.0), cubic(1.5), 1.5);
+            assert!(found || cubic(0.0).value <= least, "{a} {b} {c} {d}: {least}");
+        }
+    }
+
+    /// At zero, but falling, even if it comes back before long; not if it does so within rounding, and not what is above zero.
+    #[test]
+    fn what_leaves_zero_downwards_is_told_from_what_rises() {
+        let falls = |at: f64, rounding: f64| {
+            let function = |t: f64| Sample { value: at + t * (t - 1e-4), rate: 2.0 * t - 1e-4 };
+            leaves_downwards(function(0.0), rounding, 1.0, function)
+        };
+        assert!(falls(0.0, 1e-15) && falls(-1e-15, 1e-15) && falls(1e-15, 1e-15));
+        assert!(!falls(0.0, 1e-8) && !falls(2e-15, 1e-15));
+        let rising =
+            |rate: f64| leaves_downwards(Sample { value: 0.0, rate }, 1e-15, 1.0, |t| Sample { value: t * t, rate });
+        assert!(!rising(0.0) && !rising(1e-4) && !rising(-1e-18) && !rising(f64::NAN));
+    }
+
+    /// A hop from zero, and a dip after it, both over before the first sample.
+    #[test]
+    fn sees_a_dip_behind_a_short_hop() {
+        let dip = |t: f64| {
+            let [a, b] = [t - 0.02, t - 0.07];
+            Sample { value: t * a * b, rate: a * b + t * (a + b) }
+        };
+        let root = first_fall(dip(0.0), dip(1.0), 1e-15, 1.0, dip).unwrap();
+        assert!((root - 0.02).abs() < 1e-14, "{root}");
+        // With a rate of zero at the beginning such a dip is what the errors of a step make of a rise.
+        let rise = |t: f64| {
+            let Sample { value, rate } = dip(t);
+            Sample { value: t * value, rate: t * rate + value }
+        };
+        assert_eq!(first_fall(rise(0.0), rise(1.0), 1e-15, 1.0, rise), None);
     }
 
     /// Of two falls the first is found, and a dip in a long interval.

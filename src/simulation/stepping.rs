@@ -83,6 +83,14 @@ const LOOSE: f64 = 1e-6;
 /// estimates see the error of one step; by this the errors of all steps under a record add up to less than the tolerance.
 const NYSTROM_TURN: f64 = 180.0;
 
+/// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
+/// that would keep it short, while the heights of its corners swing with the angle.
+const MOST_TURN: f64 = 1.0;
+
+/// The most that it may turn in a step whose ends tell whether a corner came down inside (rad): a height is a cubic then, but for
+/// `turn⁴/384` R0 at most.
+const SMALL_TURN: f64 = 0.1;
+
 impl Limits {
     /// The pair of a short step of this size.
     #[inline(always)]
@@ -286,6 +294,9 @@ impl Simulation {
         let step = ShortStep::attempt(pair, here.time, size, here.state, here.rate, motion);
         let there = motion.at(stop, step.end);
         self.counts.evaluations += pair.evaluations() + 1;
+        if turn_in_flight(motion.law(), &here.state, &step.end, size) > SMALL_TURN {
+            return Short::None;
+        }
         let error = step.error(there.rate, limits.weights, limits.work_weight) / limits.short_share;
         // The root of order 4 is two square roots, and less than that of order 5.
         let factor = (1.0 / error.sqrt().sqrt()).max(LEAST_SHORT_FACTOR);
@@ -328,7 +339,10 @@ impl Simulation {
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(weights);
             let factor = Step::size_factor(error);
-            if error <= 1.0 {
+            let turn = turn_in_flight(motion.law(), &here.state, &step.end, attempt.size);
+            // Where the clock resolves no shorter step, none is asked for.
+            let turns_far = turn > MOST_TURN && attempt.size > 2.0 * shortest;
+            if error <= 1.0 && !turns_far {
                 self.control.accept(&attempt, factor, longest);
                 self.counts.steps += 1;
                 if attempt.last {
@@ -337,6 +351,7 @@ impl Simulation {
                 return Ok(step);
             }
             self.counts.rejected += 1;
+            let factor = if error <= 1.0 { (MOST_TURN / turn).max(2.0 * shortest / attempt.size) } else { factor };
             attempt = self.control.reject(&attempt, factor);
             let size = attempt.size;
             if size < shortest {
@@ -419,6 +434,20 @@ impl Simulation {
     }
 }
 
+/// At most how far a block turns in a step of `size` (s), if it flies; zero if it stands (rad).
+///
+/// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
+#[inline(always)]
+fn turn_in_flight(law: impl Law, start: &State, end: &State, size: f64) -> f64 {
+    if law.regime() != Regime::Separated {
+        return 0.0;
+    }
+    let ([theta, theta_dot, ..], [theta_after, theta_dot_after, ..]) = (start.0, end.0);
+    let (first, last) = (size * theta_dot, size * theta_dot_after);
+    let between = 3.0 * (theta_after - theta) - first - last;
+    first.abs().max(between.abs()).max(last.abs())
+}
+
 /// Whether a surface may be fallen through between two instants.
 #[inline(always)]
 pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
@@ -434,13 +463,24 @@ pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
 fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<(f64, Surface)> {
     let mut first: Option<(f64, Surface)> = None;
     let duration = there.time - here.time;
-    for surface in inside.motion.law().surfaces().into_iter().flatten() {
+    let law = inside.motion.law();
+    let turns_far = turn_in_flight(law, &here.state, &there.state, duration) > SMALL_TURN;
+    for surface in law.surfaces().into_iter().flatten() {
         let rounding = surface.rounding(here.block);
         let (start, end) = (surface.sample(here), surface.sample(there));
-        if !roots::may_fall(start, end, rounding, duration) {
+        let hidden = turns_far && matches!(surface, Surface::Gap(_));
+        if !hidden && !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let fall = roots::first_fall(start, end, rounding, duration, |elapsed| surface.sample(&inside.at(elapsed)));
+        let mut sample = |elapsed| surface.sample(&inside.at(elapsed));
+        // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
+        // support one may, where the angular momentum is kept.
+        let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
+        let fall = if on_base && roots::leaves_downwards(start, rounding, duration, &mut sample) {
+            Some(0.0)
+        } else {
+            roots::first_fall(start, end, rounding, duration, sample)
+        };
         if let Some(elapsed) = fall
             && first.is_none_or(|(earliest, _)| elapsed < earliest)
         {

@@ -53,7 +53,10 @@ impl<V: Simd> Ends<V> {
         let zero = Wide::default();
         let negated = Ends { start: start.negated(), end: end.negated(), duration };
         let above = rounding.less(start.value).bits();
-        let dips = negated.may_rise_inside(zero) | zero.less(negated.greater_end()).bits();
+        let third = duration * (1.0 / 3.0);
+        let polygon = negated.start.value - third * start.rate;
+        let polygon = polygon.max(negated.end.value + third * end.rate);
+        let dips = negated.may_rise_inside(zero) | zero.less(negated.greater_end().max(polygon)).bits();
         let near = start.value.less(-rounding).bits() | rounding.less(end.value.abs()).bits();
         (above & dips) | (!above & near)
     }
