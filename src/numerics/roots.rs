@@ -32,25 +32,31 @@ const PIECES: u32 = 8;
 /// Halvings of a piece in which a root may still hide.
 const HALVINGS_OF_A_PIECE: u32 = 6;
 
-/// Upper bound of a function over `duration`, from its ends: where the tangents at the ends meet, if it rises at the
-/// beginning and falls at the end, and the greater end otherwise. Strict for a function without a turn in its curvature.
-#[inline]
-pub fn upper_bound(start: Sample, end: Sample, duration: f64) -> f64 {
-    let ends = start.value.max(end.value);
-    if start.rate > 0.0 && end.rate < 0.0 { ends.max(tip(start, end, duration)) } else { ends }
-}
+/// Halvings of a step in which a peak may still hide.
+const HALVINGS_OF_A_STEP: u32 = 6;
 
-/// Whether a function over `duration`, that is not below the `floor` at the start, may be so later: at the end, where the tangents
-/// at the ends meet, as in [`upper_bound`], or by the control polygon of the cubic with these ends, which no value of the cubic is
-/// below wherever its curvature turns.
+/// Whether a function over `duration`, that is not below the `floor` at the start, may be so later: at the end, or where its bounds
+/// are, see [`may_rise_inside`].
 #[inline]
 fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
-    let polygon = [start.value + third * start.rate, end.value - third * end.rate];
     end.value < floor
-        || polygon[0] < floor
-        || polygon[1] < floor
+        || start.value + third * start.rate < floor
+        || end.value - third * end.rate < floor
         || (start.rate < 0.0 && end.rate > 0.0 && tip(start, end, duration) < floor)
+}
+
+/// Whether a function over `duration` may be greater inside than at both ends and than `most`.
+///
+/// Where the tangents at the ends meet is beyond all values of a function without a turn in its curvature, and the control polygon of
+/// the cubic with these ends beyond those of the cubic, wherever its curvature turns.
+#[inline]
+pub fn may_rise_inside(most: f64, start: Sample, end: Sample, duration: f64) -> bool {
+    let third = duration * (1.0 / 3.0);
+    let rises = |value: f64| value > most && value > start.value && value > end.value;
+    rises(start.value + third * start.rate)
+        || rises(end.value - third * end.rate)
+        || (start.rate > 0.0 && end.rate < 0.0 && rises(tip(start, end, duration)))
 }
 
 /// Where the tangents at the ends meet.
@@ -172,17 +178,40 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// The greatest value of `function` in `[0, duration]`, given its samples at both ends: at one of them, or at the
-/// maximum inside if it rises at the beginning and falls at the end.
-pub fn greatest(start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
-    let ends = start.value.max(end.value);
-    if start.rate > 0.0 && end.rate < 0.0 {
+/// The greater of `most` and the greatest value of `function` in `[0, duration]`, given its samples at both ends: at one of them, or
+/// at a maximum inside.
+#[inline]
+pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
+    if may_rise_inside(most, start, end, duration) {
         // The value at a maximum is as exact as the square of its place.
-        let top = sign_change_within(1e-8 * duration, 0.0, duration, start.rate, end.rate, |t| function(t).rate);
-        ends.max(function(top).value)
+        highest(most, [(0.0, start), (duration, end)], 1e-8 * duration, HALVINGS_OF_A_STEP, &mut function)
     } else {
-        ends
+        most.max(start.value).max(end.value)
     }
+}
+
+fn highest(
+    most: f64,
+    [(low, left), (high, right)]: [(f64, Sample); 2],
+    width: f64,
+    halvings: u32,
+    function: &mut impl FnMut(f64) -> Sample,
+) -> f64 {
+    let inside = may_rise_inside(most, left, right, high - low);
+    let most = most.max(left.value).max(right.value);
+    if !inside {
+        return most;
+    }
+    if left.rate > 0.0 && right.rate < 0.0 {
+        let top = sign_change_within(width, low, high, left.rate, right.rate, |t| function(t).rate);
+        return most.max(function(top).value);
+    }
+    // The curvature turns inside.
+    let Some(halvings) = halvings.checked_sub(1) else { return most };
+    let half = 0.5 * (low + high);
+    let middle = (half, function(half));
+    let most = highest(most, [(low, left), middle], width, halvings, function);
+    highest(most, [middle, (high, right)], width, halvings, function)
 }
 
 /// A point within rounding (4 ulp of `high`) of a sign change of a continuous function with `f(low) ≥ 0 > f(high)`;
@@ -296,20 +325,42 @@ mod tests {
     #[test]
     fn the_greatest_value_is_inside() {
         let hump = |t: f64| Sample { value: libm::sin(3.0 * t), rate: 3.0 * libm::cos(3.0 * t) };
-        let top = greatest(hump(0.0), hump(1.0), 1.0, hump);
+        let top = greatest(0.0, hump(0.0), hump(1.0), 1.0, hump);
         assert!((top - 1.0).abs() < 1e-15, "{top}");
+    }
+
+    /// A hump between ends at which the function rises, and one between ends at which it falls.
+    #[test]
+    fn sees_a_hump_where_the_curvature_turns() {
+        for (sign, roots) in [(1.0, [0.1, 0.2, 1.0]), (-1.0, [0.05, 0.1, 1.2])] {
+            let hump = |t: f64| {
+                let [a, b, c] = roots.map(|root| t - root);
+                Sample { value: sign * a * b * c, rate: sign * (b * c + a * c + a * b) }
+            };
+            let (start, end) = (hump(0.0), hump(1.0));
+            assert!(start.rate * sign > 0.0 && end.rate * sign > 0.0);
+            let greatest_of = |most: f64| greatest(most, start, end, 1.0, hump);
+            let sampled = (0..=100_000).map(|k| hump(1e-5 * f64::from(k)).value).fold(f64::NEG_INFINITY, f64::max);
+            assert!(sampled > start.value.max(end.value) + 1e-3);
+            let found = greatest_of(f64::NEG_INFINITY);
+            assert!(found >= sampled && found < sampled + 1e-9, "{found}, {sampled}");
+            assert_eq!(greatest_of(sampled + 1.0), sampled + 1.0);
+        }
     }
 
     /// Of a parabola the tangents at the ends meet halfway, as far above the top as that is above the ends.
     #[test]
     fn the_bound_is_where_the_tangents_meet() {
         let hump = |t: f64| Sample { value: t * (4.0 - t), rate: 4.0 - 2.0 * t };
-        assert_eq!(upper_bound(hump(0.0), hump(4.0), 4.0), 8.0);
-        assert_eq!(upper_bound(hump(1.0), hump(4.0), 3.0), 6.0);
-        let [start, end] = [hump(0.0).negated(), hump(4.0).negated()];
-        assert!(may_be_below(-7.9, start, end, 4.0) && !may_be_below(-8.0, start, end, 4.0));
-        assert_eq!(upper_bound(hump(0.0), hump(1.0), 1.0), 3.0);
-        assert_eq!(upper_bound(hump(2.5), hump(4.0), 1.5), 3.75);
+        for (from, to, height) in [(0.0, 4.0, 8.0), (1.0, 4.0, 6.0), (2.5, 4.0, 3.75), (0.0, 1.0, 3.0)] {
+            let (start, end, duration) = (hump(from), hump(to), to - from);
+            let turns = end.rate < 0.0 && start.rate > 0.0;
+            let rises = |most: f64| may_rise_inside(most, start, end, duration);
+            assert_eq!((rises(height - 1e-9), rises(height)), (turns, false), "{from} {to}");
+            let [start, end] = [start.negated(), end.negated()];
+            assert_eq!(may_be_below(1e-9 - height, start, end, duration), turns || height <= -end.value, "{from} {to}");
+            assert!(!may_be_below(-height, start, end, duration));
+        }
     }
 
     /// One that is below zero from the beginning has fallen already, even if it rises again.
@@ -330,7 +381,6 @@ mod tests {
             };
             let (start, end) = (dip(0.0), dip(1.0));
             assert!(start.value > 0.0 && end.value > 0.0 && start.rate < 0.0 && end.rate < 0.0);
-            assert!(upper_bound(start.negated(), end.negated(), 1.0) < 0.0, "the tangents do not meet below zero");
             assert!(may_fall(start, end, 1e-15, 1.0));
             let root = first_fall(start, end, 1e-15, 1.0, dip).unwrap();
             assert!((root - 0.3).abs() < 1e-13, "{root}");
@@ -412,7 +462,7 @@ mod tests {
     #[test]
     fn a_short_hump_is_as_exact_as_a_long_one() {
         let hump = |t: f64| Sample { value: libm::sin(3e4 * t), rate: 3e4 * libm::cos(3e4 * t) };
-        let top = greatest(hump(0.0), hump(1e-4), 1e-4, hump);
+        let top = greatest(0.0, hump(0.0), hump(1e-4), 1e-4, hump);
         assert!((top - 1.0).abs() < 1e-15, "{top}");
     }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
 use crate::dual::Dual;
-use crate::numerics::roots::{Sample, greatest, upper_bound};
+use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::scalar::Real;
 use crate::simulation::outputs::Observation;
 use crate::system::dynamics::Instant;
@@ -132,8 +132,7 @@ impl Peaks {
         let mut may = false;
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
-            let turns = start.rate > 0.0 && end.rate < 0.0;
-            may |= turns && upper_bound(start, end, duration) > self.of(channel);
+            may |= may_rise_inside(self.of(channel), start, end, duration);
         });
         may
     }
@@ -148,11 +147,13 @@ impl Peaks {
         duration: f64,
         mut inside: impl FnMut(f64) -> Channels,
     ) {
-        let mut greatest = |i: usize, start, end| greatest(start, end, duration, |t| inside(t).candidates()[i].1);
+        let mut greatest =
+            |i: usize, most, start, end| greatest(most, start, end, duration, |t| inside(t).candidates()[i].1);
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
-            if upper_bound(start, end, duration) > self.of(channel) {
-                self.raise(channel, greatest(i, start, end));
+            let most = self.of(channel);
+            if start.value > most || end.value > most || may_rise_inside(most, start, end, duration) {
+                self.raise(channel, greatest(i, most, start, end));
             }
         });
     }

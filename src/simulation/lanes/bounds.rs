@@ -36,14 +36,24 @@ impl<V: Simd> Ends<V> {
         self.start.value.max(self.end.value)
     }
 
+    /// The greater of the points of the control polygon of the cubic with these ends that are not ends themselves.
+    #[inline(always)]
+    fn polygon(self) -> Wide<V> {
+        let Ends { start, end, duration } = self;
+        let third = duration * (1.0 / 3.0);
+        (start.value + third * start.rate).max(end.value - third * end.rate)
+    }
+
     /// The lanes in which it may rise above both ends, and higher than this.
     #[inline(always)]
     pub fn may_rise_inside(self, above: Wide<V>) -> u32 {
+        let above = above.max(self.greater_end());
+        let rises = above.less(self.polygon()).bits();
         let turns = self.turns();
         if !turns.any() {
-            return 0;
+            return rises;
         }
-        turns.bits() & (above.less(self.greater_end()).bits() | above.less(self.tip()).bits())
+        rises | (turns.bits() & above.less(self.tip()).bits())
     }
 
     /// The lanes in which it may fall through zero.
@@ -53,10 +63,7 @@ impl<V: Simd> Ends<V> {
         let zero = Wide::default();
         let negated = Ends { start: start.negated(), end: end.negated(), duration };
         let above = rounding.less(start.value).bits();
-        let third = duration * (1.0 / 3.0);
-        let polygon = negated.start.value - third * start.rate;
-        let polygon = polygon.max(negated.end.value + third * end.rate);
-        let dips = negated.may_rise_inside(zero) | zero.less(negated.greater_end().max(polygon)).bits();
+        let dips = negated.may_rise_inside(zero) | zero.less(negated.greater_end()).bits();
         let near = start.value.less(-rounding).bits() | rounding.less(end.value.abs()).bits();
         (above & dips) | (!above & near)
     }
@@ -123,8 +130,7 @@ mod tests {
                 for i in 0..width.lanes() {
                     let at = |of: &Sample<Array>| Sample { value: of.value[i], rate: of.rate[i] };
                     let (start, end, duration) = (at(&cases.start), at(&cases.end), cases.duration[i]);
-                    let turns = start.rate > 0.0 && end.rate < 0.0;
-                    let rises = turns && roots::upper_bound(start, end, duration) > cases.above[i];
+                    let rises = roots::may_rise_inside(cases.above[i], start, end, duration);
                     prop_assert_eq!(may_rise >> i & 1 == 1, rises, "{} of {:?}", i, &cases);
                     let falls = roots::may_fall(start, end, cases.rounding[i], duration);
                     prop_assert_eq!(may_fall >> i & 1 == 1, falls, "{} of {:?}", i, &cases);

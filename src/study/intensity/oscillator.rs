@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::numerics::roots::{Sample, greatest, upper_bound};
+use crate::numerics::roots::{Sample, greatest};
 use crate::records::Record;
 
 /// Damping ratio of all oscillators (1).
@@ -86,10 +86,7 @@ fn higher(
             Sample { value: sign * value, rate: sign * rate }
         };
         let (start, end) = (sample(start), sample(end));
-        match upper_bound(start, end, duration) > peak {
-            true => peak.max(greatest(start, end, duration, |t| sample(at(t)))),
-            false => peak,
-        }
+        greatest(peak, start, end, duration, |t| sample(at(t)))
     })
 }
 
