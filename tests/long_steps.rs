@@ -82,6 +82,22 @@ fn a_block_that_is_spun_in_the_air_comes_down_on_the_near_corner() {
     assert!(found[1].time > 1.14e-5 && found[1].time < 1e-4, "{}", found[1]);
 }
 
+/// A block slides on R until L comes down, beside which R falls from a gap of zero; the ground would bring it up again within the
+/// same step.
+#[test]
+fn a_corner_that_falls_beside_the_other_one_comes_down_at_once() {
+    let dimensionless = Dimensionless { alpha: 0.991, p: 0.758, eta: 20.0, xi_v: 0.1 };
+    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+    let initial = Initial { theta: 0.00146, theta_dot: -0.194, vertical: None };
+    let step = Step { size: 0.18, values: [9.32, -8.61, -9111.0, 504.0, 9819.0], rates: [12.7, 5.0, 0.0, 0.0, 0.0] };
+    let (found, _) = run(block, &initial, &[step], 1);
+    let kinds: Vec<EventKind> = found.iter().map(|event| event.kind).collect();
+    let landings = [EventKind::Landing(Corner::Left), EventKind::Landing(Corner::Right)];
+    assert_eq!(kinds, [EventKind::Slip, landings[0], landings[1]], "{found:?}");
+    assert_eq!(found[1].time, found[2].time);
+}
+
 fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low.ln()..high.ln()).prop_map(f64::exp)
 }
