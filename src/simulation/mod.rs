@@ -3,6 +3,7 @@
 mod beginning;
 mod energies;
 pub mod exchange;
+mod inside;
 #[cfg(feature = "studies")]
 pub mod lanes;
 pub mod outputs;

@@ -3,9 +3,9 @@
 use crate::block::{Block, Foundation};
 use crate::contact::Regime;
 use crate::excitation::Excitation;
-use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, EVALUATIONS_PER_STEP, Step};
+use crate::numerics::dop853::{DenseOutput, EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::{ShortPair, ShortStep};
-use crate::numerics::{Rate, roots};
+use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, first_event, may_hold_event, turn_in_flight};
 use crate::simulation::peaks::{Channels, Peaks};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Powers, State};
@@ -82,14 +82,6 @@ const LOOSE: f64 = 1e-6;
 /// The fifth power of the angle by which the fastest motion may turn in a step of Nyström's method, over a loose tolerance. Its
 /// estimates see the error of one step; by this the errors of all steps under a record add up to less than the tolerance.
 const NYSTROM_TURN: f64 = 180.0;
-
-/// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
-/// that would keep it short, while the heights of its corners swing with the angle.
-const MOST_TURN: f64 = 1.0;
-
-/// The most that it may turn in a step whose ends tell whether a corner came down inside (rad): a height is a cubic then, but for
-/// `turn⁴/384` R0 at most.
-const SMALL_TURN: f64 = 0.1;
 
 impl Limits {
     /// The pair of a short step of this size.
@@ -431,100 +423,5 @@ impl Simulation {
         } else {
             [here.cheap_channels(), there.cheap_channels()]
         }
-    }
-}
-
-/// At most how far a block turns in a step of `size` (s), if it flies; zero if it stands (rad).
-///
-/// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
-#[inline(always)]
-fn turn_in_flight(law: impl Law, start: &State, end: &State, size: f64) -> f64 {
-    if law.regime() != Regime::Separated {
-        return 0.0;
-    }
-    let ([theta, theta_dot, ..], [theta_after, theta_dot_after, ..]) = (start.0, end.0);
-    let (first, last) = (size * theta_dot, size * theta_dot_after);
-    let between = 3.0 * (theta_after - theta) - first - last;
-    first.abs().max(between.abs()).max(last.abs())
-}
-
-/// Whether a surface may be fallen through between two instants.
-#[inline(always)]
-pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
-    let may_fall = |surface: Surface| {
-        let rounding = surface.rounding(here.block);
-        roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)
-    };
-    law.surfaces().into_iter().flatten().any(may_fall)
-}
-
-/// The first surface through which the motion falls between two instants, and when, in seconds after the first.
-#[inline(always)]
-fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<(f64, Surface)> {
-    let mut first: Option<(f64, Surface)> = None;
-    let duration = there.time - here.time;
-    let law = inside.motion.law();
-    let turns_far = turn_in_flight(law, &here.state, &there.state, duration) > SMALL_TURN;
-    for surface in law.surfaces().into_iter().flatten() {
-        let rounding = surface.rounding(here.block);
-        let (start, end) = (surface.sample(here), surface.sample(there));
-        let hidden = turns_far && matches!(surface, Surface::Gap(_));
-        if !hidden && !roots::may_fall(start, end, rounding, duration) {
-            continue;
-        }
-        let mut sample = |elapsed| surface.sample(&inside.at(elapsed));
-        // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
-        // support one may, where the angular momentum is kept.
-        let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
-        let fall = if on_base && roots::leaves_downwards(start, rounding, duration, &mut sample) {
-            Some(0.0)
-        } else {
-            roots::first_fall(start, end, rounding, duration, sample)
-        };
-        if let Some(elapsed) = fall
-            && first.is_none_or(|(earliest, _)| elapsed < earliest)
-        {
-            first = Some((elapsed, surface));
-        }
-    }
-    first
-}
-
-/// The motion between the ends of a step.
-#[expect(clippy::large_enum_variant, reason = "it stays where it is, on the stack")]
-enum Between<'s> {
-    /// As it is known.
-    Known(DenseOutput),
-    /// As it will be known from the dense output of a step with this rate at its end, when it is first asked for.
-    Within(&'s Step, Rate),
-}
-
-/// The motion inside a step.
-struct Inside<'s, 'a, L> {
-    motion: Motion<'a, L>,
-    between: Between<'s>,
-    /// Evaluations of the right-hand side that the dense output took.
-    evaluations: u64,
-}
-
-impl<'a, L: Law> Inside<'_, 'a, L> {
-    #[inline]
-    fn dense(&mut self) -> &DenseOutput {
-        if let Between::Within(step, end) = self.between {
-            self.between = Between::Known(step.dense(end, &self.motion));
-            self.evaluations = EVALUATIONS_OF_DENSE_OUTPUT;
-        }
-        match &self.between {
-            Between::Known(dense) => dense,
-            Between::Within(..) => unreachable!("it has been formed"),
-        }
-    }
-
-    /// The block `elapsed` seconds after the beginning of the step.
-    #[inline(never)]
-    fn at(&mut self, elapsed: f64) -> Now<'a> {
-        let dense = self.dense();
-        let (time, state) = (dense.time + elapsed, dense.state(elapsed));
-        self.motion.at(time, state)
     }
 }

@@ -1,0 +1,113 @@
+//! A step → what happens inside: the motion between its ends, and the first surface through which it falls.
+
+use crate::block::Foundation;
+use crate::contact::Regime;
+use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
+use crate::numerics::{Rate, roots};
+use crate::system::dynamics::State;
+use crate::system::law::Law;
+use crate::system::now::{Motion, Now};
+use crate::system::surfaces::Surface;
+
+/// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
+/// that would keep it short, while the heights of its corners swing with the angle.
+pub(super) const MOST_TURN: f64 = 1.0;
+
+/// The most that it may turn in a step whose ends tell whether a corner came down inside (rad): a height is a cubic then, but for
+/// `turn⁴/384` R0 at most.
+pub(super) const SMALL_TURN: f64 = 0.1;
+
+/// At most how far a block turns in a step of `size` (s), if it flies; zero if it stands (rad).
+///
+/// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
+#[inline(always)]
+pub(super) fn turn_in_flight(law: impl Law, start: &State, end: &State, size: f64) -> f64 {
+    if law.regime() != Regime::Separated {
+        return 0.0;
+    }
+    let ([theta, theta_dot, ..], [theta_after, theta_dot_after, ..]) = (start.0, end.0);
+    let (first, last) = (size * theta_dot, size * theta_dot_after);
+    let between = 3.0 * (theta_after - theta) - first - last;
+    first.abs().max(between.abs()).max(last.abs())
+}
+
+/// Whether a surface may be fallen through between two instants.
+#[inline(always)]
+pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
+    let may_fall = |surface: Surface| {
+        let rounding = surface.rounding(here.block);
+        roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)
+    };
+    law.surfaces().into_iter().flatten().any(may_fall)
+}
+
+/// The first surface through which the motion falls between two instants, and when, in seconds after the first.
+#[inline(always)]
+pub(super) fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<(f64, Surface)> {
+    let mut first: Option<(f64, Surface)> = None;
+    let duration = there.time - here.time;
+    let law = inside.motion.law();
+    let turns_far = turn_in_flight(law, &here.state, &there.state, duration) > SMALL_TURN;
+    for surface in law.surfaces().into_iter().flatten() {
+        let rounding = surface.rounding(here.block);
+        let (start, end) = (surface.sample(here), surface.sample(there));
+        let hidden = turns_far && matches!(surface, Surface::Gap(_));
+        if !hidden && !roots::may_fall(start, end, rounding, duration) {
+            continue;
+        }
+        let mut sample = |elapsed| surface.sample(&inside.at(elapsed));
+        // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
+        // support one may, where the angular momentum is kept.
+        let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
+        let fall = if on_base && roots::leaves_downwards(start, rounding, duration, &mut sample) {
+            Some(0.0)
+        } else {
+            roots::first_fall(start, end, rounding, duration, sample)
+        };
+        if let Some(elapsed) = fall
+            && first.is_none_or(|(earliest, _)| elapsed < earliest)
+        {
+            first = Some((elapsed, surface));
+        }
+    }
+    first
+}
+
+/// The motion between the ends of a step.
+#[expect(clippy::large_enum_variant, reason = "it stays where it is, on the stack")]
+pub(super) enum Between<'s> {
+    /// As it is known.
+    Known(DenseOutput),
+    /// As it will be known from the dense output of a step with this rate at its end, when it is first asked for.
+    Within(&'s Step, Rate),
+}
+
+/// The motion inside a step.
+pub(super) struct Inside<'s, 'a, L> {
+    pub(super) motion: Motion<'a, L>,
+    pub(super) between: Between<'s>,
+    /// Evaluations of the right-hand side that the dense output took.
+    pub(super) evaluations: u64,
+}
+
+impl<'a, L: Law> Inside<'_, 'a, L> {
+    #[inline]
+    pub(super) fn dense(&mut self) -> &DenseOutput {
+        if let Between::Within(step, end) = self.between {
+            self.between = Between::Known(step.dense(end, &self.motion));
+            self.evaluations = EVALUATIONS_OF_DENSE_OUTPUT;
+        }
+        match &self.between {
+            Between::Known(dense) => dense,
+            Between::Within(..) => unreachable!("it has been formed"),
+        }
+    }
+
+    /// The block `elapsed` seconds after the beginning of the step.
+    #[inline(never)]
+    pub(super) fn at(&mut self, elapsed: f64) -> Now<'a> {
+        let dense = self.dense();
+        let (time, state) = (dense.time + elapsed, dense.state(elapsed));
+        self.motion.at(time, state)
+    }
+}
