@@ -12,8 +12,8 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::model::unit::{Interface, Unit};
 use rocking_block::model::variables::{Kind, Metadata, VARIABLES};
+use rocking_block::simulation::Initial;
 use rocking_block::simulation::outputs::observe;
-use rocking_block::simulation::{Initial, LiftOff};
 use rocking_block::system::System;
 use rocking_block::system::transitions::{Along, Start};
 
@@ -181,7 +181,7 @@ fn values_change_with_what_they_are_declared_to_depend_on() {
         CANCELS.contains(&(unknown, known))
             || matches!(unknown, "regime" | "separated" | "overturned")
             || (STEPS.contains(&unknown) && known == "physical.C")
-            || matches!(known, "on_separation" | "lift_off" | "record.horizontal_channel" | "record.vertical_channel")
+            || matches!(known, "on_separation" | "record.horizontal_channel" | "record.vertical_channel")
             // The vertical record has a unit of its own here.
             || (unknown, known) == ("record.PGA_vertical", "record.horizontal_unit")
     };
@@ -257,8 +257,7 @@ fn beginning(draw: &Draw) -> [f64; 10] {
         theta_dot: draw.of("initial.theta_dot"),
         vertical: (draw.of("initial.settled") == 0.0).then_some(vertical),
     };
-    let lift_off = if draw.of("lift_off") == 1.0 { LiftOff::KeepRates } else { LiftOff::KeepMomentum };
-    let system = System { block, lift_off, flies: draw.of("on_separation") == 3.0, slowest: System::SLOWEST };
+    let system = System { block, flies: draw.of("on_separation") == 3.0, slowest: System::SLOWEST };
     let start = Start { block, initial, forcing: excitation.at(0.0) };
     let Along { goes_on: (regime, x), tops, .. } = system.beginning_along(&initial, 0.0, &excitation, &start);
     let seen = observe(&block, regime, &x, tops, start.forcing);

@@ -7,7 +7,7 @@ use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::contact::{Contacts, Corner, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::{Initial, LiftOff, Settings, Simulation};
+use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::System;
 use rocking_block::system::dynamics::{Footing, State, instant};
 use rocking_block::system::impact;
@@ -149,7 +149,7 @@ fn a_corner_that_landed_without_rebound_goes_where_its_acceleration_points() {
     for xi_v in [0.0, 0.3] {
         let dimensionless = Dimensionless { alpha: 0.9, p: 1.0, eta: 8.0, xi_v };
         let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
-        let system = System { block, lift_off: LiftOff::KeepRates, flies: false, slowest: System::SLOWEST };
+        let system = System { block, flies: false, slowest: System::SLOWEST };
         let free = block.static_deflection();
         let pose = Pose {
             time: 0.0,

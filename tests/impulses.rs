@@ -145,20 +145,6 @@ fn a_landing_beside_a_standing_corner_keeps_what_it_says() {
     });
 }
 
-/// At a lift-off that keeps the momentum there is no impulse but that of what is held from then on.
-#[test]
-fn a_new_pivot_keeps_the_momentum_about_it() {
-    every(|block, pivot, theta, before| {
-        let middle = arm(block, theta, 0.0);
-        let at = arm(block, theta, corner(block, pivot));
-        let before = Velocities { u_dot: -middle[1] * before.theta_dot, ..before };
-        let theta_dot = impact::new_pivot(block, pivot, theta, before.theta_dot);
-        let after = Velocities { u_dot: -at[1] * theta_dot, theta_dot, ..before };
-        let (_, rest) = impulses(block, [before, after], at, at);
-        assert!(close(rest, 0.0), "{pivot:?} {theta} {before:?}: {rest}");
-    });
-}
-
 /// A vertical impulse at a corner that is guided, so that it moves vertically only, from the kinetic energies.
 #[test]
 fn a_landing_of_a_guided_corner_takes_the_energy_that_is_said() {

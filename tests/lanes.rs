@@ -13,7 +13,7 @@ use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::wide::Width;
 use rocking_block::records::{self, ReadOptions, ground::Ground};
 use rocking_block::simulation::lanes::{Kind, Lane, Next, step_together};
-use rocking_block::simulation::{Initial, LiftOff, OnSeparation, Settings, Simulation};
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::study::history::Run;
 use rocking_block::study::outcome::{End, Outcome};
 use rocking_block::study::together::together;
@@ -34,15 +34,14 @@ fn bits(simulation: &Simulation) -> Vec<u8> {
 fn simulation() -> impl Strategy<Value = Simulation> {
     let block = (0.05..0.6_f64, 0.3..8.0_f64, 5.0..120.0_f64, 0.0..0.6_f64, 0.0..1.0_f64, 1.0..4.0_f64);
     let beginning = (-1.1..1.1_f64, -1.5..1.5_f64, any::<bool>());
-    let settings = (4.0..11.0_f64, any::<bool>(), any::<bool>());
+    let settings = (4.0..11.0_f64, any::<bool>());
     (block, beginning, settings).prop_map(
-        |((alpha, p, eta, xi_v, epsilon, gamma), (theta, theta_dot, stands), (digits, flies, momentum))| {
+        |((alpha, p, eta, xi_v, epsilon, gamma), (theta, theta_dot, stands), (digits, flies))| {
             let common = Common { gamma, epsilon, mass: 13.0, ..Common::default() };
             let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
             let settings = Settings {
                 tolerance: libm::exp10(-digits),
                 on_separation: if flies { OnSeparation::Fly } else { OnSeparation::Terminate },
-                lift_off: if momentum { LiftOff::KeepMomentum } else { LiftOff::KeepRates },
                 ..Settings::default()
             };
             let initial = if stands {

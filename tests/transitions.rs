@@ -4,7 +4,7 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::contact::{Contact, Contacts, Corner, Creep, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::observe;
-use rocking_block::simulation::{Counts, Initial, LiftOff, OnSeparation, Settings, Simulation};
+use rocking_block::simulation::{Counts, Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::System;
 use rocking_block::system::dynamics::{Footing, State};
 use rocking_block::system::now::{Motion, Pose};
@@ -16,7 +16,7 @@ fn block(common: &Common) -> Block {
 }
 
 fn system(block: Block) -> System {
-    System { block, lift_off: LiftOff::KeepRates, flies: true, slowest: System::SLOWEST }
+    System { block, flies: true, slowest: System::SLOWEST }
 }
 
 fn excitation(block: &Block, a_gx: f64) -> Excitation {

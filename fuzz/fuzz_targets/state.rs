@@ -21,11 +21,10 @@ use rocking_block::model::unit::Interface;
 fn plant_seeds() {
     let rocking =
         [("pulse.shape", 2.0), ("pulse.amplitude", 6.0), ("pulse.period", 1.2), ("dimensionless.alpha", 0.25)];
-    let ways: [(&str, &[(&str, f64)]); 7] = [
+    let ways: [(&str, &[(&str, f64)]); 6] = [
         ("at_rest", &[]),
         ("rigid", &[("foundation", 2.0)]),
         ("physical", &[("parameterization", 2.0)]),
-        ("momentum", &[("lift_off", 2.0)]),
         ("damped", &[("dimensionless.xi_v", 0.3), ("epsilon", 0.5)]),
         ("held", &[("epsilon", 0.4), ("on_separation", 2.0), ("on_overturning", 2.0)]),
         ("overturning", &[("pulse.amplitude", 14.0), ("on_separation", 2.0)]),

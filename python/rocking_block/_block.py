@@ -7,7 +7,7 @@ from rocking_block import _engine
 from rocking_block._pulse import Pulse
 from rocking_block._record import Record
 from rocking_block._run import Run
-from rocking_block._words import LiftOff, OnOverturning, OnSeparation, ticking
+from rocking_block._words import OnOverturning, OnSeparation, ticking
 
 
 class Block(_engine.Block):
@@ -97,7 +97,6 @@ class Block(_engine.Block):
         tolerance: float = 1e-8,
         on_separation: OnSeparation = "terminate",
         on_overturning: OnOverturning = "terminate",
-        lift_off: LiftOff = "keep-rates",
         duration: float | None = None,
         step: float | None = None,
         progress: bool | None = None,
@@ -124,9 +123,6 @@ class Block(_engine.Block):
             flies, lands and goes on.
         on_overturning : {"terminate", "hold"}
             The same at a quarter turn.
-        lift_off : {"keep-rates", "keep-momentum"}
-            What stays the same when a corner lifts from full contact: the rates, as in the paper, or the angular momentum
-            about the corner that stands.
         duration : float, optional
             Duration [s]; without it the run goes on until the ground has come to rest and the block has come down.
         step : float, optional
@@ -153,7 +149,6 @@ class Block(_engine.Block):
             "tolerance": tolerance,
             "on_separation": on_separation,
             "on_overturning": on_overturning,
-            "lift_off": lift_off,
             "duration": duration,
             "step": step,
         }

@@ -6,7 +6,7 @@ from typing import Any
 from rocking_block import _engine
 from rocking_block._pulse import Pulse
 from rocking_block._record import Record
-from rocking_block._words import LiftOff, OnSeparation, ticking
+from rocking_block._words import OnSeparation, ticking
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,6 @@ def search_overturning(
     resolution: float = 1e-6,
     tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
-    lift_off: LiftOff = "keep-rates",
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Search:
@@ -62,7 +61,7 @@ def search_overturning(
         Width to which a change is closed in, in the unit of the amplitude or factor.
     tolerance : float
         As in `Block.run`; looser by default, since outcomes need no more.
-    on_separation, lift_off
+    on_separation
         As in `Block.run`.
     threads : int, optional
         Threads; without it one for each core.
@@ -83,7 +82,7 @@ def search_overturning(
     '7.2226 m/s²'
     """
     scan = _scan(start, stop, points, resolution, threads)
-    options = _options(tolerance, on_separation, lift_off)
+    options = _options(tolerance, on_separation)
     with ticking(progress) as tick:
         least, stretches, spacing = _engine.search_overturning(block, pulse, record, vertical, scan, options, tick)
     parameter = "scale [1]" if pulse is None else "a_p [m/s2]"
@@ -99,7 +98,6 @@ def search_damping(
     points: int = 201,
     resolution: float = 1e-6,
     tolerance: float = 1e-6,
-    lift_off: LiftOff = "keep-rates",
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Search:
@@ -114,7 +112,7 @@ def search_damping(
         Rate of rotation at the start over α p [1].
     start, stop : float
         Range of ξ_v [1].
-    points, resolution, tolerance, lift_off, threads, progress
+    points, resolution, tolerance, threads, progress
         As in `search_overturning`.
 
     Raises
@@ -123,7 +121,7 @@ def search_damping(
         An option that is not valid, or a rigid base.
     """
     scan = _scan(start, stop, points, resolution, threads)
-    options = _options(tolerance, "terminate", lift_off)
+    options = _options(tolerance, "terminate")
     with ticking(progress) as tick:
         least, stretches, spacing = _engine.search_damping(block, rate, scan, options, tick)
     return Search("xi_v [1]", least, tuple(stretches), spacing, resolution)
@@ -135,12 +133,11 @@ def _scan(
     return {"from": start, "to": stop, "points": points, "resolution": resolution, "threads": threads}
 
 
-def _options(tolerance: float, on_separation: OnSeparation, lift_off: LiftOff) -> dict[str, Any]:
+def _options(tolerance: float, on_separation: OnSeparation) -> dict[str, Any]:
     return {
         "tolerance": tolerance,
         "on_separation": on_separation,
         "on_overturning": "terminate",
-        "lift_off": lift_off,
         "duration": None,
         "step": None,
     }

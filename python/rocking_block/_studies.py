@@ -14,7 +14,7 @@ from rocking_block._block import Block
 from rocking_block._pulse import Pulse
 from rocking_block._record import Record, read_record
 from rocking_block._table import Table, of_program
-from rocking_block._words import Floats, Foundation, LiftOff, OnOverturning, OnSeparation, ticking
+from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, ticking
 
 # One record or several, as they are or as files.
 Records = Record | str | os.PathLike[str] | Sequence[Record | str | os.PathLike[str]]
@@ -63,7 +63,6 @@ def spectrum(
     tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
     on_overturning: OnOverturning = "terminate",
-    lift_off: LiftOff = "keep-rates",
     duration: float | None = None,
     step: float | None = None,
     threads: int | None = None,
@@ -94,7 +93,7 @@ def spectrum(
         A pulse, alone or added to each record.
     tolerance : float
         As in `Block.run`; looser by default, since outcomes and peaks need no more.
-    on_overturning, lift_off
+    on_overturning
         As in `Block.run`.
     on_separation : {"fly", "terminate", "hold"}
         Blocks that leave the ground fly on, unless it says otherwise.
@@ -162,7 +161,7 @@ def spectrum(
         gamma,
         g,
     )
-    options = _options(tolerance, on_separation, on_overturning, lift_off, duration, step)
+    options = _options(tolerance, on_separation, on_overturning, duration, step)
     return _outcomes(many, (*shape, *sizes.shape), records, vertical, scale, periods, pulse, g, options, threads, progress)
 
 
@@ -197,7 +196,6 @@ def outcomes(
     tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
     on_overturning: OnOverturning = "terminate",
-    lift_off: LiftOff = "keep-rates",
     duration: float | None = None,
     step: float | None = None,
     threads: int | None = None,
@@ -209,7 +207,7 @@ def outcomes(
     ----------
     blocks : Block or sequence of Block
         The blocks.
-    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, lift_off, duration, step, threads,
+    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step, threads,
     progress
         As in `spectrum`; a file in g is read by 9.81 m/s².
 
@@ -233,7 +231,7 @@ def outcomes(
     single = isinstance(blocks, _engine.Block)
     many = _engine.Blocks.of([blocks] if isinstance(blocks, _engine.Block) else list(blocks))
     shape = () if single else (len(many),)
-    options = _options(tolerance, on_separation, on_overturning, lift_off, duration, step)
+    options = _options(tolerance, on_separation, on_overturning, duration, step)
     return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, options, threads, progress)
 
 
@@ -320,7 +318,6 @@ def _options(
     tolerance: float,
     on_separation: OnSeparation,
     on_overturning: OnOverturning,
-    lift_off: LiftOff,
     duration: float | None,
     step: float | None,
 ) -> dict[str, Any]:
@@ -328,7 +325,6 @@ def _options(
         "tolerance": tolerance,
         "on_separation": on_separation,
         "on_overturning": on_overturning,
-        "lift_off": lift_off,
         "duration": duration,
         "step": step,
     }

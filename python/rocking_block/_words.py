@@ -14,7 +14,6 @@ Foundation = Literal["viscoelastic", "rigid"]
 Shape = Literal["one-sine", "one-cosine", "C1", "C2"]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
-LiftOff = Literal["keep-rates", "keep-momentum"]
 Outcome = Literal["completed", "overturned", "separated", "failed"]
 
 

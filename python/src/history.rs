@@ -78,7 +78,7 @@ pub fn history<'py>(
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
     }
-    let (block, settings) = (block.get().block, options.settings(on_supports)?);
+    let (block, settings) = (block.get().block, options.settings()?);
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     let duration = run.longest_duration();
     let rows = duration / output_step;

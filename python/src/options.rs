@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::records::ground::Ground;
-use rocking_block::simulation::{LiftOff, OnOverturning, OnSeparation, Settings};
+use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
 use rocking_block::study::history::{LONGEST, SHORTEST};
 use rocking_block::study::runner;
 
@@ -58,7 +58,6 @@ pub struct RunOptions {
     tolerance: f64,
     on_separation: String,
     on_overturning: String,
-    lift_off: String,
     /// Duration (s); without it, until the block has come down.
     pub duration: Option<f64>,
     /// Time between rows, or the longest between two stops (s).
@@ -66,22 +65,16 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// Settings of the engine; some block stands `on_supports`, or all on a rigid base.
-    pub fn settings(&self, on_supports: bool) -> PyResult<Settings> {
+    /// Settings of the engine.
+    pub fn settings(&self) -> PyResult<Settings> {
         let separations =
             [("terminate", OnSeparation::Terminate), ("hold", OnSeparation::Hold), ("fly", OnSeparation::Fly)];
         let overturnings = [("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
-        let lift_offs = [("keep-rates", LiftOff::KeepRates), ("keep-momentum", LiftOff::KeepMomentum)];
         finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
-        let lift_off = word("lift_off", &self.lift_off, &lift_offs)?;
-        if !on_supports && lift_off != Settings::default().lift_off {
-            return Err(PyValueError::new_err("lift_off has no effect on a rigid base"));
-        }
         Ok(Settings {
             tolerance: self.tolerance,
             on_separation: word("on_separation", &self.on_separation, &separations)?,
             on_overturning: word("on_overturning", &self.on_overturning, &overturnings)?,
-            lift_off,
         })
     }
 

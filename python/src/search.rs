@@ -64,7 +64,7 @@ pub fn search_overturning<'py>(
         }
         _ => return Err(PyValueError::new_err("expected either a pulse or a record, whose strength is searched for")),
     };
-    let (settings, pool) = (options.settings(block.foundation == Foundation::Viscoelastic)?, pool(scan.threads)?);
+    let (settings, pool) = (options.settings()?, pool(scan.threads)?);
     let scan = scan.scan(search::usual_strengths(&block, pga))?;
     let found = wait(py, tick, move |progress| {
         let show = |done, total| {
@@ -99,7 +99,7 @@ pub fn search_damping<'py>(
         gravity: block.gravity,
         ..Common::default()
     };
-    let (settings, pool) = (options.settings(true)?, pool(scan.threads)?);
+    let (settings, pool) = (options.settings()?, pool(scan.threads)?);
     let scan = scan.scan([0.0, 1.0])?;
     let found = wait(py, tick, move |progress| {
         let show = |done, total| {

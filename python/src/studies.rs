@@ -78,8 +78,7 @@ pub fn outcomes<'py>(
 ) -> PyResult<Outcomes<'py>> {
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let pool = pool(threads)?;
-    let on_supports = blocks.get().blocks.iter().any(|block| block.foundation == Foundation::Viscoelastic);
-    let settings = options.settings(on_supports)?;
+    let settings = options.settings()?;
     options.check_times()?;
     let of_record = measures(&periods)?;
     let has_record = pairs.iter().any(|(along, _)| along.is_some());

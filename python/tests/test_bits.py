@@ -19,8 +19,8 @@ RUNS = {
     ),
     "a record both ways, in flight": (
         {"alpha": 0.3, "p": 2.5, "eta": 80, "xi_v": 0.05, "epsilon": 0.4},
-        {"scale": 5, "vertical": True, "on_separation": "fly", "lift_off": "keep-momentum", "tolerance": 1e-10},
-        "--scale=5 --alpha=0.3 --p=2.5 --eta=80 --xi-v=0.05 --epsilon=0.4 --on-separation=fly --lift-off=keep-momentum "
+        {"scale": 5, "vertical": True, "on_separation": "fly", "tolerance": 1e-10},
+        "--scale=5 --alpha=0.3 --p=2.5 --eta=80 --xi-v=0.05 --epsilon=0.4 --on-separation=fly "
         "--tolerance=1e-10".split(),
     ),
     "sizes": (

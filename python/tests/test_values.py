@@ -113,8 +113,6 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: BLOCK.run(RECORD, scale=np.inf), "scale = inf; expected a finite factor"),
         (lambda: BLOCK.run(pulse=PULSE, scale=2.0), "scale has no effect without a record"),
         (lambda: BLOCK.replace(foundation="rigid").run(v=0.1), "v and v_dot have no effect on a rigid base"),
-        (lambda: BLOCK.replace(foundation="rigid").run(RECORD, lift_off="keep-momentum"),
-         "lift_off has no effect on a rigid base"),
         (lambda: rb.spectrum(p=1.0, pulse=PULSE, threads=0), "threads = 0; expected a whole number from 1 to 1024"),
         (lambda: rb.search_overturning(BLOCK, pulse=PULSE, points=-1),
          "points = -1; expected a whole number from 2 to 10000000"),

@@ -7,33 +7,14 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use crate::cli::excitation::finite;
-use crate::cli::given::Given;
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written, is_standard_output};
 use crate::numerics::wide::Width;
-use crate::simulation::{LiftOff, OnSeparation, Settings};
+use crate::simulation::{OnSeparation, Settings};
 use crate::study::history::{LONGEST, SHORTEST};
 use crate::study::resumable::{Failures, Opening, ResumableTable};
 use crate::study::runner::{self, Made, Study};
 use crate::study::spectrum_statistics::CurveSummary;
-
-/// What stays the same when a corner lifts from full contact.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum AtLiftOff {
-    /// The rates of rotation and vertical motion, as in the paper
-    KeepRates,
-    /// The angular momentum about the corner that stands
-    KeepMomentum,
-}
-
-impl From<AtLiftOff> for LiftOff {
-    fn from(lift_off: AtLiftOff) -> LiftOff {
-        match lift_off {
-            AtLiftOff::KeepRates => LiftOff::KeepRates,
-            AtLiftOff::KeepMomentum => LiftOff::KeepMomentum,
-        }
-    }
-}
 
 /// What happens at complete separation.
 #[derive(Clone, Copy, ValueEnum)]
@@ -60,9 +41,6 @@ pub struct RunOptions {
     /// Relative tolerance of the integration; the default suffices for outcomes and peaks, not for the last digits of reactions
     #[arg(long, default_value_t = Settings::OF_STUDIES, value_name = "TOL")]
     tolerance: f64,
-    /// What stays the same when a corner lifts from full contact
-    #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
-    lift_off: AtLiftOff,
     /// What happens at complete separation
     #[arg(long, value_enum, default_value_t = AtSeparation::Fly)]
     on_separation: AtSeparation,
@@ -75,12 +53,10 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// How to integrate; some block stands `on_supports`, or all on a rigid base.
-    pub fn settings(&self, given: &Given, on_supports: bool) -> anyhow::Result<Settings> {
-        given.only_if(on_supports, &["lift-off"], "on a rigid base")?;
+    /// Settings of the solver.
+    pub fn settings(&self) -> anyhow::Result<Settings> {
         finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
-        let (lift_off, on_separation) = (self.lift_off.into(), self.on_separation.into());
-        Ok(Settings { tolerance: self.tolerance, lift_off, on_separation, ..Settings::default() })
+        Ok(Settings { tolerance: self.tolerance, on_separation: self.on_separation.into(), ..Settings::default() })
     }
 
     /// Duration (s), if it is given.

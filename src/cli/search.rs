@@ -15,7 +15,7 @@ use crate::cli::given::Given;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
-use crate::cli::run_options::{AtLiftOff, AtSeparation, ProcessorOptions};
+use crate::cli::run_options::{AtSeparation, ProcessorOptions};
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
 use crate::study::outcome::End;
@@ -125,9 +125,6 @@ struct SearchOptions {
     /// Relative tolerance of the integration; the default suffices for outcomes and peaks, not for the last digits of reactions
     #[arg(long, default_value_t = Settings::OF_STUDIES, value_name = "TOL")]
     tolerance: f64,
-    /// What stays the same when a corner lifts from full contact
-    #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates)]
-    lift_off: AtLiftOff,
     #[command(flatten)]
     processor: ProcessorOptions,
     /// Table of the stretches of one outcome; `-` for standard output
@@ -173,7 +170,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
         }
         What::Overturning(overturning) => {
             let Overturning { xi_v, rigid, restitution_factor, resolution, .. } = **overturning;
-            given.only_if(!rigid, &["eta", "xi-v", "lift-off"], "with --rigid")?;
+            given.only_if(!rigid, &["eta", "xi-v"], "with --rigid")?;
             given.only_if(rigid, &["restitution-factor"], "without --rigid")?;
             given.only_if(!given.has("record"), &["pulse", "period"], "with --record")?;
             overturning.search.check_table(&overturning.accelerograms.files().named())?;
@@ -234,7 +231,7 @@ impl BlockOptions {
 impl SearchOptions {
     fn settings(&self) -> anyhow::Result<Settings> {
         finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
-        Ok(Settings { tolerance: self.tolerance, lift_off: self.lift_off.into(), ..Settings::default() })
+        Ok(Settings { tolerance: self.tolerance, ..Settings::default() })
     }
 
     fn scan(&self, from: f64, to: f64, resolution: f64) -> anyhow::Result<Scan> {

@@ -12,7 +12,7 @@ use crate::cli::given::Given;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
-use crate::cli::run_options::{AtLiftOff, AtSeparation};
+use crate::cli::run_options::AtSeparation;
 use crate::cli::summary::Summary;
 use crate::records::{self, ReadOptions, Record};
 use crate::simulation::{Ending, Initial, Settings};
@@ -35,9 +35,6 @@ pub struct Options {
     /// Relative tolerance of the integration
     #[arg(long, default_value_t = 1e-8, value_name = "TOL", help_heading = "Run")]
     tolerance: f64,
-    /// What stays the same when a corner lifts from full contact
-    #[arg(long, value_enum, default_value_t = AtLiftOff::KeepRates, help_heading = "Run")]
-    lift_off: AtLiftOff,
     /// What happens at complete separation
     #[arg(long, value_enum, default_value_t = AtSeparation::Terminate, help_heading = "Run")]
     on_separation: AtSeparation,
@@ -190,7 +187,7 @@ impl Options {
             Base::Viscoelastic => true,
             Base::Rigid => false,
         };
-        let of_supports = ["eta", "xi-v", "stiffness", "damping", "lift-off", "v", "v-dot"];
+        let of_supports = ["eta", "xi-v", "stiffness", "damping", "v", "v-dot"];
         given.only_if(on_supports, &of_supports, "on a rigid base")?;
         let needed = "on viscoelastic supports; expected --foundation rigid";
         given.only_if(!on_supports, &["restitution-factor"], needed)?;
@@ -220,12 +217,8 @@ impl Options {
         if let Some(duration) = self.duration {
             finite("duration", duration, |x| x > 0.0, "a time > 0 s")?;
         }
-        let settings = Settings {
-            tolerance: self.tolerance,
-            lift_off: self.lift_off.into(),
-            on_separation: self.on_separation.into(),
-            ..Settings::default()
-        };
+        let settings =
+            Settings { tolerance: self.tolerance, on_separation: self.on_separation.into(), ..Settings::default() };
         let initial = Initial { theta, theta_dot, vertical };
         let run = Run { block, settings, initial, pulse, ground, duration: self.duration, output_step };
         let duration = run.longest_duration();

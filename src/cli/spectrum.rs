@@ -165,10 +165,6 @@ impl Options {
         }
         motions.extend(grounds);
         let bases = foundation.iter().map(|text| base(text)).collect::<anyhow::Result<Vec<_>>>()?;
-        let on_supports = bases.iter().any(|base| match base {
-            Base::Viscoelastic { .. } => true,
-            Base::Rigid { .. } => false,
-        });
         let spectrum = Spectrum {
             alpha,
             common: Common { mass, gamma, gravity: g, ..Common::default() },
@@ -176,7 +172,7 @@ impl Options {
             sizes: Sizes { least: p_min, greatest: p_max, count: points },
             motions,
             pulse,
-            settings: self.run.settings(given, on_supports)?,
+            settings: self.run.settings()?,
             duration: self.run.duration()?,
             step: self.run.step()?,
         };

@@ -10,7 +10,7 @@ use crate::model::variables::{Causality, Choice, Derived, Input, Parameter, Text
 use crate::records::ground::Ground;
 use crate::records::{self, ReadOptions, Record, Setting};
 use crate::scalar::Elementary;
-use crate::simulation::{Initial, LiftOff, OnOverturning, OnSeparation, Settings};
+use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 
 /// Values of all inputs, in the order of [`Input::ALL`], or what else there is one of for each.
 pub type PerInput = [f64; Input::ALL.len()];
@@ -155,7 +155,6 @@ impl Values {
             Parameter::PhysicalWidth | Parameter::PhysicalHeight | Parameter::PhysicalK | Parameter::PhysicalC => {
                 (!physical).then_some("parameterization = Physical")
             }
-            Parameter::LiftOff => rigid.then_some(ON_SUPPORTS),
             Parameter::InitialV | Parameter::InitialVDot if rigid => Some(ON_SUPPORTS),
             Parameter::InitialV | Parameter::InitialVDot => {
                 (self[Variable::InitialSettled] != 0.0).then_some("initial.settled = false")
@@ -332,10 +331,6 @@ impl Values {
             on_overturning: match self.choice(Variable::OnOverturning) {
                 choices::OnOverturning::Terminate => OnOverturning::Terminate,
                 choices::OnOverturning::Hold => OnOverturning::Hold,
-            },
-            lift_off: match self.choice(Variable::LiftOff) {
-                choices::LiftOff::KeepRates => LiftOff::KeepRates,
-                choices::LiftOff::KeepMomentum => LiftOff::KeepMomentum,
             },
         }
     }

@@ -23,7 +23,6 @@ use crate::system::surfaces::{Event, EventKind, Surface};
 use crate::system::transitions::{Tally, Transition};
 use peaks::Peaks;
 
-pub use crate::system::LiftOff;
 pub use crate::system::transitions::{Initial, Start};
 pub use beginning::AtBeginning;
 pub use energies::{Energies, EnergySums};
@@ -61,8 +60,6 @@ pub struct Settings {
     pub on_separation: OnSeparation,
     /// At overturning.
     pub on_overturning: OnOverturning,
-    /// When a corner lifts from full contact.
-    pub lift_off: LiftOff,
 }
 
 impl Settings {
@@ -76,12 +73,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings {
-            tolerance: 1e-8,
-            on_separation: OnSeparation::Terminate,
-            on_overturning: OnOverturning::Terminate,
-            lift_off: LiftOff::KeepRates,
-        }
+        Settings { tolerance: 1e-8, on_separation: OnSeparation::Terminate, on_overturning: OnOverturning::Terminate }
     }
 }
 
@@ -248,7 +240,7 @@ impl Simulation {
     ) -> Simulation {
         let [least, most] = Settings::TOLERANCES;
         let flies = settings.on_separation == OnSeparation::Fly;
-        let system = System { block, lift_off: settings.lift_off, flies, slowest: System::SLOWEST };
+        let system = System { block, flies, slowest: System::SLOWEST };
         let excitation = Excitation::from_time(time, inputs, &pulse, &block);
         let mut simulation = Simulation {
             system,

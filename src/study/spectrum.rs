@@ -197,9 +197,8 @@ impl Study for Spectrum {
             study.push(format!("pulse {shape:?}, amplitude = {amplitude}, period = {period}, start = {start}"));
         }
         study.push(format!(
-            "tolerance = {:e}, lift_off = {:?}, on_separation = {:?}, duration = {}, step = {}",
+            "tolerance = {:e}, on_separation = {:?}, duration = {}, step = {}",
             self.settings.tolerance,
-            self.settings.lift_off,
             self.settings.on_separation,
             self.duration.map_or("until the block has come down".into(), |value| value.to_string()),
             self.step.map_or("none".into(), |value| value.to_string())

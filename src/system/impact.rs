@@ -57,15 +57,6 @@ pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_
     v_dot + reach * s * theta_dot
 }
 
-/// θ̇ after the other corner's lift-off from full contact (rad/s), if the angular momentum about the `pivot` that is
-/// left is kept while v̇ is: the middle of the base moves no more without friction, the pivot does.
-///
-/// `(I0 + M Q²) θ̇_a = (I0 + M Q h cos θ) θ̇_b` with `Q = R0 cos(α + sθ)`.
-pub fn new_pivot<T: Elementary>(block: &Block<T>, pivot: Corner, theta: T, theta_dot: T) -> T {
-    let height = height_over(block, pivot, theta);
-    (block.i0 + height * block.h * theta.cos()) / (block.i0 + height * height) * theta_dot
-}
-
 /// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
 /// vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept.
 ///

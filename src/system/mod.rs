@@ -25,24 +25,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
 
-/// What stays the same when a corner lifts from full contact, where the horizontal constraint changes from the middle of
-/// the base to the other corner.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LiftOff {
-    /// θ̇ and v̇, as in the paper: the kinetic energy rises a little.
-    #[default]
-    KeepRates,
-    /// v̇ and the angular momentum about the corner that stands: it falls a little. See docs/lift_off.md.
-    KeepMomentum,
-}
-
 /// A block and the rules by which it moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct System {
     /// The block on its foundation.
     pub block: Block,
-    /// When a corner lifts from full contact.
-    pub lift_off: LiftOff,
     /// Whether the block flies when no corner touches any more. In the paper's analysis it does not: the run ends, as soon as
     /// the last corner bears nothing.
     pub flies: bool,

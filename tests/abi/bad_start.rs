@@ -122,7 +122,6 @@ fn parameters_that_are_not_read_are_warned_of() {
         ("pulse.shape", 1.0, "pulse.amplitude", 5.0, "a pulse.shape"),
         ("pulse.shape", 1.0, "pulse.period", 0.5, "a pulse.shape"),
         ("pulse.shape", 1.0, "pulse.start", 1.0, "a pulse.shape"),
-        ("foundation", 2.0, "lift_off", 2.0, "foundation = Viscoelastic"),
         ("foundation", 2.0, "initial.v", 0.1, "foundation = Viscoelastic"),
         ("initial.settled", 1.0, "initial.v_dot", 0.1, "initial.settled = false"),
     ];

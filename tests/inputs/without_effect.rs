@@ -54,7 +54,7 @@ fn options_of_pulses_and_records_need_one() {
 #[test]
 fn options_of_supports_need_them() {
     let rigid = [&["simulate", "--foundation", "rigid"], &PULSE[..]].concat();
-    let options = [["--eta", "40"], ["--xi-v", "0.1"], ["--v", "0"], ["--v-dot", "0"], ["--lift-off", "keep-rates"]];
+    let options = [["--eta", "40"], ["--xi-v", "0.1"], ["--v", "0"], ["--v-dot", "0"]];
     for options in options {
         has_no_effect(&rigid, &options, "on a rigid base");
     }
@@ -67,8 +67,7 @@ fn options_of_supports_need_them() {
         has_no_effect(&[&["simulate"], &PULSE[..], &sizes].concat(), &options, "with --width");
     }
     let spectrum = [&["spectrum"], &PULSE[..], &FEW, &["--foundation", "rigid"]].concat();
-    has_no_effect(&spectrum, &["--lift-off", "keep-rates"], "on a rigid base");
-    for options in [["--eta", "40"], ["--xi-v", "0.1"], ["--lift-off", "keep-rates"]] {
+    for options in [["--eta", "40"], ["--xi-v", "0.1"]] {
         has_no_effect(&["search", "overturning", "--period", "1", "--rigid"], &options, "with --rigid");
     }
     let factor = ["--restitution-factor", "0.9"];
@@ -76,7 +75,7 @@ fn options_of_supports_need_them() {
     has_no_effect(&[&["simulate"], &PULSE[..]].concat(), &factor, expected);
     has_no_effect(&["search", "overturning", "--period", "1"], &factor, "without --rigid");
     let folder = tempfile::tempdir().unwrap();
-    let both = [&spectrum[..], &["--foundation", "40,0.1,0", "--lift-off", "keep-rates"]].concat();
+    let both = [&spectrum[..], &["--foundation", "40,0.1,0"]].concat();
     made(folder.path(), &both);
     // What the paper's parameters are by default does no harm.
     made(folder.path(), &[&rigid[..], &["--csv", "x.csv"]].concat());
@@ -128,7 +127,7 @@ fn parameters_of_a_study_that_no_block_reads() {
         let told = format!("study.toml:5: {name} is read by no block of the study; expected {needed}");
         assert_eq!(study(parameter, ""), told);
     }
-    for parameter in ["dimensionless.eta = 60", "lift_off = \"KeepMomentum\"", "initial.v_dot = 1"] {
+    for parameter in ["dimensionless.eta = 60", "initial.v_dot = 1"] {
         let name = parameter.split_whitespace().next().unwrap();
         let told = study(&format!("{parameter}\nfoundation = \"Rigid\""), "");
         let needed = "foundation = Viscoelastic";

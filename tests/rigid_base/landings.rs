@@ -9,7 +9,7 @@ use rocking_block::contact::Contacts;
 use rocking_block::contact::{Corner, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::{Initial, LiftOff, OnSeparation, Simulation};
+use rocking_block::simulation::{Initial, OnSeparation, Simulation};
 use rocking_block::system::System;
 use rocking_block::system::dynamics::{Footing, State};
 use rocking_block::system::impact::Velocities;
@@ -180,7 +180,7 @@ fn a_level_landing_stops_the_block_or_trips_it() {
 #[test]
 fn a_level_landing_makes_no_energy() {
     let block = block(0.3, 1.0, 1.0);
-    let system = System { block, lift_off: LiftOff::KeepRates, flies: true, slowest: System::SLOWEST };
+    let system = System { block, flies: true, slowest: System::SLOWEST };
     let excitation = Excitation::none();
     let pose = Pose {
         time: 0.0,
@@ -199,7 +199,7 @@ fn a_level_landing_makes_no_energy() {
 #[test]
 fn a_corner_that_slides_and_is_pressed_on_is_held_there() {
     let block = block(0.3, 1.0, 0.5);
-    let system = System { block, lift_off: LiftOff::KeepRates, flies: true, slowest: System::SLOWEST };
+    let system = System { block, flies: true, slowest: System::SLOWEST };
     let excitation = Excitation::none();
     for (corner, side) in [(Corner::Right, 1.0), (Corner::Left, -1.0)] {
         let pose = Pose {

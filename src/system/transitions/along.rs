@@ -51,7 +51,7 @@ impl System {
                 let mut walk = Walk::begin(start, first, Placement::on_supports(&start.block, &start.initial));
                 for regime in regimes {
                     if let (Regime::FullContact, Some(pivot)) = (walk.regime, regime.pivot()) {
-                        walk.placement.hold_pivot(&start.block, self.lift_off, pivot);
+                        walk.placement.hold_pivot(&start.block, pivot);
                     }
                     walk.enter(regime);
                 }

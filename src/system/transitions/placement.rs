@@ -3,7 +3,6 @@
 use crate::block::Block;
 use crate::contact::{Corner, Regime};
 use crate::scalar::Elementary;
-use crate::system::LiftOff;
 use crate::system::dynamics::Instant;
 use crate::system::impact::{self, Velocities};
 
@@ -56,12 +55,7 @@ impl<T: Elementary> Placement<T> {
     }
 
     /// The other corner has left full contact: from here on the `pivot` is held, and the middle of the base is free.
-    pub(super) fn hold_pivot(&mut self, block: &Block<T>, lift_off: LiftOff, pivot: Corner) {
-        let before = self.velocities;
-        if lift_off == LiftOff::KeepMomentum {
-            let theta_dot = impact::new_pivot(block, pivot, self.theta, before.theta_dot);
-            self.strike(block, Velocities { theta_dot, ..before });
-        }
+    pub(super) fn hold_pivot(&mut self, block: &Block<T>, pivot: Corner) {
         self.velocities.u_dot = impact::height_over(block, pivot, self.theta) * self.velocities.theta_dot;
     }
 }

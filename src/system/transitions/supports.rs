@@ -127,7 +127,7 @@ impl Change<'_> {
     fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement) {
         let block = &self.system.block;
         let before = placement.velocities;
-        placement.hold_pivot(block, self.system.lift_off, pivot);
+        placement.hold_pivot(block, pivot);
         self.tally.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
     }
 

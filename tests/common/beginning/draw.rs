@@ -107,7 +107,6 @@ fn strategy() -> impl Strategy<Value = Draw> {
             ("foundation", item(2.0)),
             ("on_separation", item(3.0)),
             ("on_overturning", item(2.0)),
-            ("lift_off", item(2.0)),
             ("pulse.shape", item(5.0)),
             ("initial.settled", item(2.0) - 1.0),
         ]);
