@@ -86,7 +86,8 @@ impl Sizes {
 struct Side {
     regime: [f64; 3],
     shear: f64,
-    pressed: bool,
+    /// N_L + N_R, in units of the force.
+    pressed: f64,
     /// θ_sep (rad).
     separation: f64,
     lean: f64,
@@ -101,8 +102,7 @@ impl Side {
         Side {
             regime: ["regime", "separated", "overturned"].map(&mut get),
             shear: sign(get("H"), sizes.force),
-            // With less a quotient by it is steep.
-            pressed: get("N_L") + get("N_R") > 0.3 * sizes.force,
+            pressed: (get("N_L") + get("N_R")) / sizes.force,
             separation: get("derived.theta_separation"),
             lean: sign(get("theta"), 1.0),
             heavier: sign(get("N_L") - get("N_R"), sizes.force),
@@ -113,9 +113,12 @@ impl Side {
     /// Whether an unknown is smooth between two sides of one point, as far as it is made from these.
     fn joins(&self, other: &Side, unknown: &str) -> bool {
         let same = |a: f64, b: f64| a == b && a != 0.0;
+        // Differences of a quotient by q miss (δq/q)⁴/64 of its derivative if q changes by δq between the sides.
+        let pressed = self.pressed.min(other.pressed);
+        let steady = pressed > 0.3 && (self.pressed - other.pressed).abs() < 0.01 * pressed;
         self.regime == other.regime
             && match unknown {
-                "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && self.pressed,
+                "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && steady,
                 // An arc sine, which is steep towards a quarter turn and ends there.
                 "derived.theta_separation" => self.separation < 0.8,
                 // Of a separated block they remember which corner lifted first.
