@@ -3,6 +3,7 @@
 python examples/python/fragility.py
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 from ensemble import motions
 
@@ -16,4 +17,5 @@ table = rb.outcomes(statues, motions(), scale=np.geomspace(0.5, 2.0, 5))
 fit = rb.fragility(table, im="PGV", limit="overturned", intervals="bootstrap")
 print(fit)
 print("probability at 0.5 m/s:", fit.curve(0.5), "between", *fit.band(0.5))
-fit.plot().savefig("fragility.png", dpi=110)
+fit.plot()
+plt.savefig("fragility.png", dpi=110)

@@ -6,6 +6,8 @@ python examples/python/one_record.py [RECORD]
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
+
 import rocking_block as rb
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -15,8 +17,9 @@ record = rb.read_record(sys.argv[1] if len(sys.argv) > 1 else ROOT / "records/np
 block = rb.Block(width=0.8, height=3.2, K=1e7, C=4e4, mass=4000)
 print(record, block, sep="\n")
 
-run = block.run(record, scale=2, on_separation="fly")
+run = block.run(record, scale=2)
 print(run)
 print(run.to_frame()[["theta", "N_L", "N_R", "H"]].describe())
 print("first impact:", next(event for event in run.events if event.event == "landing"))
-run.plot().savefig("one_record.png", dpi=110)
+run.plot()
+plt.savefig("one_record.png", dpi=110)

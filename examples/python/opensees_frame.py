@@ -36,4 +36,4 @@ for k in range(1, len(ground)):
 
 cabinet = rb.Block(width=0.6, height=2.2, K=4e5, C=4e3, mass=300)
 for motion in (ground, rb.Record(roof, ground.dt, "roof")):
-    print(f"PGA {motion.pga:.2f} m/s²: {cabinet.run(motion, on_separation='fly')}")
+    print(f"PGA {motion.pga:.2f} m/s²: {cabinet.run(motion)}")

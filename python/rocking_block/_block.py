@@ -1,11 +1,12 @@
 """A block and its foundation."""
 
 import math
+import os
 from typing import Any
 
 from rocking_block import _engine
-from rocking_block._pulse import Pulse
-from rocking_block._record import Record
+from rocking_block._pulse import Pulse, as_pulse
+from rocking_block._record import Record, as_record
 from rocking_block._run import Run
 from rocking_block._words import OnOverturning, OnSeparation, ticking
 
@@ -77,7 +78,7 @@ class Block(_engine.Block):
         """
         kept = self.parameters()
         other = {"rigid": ("eta", "xi_v", "K", "C"), "viscoelastic": ("restitution_factor",)}
-        for name in other.get(changes.get("foundation", ""), ()):
+        for name in other.get(str(changes.get("foundation", "")).lower(), ()):
             kept.pop(name, None)
         return Block(**(kept | changes))
 
@@ -85,9 +86,9 @@ class Block(_engine.Block):
 
     def run(
         self,
-        record: Record | None = None,
+        record: Record | str | os.PathLike[str] | None = None,
         *,
-        vertical: Record | None = None,
+        vertical: Record | str | os.PathLike[str] | None = None,
         scale: float = 1.0,
         pulse: Pulse | None = None,
         theta: float = 0.0,
@@ -95,18 +96,19 @@ class Block(_engine.Block):
         v: float | None = None,
         v_dot: float | None = None,
         tolerance: float = 1e-8,
-        on_separation: OnSeparation = "terminate",
+        on_separation: OnSeparation = "fly",
         on_overturning: OnOverturning = "terminate",
         duration: float | None = None,
         step: float | None = None,
         progress: bool | None = None,
     ) -> Run:
-        """Rocks the block; the same numbers to the last bit as those of `rocking simulate`.
+        """Rocks the block; the same numbers to the last bit as those of `rocking simulate --on-separation fly`.
 
         Parameters
         ----------
-        record, vertical : Record, optional
-            Horizontal and vertical ground acceleration, each followed exactly, sample by sample.
+        record, vertical : Record or path, optional
+            Horizontal and vertical ground acceleration, each followed exactly, sample by sample. A file is read by
+            `read_record`.
         scale : float
             Factor on both [1].
         pulse : Pulse, optional
@@ -117,12 +119,12 @@ class Block(_engine.Block):
             Height of the centre of mass over its place at rest [m] and vertical velocity [m/s] at the start, instead of
             the vertical equilibrium.
         tolerance : float
-            Relative tolerance of the integration, 1e-14 to 1e-1; what lies outside is taken as the nearer one.
-        on_separation : {"terminate", "hold", "fly"}
-            At complete separation: the run ends, as in the paper; the block is held where it is until `duration`; or it
-            flies, lands and goes on.
+            Relative tolerance of the integration, 1e-14 to 1e-1.
+        on_separation : {"fly", "terminate", "hold"}
+            At complete separation the block flies, lands and rocks on, in all functions of the package. With "terminate" the
+            run ends there, as in the paper, and with "hold" the block stays where it is until `duration`.
         on_overturning : {"terminate", "hold"}
-            The same at a quarter turn.
+            At a quarter turn the run ends, or the block stays where it is until `duration`.
         duration : float, optional
             Duration [s]; without it the run goes on until the ground has come to rest and the block has come down.
         step : float, optional
@@ -134,6 +136,8 @@ class Block(_engine.Block):
         ------
         ValueError
             An option that is not valid, nothing that moves the block, or a run that fails; in the engine's words.
+        TypeError
+            A record or a pulse that is none.
 
         Examples
         --------
@@ -152,8 +156,10 @@ class Block(_engine.Block):
             "duration": duration,
             "step": step,
         }
+        along = None if record is None else as_record("record", record, self.g)
+        up = None if vertical is None else as_record("vertical", vertical, self.g)
         with ticking(progress) as tick:
-            made = _engine.history(self, record, vertical, scale, pulse, beginning, options, tick)
+            made = _engine.history(self, along, up, scale, as_pulse(pulse), beginning, options, tick)
         return Run.of(self, made)
 
     def __repr__(self) -> str:

@@ -1,6 +1,7 @@
 """Fragility curves."""
 
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -8,11 +9,12 @@ import numpy.typing as npt
 from rocking_block import _engine
 from rocking_block._record import Record
 from rocking_block._table import Table
-from rocking_block._words import Floats, ticking
+from rocking_block._html import html_table
+from rocking_block._words import Floats, Outcome, chosen, ticking
 
 if TYPE_CHECKING:
-    import matplotlib.figure
     import pandas
+    from matplotlib.axes import Axes
     from typing_extensions import Self
 
 
@@ -99,24 +101,55 @@ class Fragility(_engine.Fragility):
         low, high = self.intervals(measures.ravel())
         return low.reshape(measures.shape), high.reshape(measures.shape)
 
-    def plot(self) -> "matplotlib.figure.Figure":
-        """The curve, its band and the runs, as a figure of Matplotlib."""
+    def plot(
+        self, ax: "Axes | None" = None, *, label: str | None = None, color: Any = None, runs: bool = True, **style: Any
+    ) -> "Axes":
+        """Draws the curve, its band and the runs by Matplotlib. Curves on the same axes share them.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Where to draw; without it on the current axes of pyplot, or on a new figure if these show something else.
+        label : str, optional
+            Name of the curve in the legend; without it the measure, the median and β.
+        color
+            Colour of the curve, of its band and of its runs.
+        runs : bool
+            Whether to mark the runs, and the share of those that exceed in up to ten classes of equal size.
+        **style
+            Options of `Axes.plot` for the curve.
+        """
         from rocking_block import _plot
 
-        return _plot.fragility(self)
+        return _plot.fragility(self, ax, label, color, runs, style)
+
+    def _repr_html_(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        ends = [[f"{end:.4g}" for end in pair] for pair in (self.median_ci, self.beta_ci)]
+        rows = [
+            ("median", f"{self.median:.4g}{unit}", f"[{', '.join(ends[0])}]"),
+            ("β", f"{self.beta:.3g}", f"[{', '.join(ends[1])}]"),
+            ("exceeded", f"{np.sum(self.fractions):.4g} of {len(self.fractions)} runs", ""),
+            ("left out", f"{self.failed} failed, {self.separated} separated", ""),
+            ("AUC, Brier score", f"{self.auc:.3f}, {self.brier:.3f}", ""),
+        ]
+        return html_table(f"{self._limit()} over {self.im}, {100 * self.ci:g} % intervals", (), rows)
+
+    def _limit(self) -> str:
+        return self.limit if isinstance(self.limit, str) else f"|θ|/α > {self.limit:g}"
 
     def __repr__(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"
         median, beta = self.median_ci, self.beta_ci
         return (
-            f"<Fragility of {self.limit} over {self.im}: median {self.median:.4g}{unit} "
+            f"<Fragility of {self._limit()} over {self.im}: median {self.median:.4g}{unit} "
             f"[{median[0]:.4g}, {median[1]:.4g}], beta {self.beta:.3g} [{beta[0]:.3g}, {beta[1]:.3g}], "
             f"{np.sum(self.fractions):.4g} of {len(self.fractions)} runs>"
         )
 
 
 def fragility(
-    table: "Table | pandas.DataFrame",
+    table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike]",
     im: str,
     limit: Literal["overturned"] | float = "overturned",
     *,
@@ -134,14 +167,15 @@ def fragility(
 
     Parameters
     ----------
-    table : Table or DataFrame
-        Runs, of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities. Left out are rows
+    table : Table, DataFrame or mapping
+        Runs, of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; or a table of your own
+        with the measure and an `outcome`, and `peak.theta/alpha` if the limit is a rotation. Left out are rows
         without the measure, and those that do not tell: failed runs, and runs that ended at complete separation before they
         had exceeded the limit.
     im : str
         Name of the column of the intensity measure, such as "PGV" or "p PGV/(g tan alpha)".
     limit : "overturned" or float
-        What exceeds: a block that overturned, or one that rotated further than this |θ|/α [1] or overturned.
+        What exceeds: a block that overturned, or one that rotated further than this |θ|/α > 0 [1] or overturned.
     ci : float
         Confidence of intervals and bands, above 0 and below 1.
     link : {"probit", "logit"}
@@ -172,12 +206,17 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
-    if isinstance(limit, str) and limit != "overturned":
-        raise ValueError(f'limit = "{limit}"; expected "overturned" or a rotation |θ|/α')
-    if intervals not in ("profile", "bootstrap"):
-        raise ValueError(f'intervals = "{intervals}"; expected one of "profile", "bootstrap"')
-    outcome = np.asarray(table["outcome"])
-    peak = np.asarray(table["peak.theta/alpha"], dtype=np.float64)
+    if isinstance(limit, str) and limit.lower() == "overturned":
+        limit = "overturned"
+    elif isinstance(limit, str) or not 0.0 < limit < np.inf:
+        shown = f'"{limit}"' if isinstance(limit, str) else limit
+        raise ValueError(f'limit = {shown}; expected "overturned" or a rotation |θ|/α > 0')
+    resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
+    outcome = _outcomes(table)
+    if "peak.theta/alpha" in table or not isinstance(limit, str):
+        peak = _numbers(table, "peak.theta/alpha")
+    else:
+        peak = np.full(len(outcome), np.nan)
     exceeded = outcome == "overturned"
     if not isinstance(limit, str):
         exceeded |= peak > limit
@@ -187,7 +226,7 @@ def fragility(
     if "ensemble.samples" in table:
         # Of an ensemble the samples count, not the run in its middle; there is nothing where all of them failed.
         exceeds = limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
-        fraction = np.asarray(table[f"P({exceeds})"], dtype=np.float64)
+        fraction = _numbers(table, f"P({exceeds})")
         separated, failed = np.zeros_like(exceeded), np.isnan(fraction)
     tells = ~separated & ~failed
     peak = np.where((outcome == "completed") & (peak > 0.0), peak, np.nan)
@@ -196,12 +235,37 @@ def fragility(
     numbers: dict[tuple[str, ...], int] = {}
     keys = zip(*names, strict=True) if names else [()] * len(outcome)
     motions = np.array([numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64)
-    measures = np.asarray(table[im], dtype=np.float64)
+    measures = _numbers(table, im)
     rows = (measures[tells], fraction[tells], peak[tells], motions[tells])
     for column in rows:
         column.setflags(write=False)
     unit = table.units.get(im, "1") if isinstance(table, Table) else "1"
     what = (im, unit, limit, int(failed.sum()), int(separated.sum()))
-    how = (link, ci, samples if intervals == "bootstrap" else None, seed)
+    how = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         return Fragility(rows, how, what, tick)
+
+
+def _column(table: Any, name: str) -> npt.NDArray[Any]:
+    if name not in table:
+        raise ValueError(f"there is no column {name!r}; expected one of {', '.join(map(str, table))}")
+    return np.asarray(table[name])
+
+
+def _numbers(table: Any, name: str) -> Floats:
+    column = _column(table, name)
+    try:
+        return column.astype(np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"column {name!r} has {column[0]!r}; expected numbers") from None
+
+
+def _outcomes(table: Any) -> npt.NDArray[Any]:
+    """Returns the outcomes in lower case; an unknown word would count as a block that stands."""
+    column = _column(table, "outcome")
+    outcome = np.char.lower(column.astype(str))
+    unknown = np.flatnonzero(~np.isin(outcome, get_args(Outcome)))
+    if unknown.size:
+        words = ", ".join(f'"{word}"' for word in get_args(Outcome))
+        raise ValueError(f"outcome = {column[unknown[0]]!r} in row {unknown[0]}; expected one of {words}")
+    return outcome

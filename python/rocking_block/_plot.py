@@ -1,69 +1,327 @@
-"""Pictures, by Matplotlib."""
+"""Pictures on axes of Matplotlib."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+import numpy.typing as npt
+
+from rocking_block._words import optional
+
+with optional("plot", "matplotlib"):
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+    from matplotlib.cbook import normalize_kwargs
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.ticker import LogLocator, NullFormatter
 
 if TYPE_CHECKING:
     from rocking_block._fragility import Fragility
+    from rocking_block._record import Record
     from rocking_block._run import Run
+    from rocking_block._table import Table
 
-_BLUE, _ORANGE, _INK, _BAND = "#1f5fa8", "#c8641e", "#404040", "0.93"
-# A legend that hides no curve: in a line over the axes.
-_ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.98), "ncols": 3, "frameon": False}
-
-
-def run(run: "Run") -> Figure:
-    """Rotation, reactions of the corners and ground acceleration over time; grey where both corners touch."""
-    # A figure of its own leaves pyplot's state alone; notebooks show it as the value of a cell.
-    figure = Figure(figsize=(9, 6.5), layout="constrained")
-    rotation, reaction, ground = figure.subplots(3, 1, sharex=True, height_ratios=[2, 1.4, 1])
-    block, t = run.block, run.t
-    for axes in (rotation, reaction):
-        low, high = 0.0, 1.0
-        axes.fill_between(
-            t, low, high, where=run.regime == 0, transform=axes.get_xaxis_transform(), color=_BAND, lw=0, step="post"
-        )
-    rotation.plot(t, run.theta / block.alpha, color=_BLUE, lw=1.2)
-    rotation.set_ylabel("rotation θ/α")
-    rotation.axhline(0.0, color=_INK, lw=0.5)
-    weight = block.mass * block.g
-    reaction.plot(t, run.N_L / weight, color=_BLUE, lw=0.8, label="left corner")
-    reaction.plot(t, run.N_R / weight, color=_ORANGE, lw=0.8, label="right corner")
-    reaction.set_ylabel("reaction N/(M g)")
-    reaction.set_ylim(0.0, 1.05 * max(1.0, float(np.max(np.maximum(run.N_L, run.N_R))) / weight))
-    reaction.legend(**_ABOVE)
-    ground.plot(t, run.a_gx, color=_INK, lw=0.7, label="horizontal")
-    if np.any(run.a_gz != 0.0):
-        ground.plot(t, run.a_gz, color=_ORANGE, lw=0.5, label="vertical")
-        ground.legend(**_ABOVE)
-    ground.set(ylabel="ground [m/s²]", xlabel="time [s]")
-    ground.set_xlim(t[0], t[-1])
-    rotation.set_title(f"{run.outcome}: |θ|/α = {run.peak.theta / block.alpha:.3f}, {run.counts.impacts} impacts", loc="left")
-    return figure
+# Colours that differ in lightness, so that colour-blind readers and grey prints tell them apart (P. Tol, Colour Schemes,
+# SRON/EPS/TN/09-002 (2021), "high-contrast"); from the fourth curve on the dashes differ besides.
+_COLOURS = ("#004488", "#DDAA33", "#BB5566", "#000000")
+_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1.5, 2)))
+_MARKS = {"completed": "o", "overturned": "x", "separated": "^", "undecided": "s", "failed": "*"}
+_INK, _BAND = "#404040", "0.93"
+_ROTATION = "peak.theta/alpha"
+# Rotations |θ|/α beyond this are cut.
+_CUT = 1.5
+# Where a table is drawn over one of these by default, if it varies.
+_ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
+_PARAMETERS = ("record", "vertical", "scale", "foundation", "alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
+# Columns that follow from others, which need no curves of their own beside them.
+_FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 
 
-def fragility(fit: "Fragility") -> Figure:
-    """The curve and its band; runs as marks at 0 and 1, and the share of those that exceed in ten classes of equal size."""
-    figure = Figure(figsize=(7, 4.5), layout="constrained")
-    axes = figure.subplots()
-    low, high = fit.measures.min(), fit.measures.max()
+def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any]) -> Any:
+    """Draws a run on one axes or several: rotation, reactions, ground acceleration."""
+    has_ground = bool(np.any(run.a_gx) or np.any(run.a_gz))
+    panels = _panels(ax, has_ground)
+    number = _drawn(panels[0], "run")
+    first = number == 0
+    block = run.block
+    base = "rigid base" if np.isnan(block.eta) else f"η = {block.eta:.4g}"
+    label = label or f"α = {block.alpha:.3g}, p = {block.p:.3g} rad/s, {base}"
+    look = _look(number, color)
+    for panel, draw in zip(panels, (_rotation, _reactions, _ground)):
+        panel._rocking_block = {"run": number + 1}
+        draw(panel, run, first, label, _style(look, style if draw is _rotation else {}))
+    rotation = panels[0]
+    title = f"{label}\n{run.outcome}, |θ|/α = {run.peak.theta / block.alpha:.4g}, {run.counts.impacts} impacts"
+    rotation.set_title(title if first else "", fontsize="medium")
+    if not first:
+        rotation.legend(loc="upper right", ncols=3, fontsize="small")
+    if first:
+        panels[-1].set_xlabel("time [s]")
+        panels[-1].set_xlim(run.t[0], run.t[-1])
+    elif run.t[-1] > panels[-1].get_xlim()[1]:
+        panels[-1].set_xlim(right=run.t[-1])
+    if ax is None:
+        # A title goes to the top.
+        pyplot.sca(rotation)
+    return rotation if isinstance(ax, Axes) else panels
+
+
+def _panels(ax: Any, has_ground: bool) -> npt.NDArray[Any]:
+    if isinstance(ax, Axes):
+        return np.array([ax])
+    if ax is not None:
+        panels = np.ravel(np.asarray(ax, dtype=object))
+        if not 1 <= len(panels) <= 3 or not all(isinstance(panel, Axes) for panel in panels):
+            raise TypeError(f"ax = {ax!r}; expected one, two or three Axes of Matplotlib")
+        return panels
+    figure = pyplot.gcf()
+    if figure.axes and not all(_drawn(panel, "run") for panel in figure.axes):
+        figure = pyplot.figure()
+    if not figure.axes:
+        _make_room(figure, (9.0, 6.5))
+        heights = [2.0, 1.4, 1.0][: 3 if has_ground else 2]
+        figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    return np.array(figure.axes)
+
+
+def _rotation(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
+    if first:
+        _contact(axes, run)
+        axes.axhline(0.0, color=_INK, lw=0.5)
+        for limit in (-1.0, 1.0):
+            axes.axhline(limit, color=_INK, lw=0.8, ls=":")
+        axes.set_ylabel("rotation θ/α")
+    rotation = run.theta / run.block.alpha
+    axes.plot(run.t, rotation, **_style({"linewidth": 1.2, "label": label}, style))
+    _cut(axes, rotation)
+
+
+def _reactions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
+    weight = run.block.mass * run.block.g
+    axes.plot(run.t, run.N_L / weight, **style, linewidth=0.8, label="left corner" if first else None)
+    axes.plot(run.t, run.N_R / weight, **style, linewidth=0.8, alpha=0.45, label="right corner" if first else None)
+    # A landing on stiff supports or a rigid base may be hundreds of weights for an instant.
+    highest = float(np.max(np.maximum(run.N_L, run.N_R))) / weight
+    if first:
+        _contact(axes, run)
+        axes.set_ylabel("reaction N/(M g)")
+        axes.set_ylim(0.0, 1.05 * max(1.0, highest))
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=2, frameon=False)
+    elif 1.05 * highest > axes.get_ylim()[1]:
+        axes.set_ylim(top=1.05 * highest)
+
+
+def _ground(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
+    both = bool(np.any(run.a_gz))
+    axes.plot(run.t, run.a_gx, **style, linewidth=0.7, label="horizontal" if both else None)
+    if both:
+        axes.plot(run.t, run.a_gz, **style, linewidth=0.7, alpha=0.45, label="vertical")
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=2, frameon=False)
+    axes.set_ylabel("ground [m/s²]")
+
+
+def _contact(axes: Axes, run: "Run") -> None:
+    """Shades the times at which both corners touch."""
+    where = run.regime == 0
+    axes.fill_between(run.t, 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), color=_BAND, lw=0, step="post")
+
+
+def record(record: "Record", ax: Axes | None, style: dict[str, Any]) -> Axes:
+    """Draws a record's acceleration."""
+    axes = _axes(ax, "record", (9.0, 3.0))
+    look = _look(_add(axes, "record"), None)
+    axes.plot(record.t, record.acceleration, **_style({"linewidth": 0.7, "label": record.name or "record"} | look, style))
+    axes.set(xlabel="time [s]", ylabel="acceleration [m/s²]")
+    if len(axes.lines) > 1:
+        axes.legend()
+    else:
+        axes.set_title(f"{record.name}  PGA {record.pga:.3g} m/s²".strip(), fontsize="medium")
+        axes.margins(x=0)
+    return axes
+
+
+def fragility(
+    fit: "Fragility", ax: Axes | None, label: str | None, color: Any, runs: bool, style: dict[str, Any]
+) -> Axes:
+    """Draws a curve and its band; runs are marks at 0 and 1, and rings the share of those that exceed."""
+    axes = _axes(ax, "fragility", (7.0, 4.5))
+    number = _add(axes, "fragility")
+    first, look = number == 0, _look(number, color)
+    low, high = float(fit.measures.min()), float(fit.measures.max())
     x = np.geomspace(low, high, 200)
-    axes.fill_between(x, *fit.band(x), color=_BLUE, alpha=0.18, lw=0, label=f"{100 * fit.ci:g} % confidence")
-    axes.plot(x, fit.curve(x), color=_BLUE, lw=1.8, label=f"median {fit.median:.3g}, β = {fit.beta:.2f}")
-    order = np.argsort(fit.measures)
-    classes = [rows for rows in np.array_split(order, min(10, len(order) // 5 or 1)) if rows.size]
-    middle = [np.exp(np.mean(np.log(fit.measures[rows]))) for rows in classes]
-    share = [np.mean(fit.fractions[rows]) for rows in classes]
-    axes.plot(middle, share, "o", color=_INK, ms=5, mfc="white", label=f"share of {len(classes[0])} runs")
-    axes.plot(fit.measures, fit.fractions, "|", color=_INK, ms=7, alpha=0.35)
+    label = label or f"{fit.im}: median {fit.median:.3g}, β = {fit.beta:.2f}"
+    (line,) = axes.plot(x, fit.curve(x), **_style({"linewidth": 1.8, "label": label} | look, style))
+    band = f"{100 * fit.ci:g} % confidence" if first else None
+    axes.fill_between(x, *fit.band(x), color=line.get_color(), alpha=0.18, lw=0, label=band)
+    if runs:
+        ink = _INK if first else line.get_color()
+        order = np.argsort(fit.measures)
+        classes = [rows for rows in np.array_split(order, min(10, len(order) // 5 or 1)) if rows.size]
+        middle = [np.exp(np.mean(np.log(fit.measures[rows]))) for rows in classes]
+        share = [np.mean(fit.fractions[rows]) for rows in classes]
+        axes.plot(middle, share, "o", color=ink, ms=5, mfc="white", label=f"share of {len(classes[0])} runs" if first else None)
+        axes.plot(fit.measures, fit.fractions, "|", color=ink, ms=7, alpha=0.35)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    what = f"|θ|/α > {fit.limit:g}" if isinstance(fit.limit, float | int) else fit.limit
-    axes.set(xlabel=f"{fit.im} [{fit.unit}]", ylabel=f"probability: {what}", ylim=(-0.04, 1.04), xlim=(low, high))
-    axes.legend(**_ABOVE)
-    return figure
+    limit = fit._limit()
+    over, what = f"{fit.im} [{fit.unit}]", f"probability: {limit}"
+    if not first:
+        left, right = axes.get_xlim()
+        low, high = min(low, left), max(high, right)
+        over = over if axes.get_xlabel() == over else "intensity measure"
+        what = what if axes.get_ylabel() == what else "probability"
+    axes.set(xlabel=over, ylabel=what, ylim=(-0.04, 1.04), xlim=(low, high))
+    # Curves rise from the left; the marks of the runs are above.
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.95), frameon=False, fontsize="small")
+    return axes
+
+
+def table(
+    table: "Table", x: str | None, y: str, by: str | Sequence[str] | None, ax: Axes | None, style: dict[str, Any]
+) -> Axes:
+    """Draws a column over another, in curves or points."""
+    varying = [name for name in table if table.rows and len(np.unique(table[name])) > 1]
+    if x is None:
+        # A spectrum has curves over the size; runs under many records have points over a measure of those.
+        fitting = [name for name in _ABSCISSAS if name in varying]
+        if "2pi/p" in fitting and not _makes_curves(table, "2pi/p", _tell_apart(varying, "2pi/p", y)):
+            fitting.remove("2pi/p")
+        if not fitting:
+            raise ValueError(f"no column to draw over varies; expected x, one of {', '.join(table)}")
+        x = fitting[0]
+    for name in (x, y, *([by] if isinstance(by, str) else by or ())):
+        if name not in table:
+            raise ValueError(f"there is no column {name!r}; expected one of {', '.join(table)}")
+    for name in (x, y):
+        if table[name].dtype.kind not in "fiub":
+            raise ValueError(f"column {name!r} has {table[name].dtype} values; expected numbers")
+    if by is None:
+        by = _tell_apart(varying, x, y)
+        single = _makes_curves(table, x, by)
+        if not single:
+            by = ["outcome"] if "outcome" in table else []
+    else:
+        by = [by] if isinstance(by, str) else list(by)
+        single = _makes_curves(table, x, by)
+    groups = _groups(table, by)
+    axes = _axes(ax, "table", (8.0, 4.5))
+    for key, rows in groups.items():
+        rows = rows[np.argsort(table[x][rows], kind="stable")] if single else rows
+        number = _add(axes, "table")
+        look, values = _look(number, None), table[y][rows]
+        if not single:
+            others = tuple(_MARKS.values())
+            mark = _MARKS.get(key[0], "o") if by == ["outcome"] else others[number // len(_COLOURS) % len(others)]
+            look = {"color": look["color"], "linestyle": "", "marker": mark, "markersize": 4, "alpha": 0.7}
+            # At the edge instead of beyond it, so that none is lost.
+            values = np.minimum(values, _CUT) if y == _ROTATION else values
+        label = ", ".join(_named(name, value) for name, value in zip(by, key))
+        axes.plot(table[x][rows], values, clip_on=single, **_style({"linewidth": 1.2, "label": label or None} | look, style))
+    axes.set(xlabel=table._heading(x), ylabel=table._heading(y))
+    if y == _ROTATION:
+        axes.set_ylabel("greatest rotation |θ|/α")
+        if _add(axes, "limit") == 0:
+            axes.axhline(1.0, color=_INK, lw=0.8, ls=":")
+        axes.set_ylim(bottom=0.0)
+        _cut(axes, table[y])
+    if any(by):
+        axes.legend(fontsize="small")
+    return axes
+
+
+def _tell_apart(varying: Sequence[str], x: str, y: str) -> list[str]:
+    """Returns the parameters that tell curves over x apart."""
+    return [name for name in _PARAMETERS if name in varying and name not in (x, y, *_FOLLOWS.get(x, ()))]
+
+
+def _makes_curves(table: "Table", x: str, by: Sequence[str]) -> bool:
+    """Whether each x is a single row of each of a few groups."""
+    groups = _groups(table, by)
+    return len(groups) <= 8 and all(len(np.unique(table[x][rows])) == len(rows) > 1 for rows in groups.values())
+
+
+def _groups(table: "Table", by: Sequence[str]) -> dict[tuple[Any, ...], npt.NDArray[np.intp]]:
+    """Returns the rows of each combination of values, in the order of their first appearance."""
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    # Numbers of unique values, since nan is not equal to itself.
+    unique = [np.unique(table[name], return_inverse=True) for name in by]
+    keys = zip(*(places.tolist() for _, places in unique), strict=True) if by else [()] * table.rows
+    for row, key in enumerate(keys):
+        groups.setdefault(key, []).append(row)
+    return {
+        tuple(values[place] for (values, _), place in zip(unique, key, strict=True)): np.array(rows, dtype=np.intp)
+        for key, rows in groups.items()
+    }
+
+
+def _named(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{name} = {value:.4g}" if isinstance(value, float) else f"{name} = {value}"
+
+
+def _axes(ax: Axes | None, kind: str, size: tuple[float, float]) -> Axes:
+    """Returns the axes to draw on; a picture of another kind on the current axes is left alone."""
+    if ax is not None:
+        if not isinstance(ax, Axes):
+            raise TypeError(f"ax = {ax!r}; expected Axes of Matplotlib")
+        return ax
+    figure = pyplot.gcf()
+    if figure.axes:
+        axes = pyplot.gca()
+        others = set(getattr(axes, "_rocking_block", {})) - {kind, "limit"}
+        if not others:
+            return axes
+        figure = pyplot.figure()
+    _make_room(figure, size)
+    return figure.add_subplot()
+
+
+def _make_room(figure: Figure, size: tuple[float, float]) -> None:
+    """Gives an empty figure that nobody has sized its size, and a layout that leaves room for legends."""
+    if tuple(figure.get_size_inches()) == tuple(pyplot.rcParams["figure.figsize"]):
+        figure.set_size_inches(*size)
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
+
+
+def _drawn(axes: Axes, kind: str) -> int:
+    """Returns how many pictures of a kind are on the axes."""
+    return int(getattr(axes, "_rocking_block", {}).get(kind, 0))
+
+
+def _add(axes: Axes, kind: str) -> int:
+    """Counts a picture on the axes; returns how many were there before."""
+    before = _drawn(axes, kind)
+    counts = getattr(axes, "_rocking_block", {})
+    axes._rocking_block = counts | {kind: before + 1}  # type: ignore[attr-defined]
+    return before
+
+
+def _look(number: int, color: Any) -> dict[str, Any]:
+    """Returns colour and dashes of the curve of this number."""
+    dashes = _DASHES[number // len(_COLOURS) % len(_DASHES)]
+    return {"color": color if color is not None else _COLOURS[number % len(_COLOURS)], "linestyle": dashes}
+
+
+def _style(usual: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+    """Returns options of `Axes.plot`; those that are given, also in their short forms, go before the usual ones."""
+    return usual | dict(normalize_kwargs(given, Line2D))
+
+
+def _cut(axes: Axes, rotation: npt.NDArray[Any]) -> None:
+    """Cuts rotations beyond the limit, and says up to where they go."""
+    finite = np.abs(rotation[np.isfinite(rotation)])
+    greatest = max(float(finite.max(initial=0.0)), getattr(axes, "_rocking_block_greatest", 0.0))
+    axes._rocking_block_greatest = greatest  # type: ignore[attr-defined]
+    if greatest <= _CUT:
+        return
+    axes.set_ylim(-_CUT if axes.get_ylim()[0] < 0.0 else 0.0, _CUT)
+    for text in [text for text in axes.texts if text.get_gid() == "rocking_block.cut"]:
+        text.remove()
+    said = f"cut at {_CUT}; up to {greatest:.3g}"
+    axes.text(0.995, 0.98, said, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=_INK,
+              gid="rocking_block.cut")

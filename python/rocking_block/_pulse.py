@@ -1,12 +1,15 @@
 """Pulses of ground acceleration."""
 
+import warnings
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._words import Floats, Shape
+from rocking_block._record import IMPLAUSIBLE
+from rocking_block._words import Floats, Shape, chosen
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,11 @@ class Pulse:
     ValueError
         An unknown shape, or a number that makes no pulse.
 
+    Warns
+    -----
+    UserWarning
+        An amplitude above 100 m/s², which no earthquake has.
+
     Examples
     --------
     >>> import rocking_block as rb
@@ -48,7 +56,11 @@ class Pulse:
     start: float = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "shape", chosen("shape", self.shape, get_args(Shape)))
         _engine.check_pulse(self)
+        if self.amplitude is not None and abs(self.amplitude) > IMPLAUSIBLE:
+            message = f"amplitude = {self.amplitude:.4g} m/s² is {abs(self.amplitude) / 9.81:.3g} g; expected m/s²"
+            warnings.warn(message, stacklevel=3)
 
     @property
     def duration(self) -> float:
@@ -59,3 +71,10 @@ class Pulse:
         """Ground acceleration at times `t` [s], of any shape [m/s²]."""
         times = np.asarray(t, dtype=np.float64)
         return np.array(_engine.pulse_acceleration(self, times.ravel())).reshape(times.shape)
+
+
+def as_pulse(given: object) -> Pulse | None:
+    """Refuses what is not a pulse."""
+    if given is not None and not isinstance(given, Pulse):
+        raise TypeError(f'pulse = {given!r}; expected a Pulse, as in Pulse("one-sine", amplitude=3.0, period=1.2)')
+    return given

@@ -1,16 +1,23 @@
 """Accelerograms."""
 
 import os
-from typing import TYPE_CHECKING
+import warnings
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
+from rocking_block._html import html_table
 from rocking_block._words import Floats
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from typing_extensions import Self
+
+
+# No earthquake has had a third of this acceleration [m/s²]; beyond it the unit is mistaken as a rule.
+IMPLAUSIBLE = 100.0
 
 
 class Record(_engine.Record):
@@ -32,6 +39,11 @@ class Record(_engine.Record):
     ValueError
         Too few samples, one that is not finite, or no time step.
 
+    Warns
+    -----
+    UserWarning
+        A PGA above 100 m/s², which no earthquake has: as a rule the samples are in another unit.
+
     Examples
     --------
     >>> import rocking_block as rb
@@ -48,7 +60,12 @@ class Record(_engine.Record):
         samples = np.asarray(acceleration, dtype=np.float64)
         if samples.ndim != 1:
             raise ValueError(f"acceleration has shape {samples.shape}; expected one dimension, of samples")
-        return super().__new__(cls, samples, dt, name, start)
+        record = super().__new__(cls, samples, dt, name, start)
+        if record.pga > IMPLAUSIBLE:
+            named = f"{name}: " if name else ""
+            message = f"{named}the PGA is {record.pga:.4g} m/s², {record.pga / 9.81:.3g} g; expected samples in m/s²"
+            warnings.warn(message, stacklevel=2)
+        return record
 
     @property
     def t(self) -> Floats:
@@ -63,6 +80,28 @@ class Record(_engine.Record):
         6.0
         """
         return Record(self.acceleration * factor, self.dt, self.name, self.start)
+
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Draws the acceleration over time by Matplotlib.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Where to draw; without it on the current axes of pyplot, or on a new figure if these show something else.
+        **style
+            Options of `Axes.plot`, such as `label`.
+        """
+        from rocking_block import _plot
+
+        return _plot.record(self, ax, style)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("samples", f"{len(self)} every {self.dt:g} s, {self.duration:g} s"),
+            ("PGA", f"{self.pga:.4g} m/s²"),
+            ("PGV", f"{self.pgv:.4g} m/s"),
+        ]
+        return html_table(self.name or "record", (), rows)
 
     def __repr__(self) -> str:
         name = f"{self.name!r}, " if self.name else ""
@@ -121,3 +160,17 @@ def read_record(
         g=g,
     )
     return Record(*read)
+
+
+def as_record(name: str, given: object, g: float) -> Record:
+    """Returns a record as it is, and a file as it is read."""
+    if isinstance(given, str | os.PathLike):
+        return read_record(given, g=g)
+    if not isinstance(given, Record):
+        raise TypeError(f"{name} has {_shown(given)}; expected a Record or the path of a file")
+    return given
+
+
+def _shown(given: object) -> str:
+    text = repr(given)
+    return text if len(text) <= 40 else f"{type(given).__name__} {text[:40]}…"

@@ -1,17 +1,19 @@
-"""What a block did."""
+"""Histories of a block."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._words import Floats, Outcome
+from rocking_block._html import html_table
+from rocking_block._words import Floats, Outcome, optional
 
 if TYPE_CHECKING:
-    import matplotlib.figure
     import pandas
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -240,16 +242,42 @@ class Run:
         >>> rb.Block().run(theta=0.1, duration=1.0).to_frame().shape
         (101, 26)
         """
-        import pandas
+        with optional("to_frame", "pandas"):
+            import pandas
 
         columns = {name: self.columns[name] for name in self.columns if name != "t"}
         return pandas.DataFrame(columns | {"regime": self.regime}, index=pandas.Index(self.t, name="t"))
 
-    def plot(self) -> "matplotlib.figure.Figure":
-        """Rotation, reactions of the corners and ground acceleration over time, as a figure of Matplotlib."""
+    @overload
+    def plot(self, ax: "Axes", *, label: str | None = None, color: Any = None, **style: Any) -> "Axes": ...
+    @overload
+    def plot(
+        self, ax: "Sequence[Axes] | None" = None, *, label: str | None = None, color: Any = None, **style: Any
+    ) -> "npt.NDArray[Any]": ...
+    def plot(self, ax: Any = None, *, label: str | None = None, color: Any = None, **style: Any) -> Any:
+        """Draws rotation, reactions of the corners and ground acceleration over time, by Matplotlib.
+
+        Runs that are drawn on the same axes share them, each in a colour of its own.
+
+        Parameters
+        ----------
+        ax : Axes or sequence of Axes, optional
+            Where to draw: the rotation alone, or the rotation, the reactions and the ground acceleration on as many axes.
+            Without it the panels are those of the current figure of pyplot, if it is empty or shows other runs, or else
+            those of a new figure.
+        label : str, optional
+            Name of the run in legends; without it the block's parameters.
+        color, **style
+            Colour of the rotation, and options of `Axes.plot` for it.
+
+        Returns
+        -------
+        Axes or array of Axes
+            The axes that were drawn on.
+        """
         from rocking_block import _plot
 
-        return _plot.run(self)
+        return _plot.run(self, ax, label, color, style)
 
     def __repr__(self) -> str:
         rotation = self.peak.theta / self.block.alpha
@@ -257,3 +285,15 @@ class Run:
             f"<Run {self.outcome} at {self.end_time:.4g} s, |θ|/α = {rotation:.4g}, {self.counts.impacts} impacts, "
             f"{len(self)} rows>"
         )
+
+    def _repr_html_(self) -> str:
+        peak, counts, weight = self.peak, self.counts, self.block.mass * self.block.g
+        rows = [
+            ("greatest |θ|/α", f"{peak.theta / self.block.alpha:.4g}"),
+            ("greatest reaction of a corner", f"{peak.N:.4g} N, {peak.N / weight:.3g} of the weight"),
+            ("greatest horizontal reaction", f"{peak.H:.4g} N"),
+            ("greatest uplift", f"{peak.uplift:.4g} m"),
+            ("impacts, lift-offs", f"{counts.impacts}, {counts.liftoffs}"),
+            ("rows", f"{len(self)}, to t = {self.t[-1]:.4g} s"),
+        ]
+        return html_table(f"{self.outcome} at {self.end_time:.4g} s: {self.block!r}", (), rows)

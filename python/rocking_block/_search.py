@@ -1,11 +1,12 @@
 """Where the outcome of a run changes."""
 
+import os
 from dataclasses import dataclass
 from typing import Any
 
 from rocking_block import _engine
-from rocking_block._pulse import Pulse
-from rocking_block._record import Record
+from rocking_block._pulse import Pulse, as_pulse
+from rocking_block._record import Record, as_record
 from rocking_block._words import OnSeparation, ticking
 
 
@@ -29,8 +30,8 @@ def search_overturning(
     block: _engine.Block,
     *,
     pulse: Pulse | None = None,
-    record: Record | None = None,
-    vertical: Record | None = None,
+    record: Record | str | os.PathLike[str] | None = None,
+    vertical: Record | str | os.PathLike[str] | None = None,
     start: float | None = None,
     stop: float | None = None,
     points: int = 201,
@@ -50,7 +51,7 @@ def search_overturning(
         The block.
     pulse : Pulse
         Shape, period and start of a pulse; its amplitude [m/s²] is what is searched for, and not read.
-    record, vertical : Record
+    record, vertical : Record or path
         Instead of a pulse, records, the factor on which [1] is searched for.
     start, stop : float, optional
         Range of the amplitude or factor; without them from a PGA of g tan α, which rocks no block on a rigid base, to ten
@@ -83,8 +84,13 @@ def search_overturning(
     """
     scan = _scan(start, stop, points, resolution, threads)
     options = _options(tolerance, on_separation)
+    if not isinstance(block, _engine.Block):
+        raise TypeError(f"block = {block!r}; expected a Block")
+    pulse = as_pulse(pulse)
+    along = None if record is None else as_record("record", record, block.g)
+    up = None if vertical is None else as_record("vertical", vertical, block.g)
     with ticking(progress) as tick:
-        least, stretches, spacing = _engine.search_overturning(block, pulse, record, vertical, scan, options, tick)
+        least, stretches, spacing = _engine.search_overturning(block, pulse, along, up, scan, options, tick)
     parameter = "scale [1]" if pulse is None else "a_p [m/s2]"
     return Search(parameter, least, tuple(stretches), spacing, resolution)
 

@@ -2,22 +2,22 @@
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine, _toml
 from rocking_block._block import Block
-from rocking_block._pulse import Pulse
-from rocking_block._record import Record, read_record
+from rocking_block._pulse import Pulse, as_pulse
+from rocking_block._record import Record, as_record
 from rocking_block._table import Table, of_program
-from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, ticking
+from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, ticking
 
 # One record or several, as they are or as files.
-Records = Record | str | os.PathLike[str] | Sequence[Record | str | os.PathLike[str]]
+Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
 
 _UNITS = {
     "scale": "1",
@@ -134,7 +134,7 @@ def spectrum(
     >>> table["outcome"].reshape(table.shape)[0].tolist()
     ['completed', 'overturned', 'overturned', 'overturned']
     """
-    rigid = foundation == "rigid"
+    rigid = chosen("foundation", foundation, get_args(Foundation)) == "rigid"
     _refuse(rigid, {"eta": eta, "xi_v": xi_v}, "on a rigid base")
     factor = {"restitution_factor": restitution_factor}
     _refuse(not rigid, factor, 'on viscoelastic supports; expected foundation="rigid"')
@@ -145,7 +145,7 @@ def spectrum(
         epsilon=epsilon,
         restitution_factor=1.0 if restitution_factor is None else restitution_factor,
     )
-    sizes = np.asarray(p, dtype=np.float64)
+    sizes = _broadcast(p=p)["p"]
     each = {name: np.repeat(values.ravel(), sizes.size) for name, values in curves.items()}
     shape = curves["alpha"].shape
     count = curves["alpha"].size
@@ -229,7 +229,13 @@ def outcomes(
     ['completed', 'overturned', 'overturned']
     """
     single = isinstance(blocks, _engine.Block)
-    many = _engine.Blocks.of([blocks] if isinstance(blocks, _engine.Block) else list(blocks))
+    listed = [blocks] if isinstance(blocks, _engine.Block) else list(blocks)
+    if not listed:
+        raise ValueError("blocks = []; expected at least one")
+    for block in listed:
+        if not isinstance(block, _engine.Block):
+            raise TypeError(f"blocks has {block!r}; expected Blocks")
+    many = _engine.Blocks.of(listed)
     shape = () if single else (len(many),)
     options = _options(tolerance, on_separation, on_overturning, duration, step)
     return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, options, threads, progress)
@@ -306,6 +312,9 @@ def _refuse(unread: bool, given: Mapping[str, object], why: str) -> None:
 
 def _broadcast(**values: npt.ArrayLike) -> dict[str, Floats]:
     arrays = {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
+    for name, array in arrays.items():
+        if array.size == 0:
+            raise ValueError(f"{name} = []; expected at least one")
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:
@@ -343,7 +352,8 @@ def _outcomes(
     threads: int | None,
     progress: bool | None,
 ) -> Table:
-    along, up = _read(records, g), _read(vertical, g)
+    along, up = _read("records", records, g), _read("vertical", vertical, g)
+    pulse = as_pulse(pulse)
     if not along and not up and pulse is None:
         raise ValueError("nothing moves the ground; expected records or a pulse")
     if along and up and len(along) != len(up):
@@ -354,6 +364,8 @@ def _outcomes(
     scales = np.asarray(scale, dtype=np.float64)
     if scales.ndim > 1:
         raise ValueError(f"scale has shape {scales.shape}; expected a factor or a list of factors")
+    if scales.size == 0:
+        raise ValueError("scale = []; expected at least one factor")
     if not along and not up and not np.array_equal(scales, 1.0):
         raise ValueError("scale has no effect without records")
     if not along and len(periods) > 0:
@@ -386,17 +398,19 @@ def _outcomes(
     columns.update({name: made[name] for name, _ in units})
     columns.update(made)
     _warn(made["outcome"], failure)
-    axes = (*((number,) if isinstance(records or vertical, list | tuple) else ()), *scales.shape, *shape)
+    one = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
+    axes = (*(() if one else (number,)), *scales.shape, *shape)
     return Table(columns, {name: unit for name, unit in (_UNITS | dict(units)).items() if name in columns}, axes)
 
 
-def _read(records: Records | None, g: float) -> list[Record]:
+def _read(name: str, records: Records | None, g: float) -> list[Record]:
     if records is None:
         return []
-    listed = [records] if isinstance(records, Record | str | os.PathLike) else list(records)
+    several = [records] if isinstance(records, Record | str | os.PathLike) else records
+    listed = [as_record(name, record, g) for record in several]
     if not listed:
-        raise ValueError("records = []; expected at least one")
-    return [record if isinstance(record, Record) else read_record(record, g=g) for record in listed]
+        raise ValueError(f"{name} = []; expected at least one")
+    return listed
 
 
 def _names(records: Sequence[Record]) -> list[str]:

@@ -1,22 +1,29 @@
-"""What many runs came to: columns of one length."""
+"""Results of many runs: columns of one length."""
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn, overload
 
 import numpy as np
 import numpy.typing as npt
 
+from rocking_block._html import html_table
+from rocking_block._words import optional
+
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
 
 # A heading of the program is the name and, in brackets, the unit.
 _COUNTS = ("flights", "events.impacts", "events.liftoffs")
 
 
-class Table(Mapping[str, npt.NDArray[Any]]):
+class Table(dict[str, npt.NDArray[Any]]):
     """Columns by their names, each an array of shape (n,), a row for each run. The names are those of the program's tables.
+
+    A table is a dictionary that cannot be changed, so `pandas.DataFrame(table)` works. `table["p"]` is a column, and
+    `table[table["outcome"] == "completed"]` a table of the rows under a mask; row numbers and slices work as well.
 
     Parameters
     ----------
@@ -35,6 +42,8 @@ class Table(Mapping[str, npt.NDArray[Any]]):
     (array([1., 2.]), 'rad/s')
     >>> table
     <Table of 2 rows, shape (2,): 1 completed, 1 overturned; p [rad/s], outcome>
+    >>> table[table["p"] > 1.5]["outcome"].tolist()
+    ['overturned']
     """
 
     def __init__(
@@ -43,10 +52,13 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         units: Mapping[str, str] | None = None,
         shape: tuple[int, ...] | None = None,
     ) -> None:
-        self._columns = {name: np.asarray(column) for name, column in columns.items()}
-        for column in self._columns.values():
+        # Views, so that arrays of the caller stay writable.
+        super().__init__({name: np.asarray(column).view() for name, column in columns.items()})
+        for name, column in self.items():
+            if column.ndim != 1:
+                raise ValueError(f"column {name!r} has shape {column.shape}; expected one dimension")
             column.setflags(write=False)
-        rows = {len(column) for column in self._columns.values()}
+        rows = {len(column) for column in self.values()}
         if len(rows) > 1:
             raise ValueError(f"columns have {sorted(rows)} rows; expected one length")
         self._units = dict(units or {})
@@ -65,19 +77,35 @@ class Table(Mapping[str, npt.NDArray[Any]]):
     @property
     def rows(self) -> int:
         """Number of rows."""
-        return len(next(iter(self._columns.values()), ()))
+        return len(next(iter(self.values()), ()))
 
-    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+    @overload
+    def __getitem__(self, key: str) -> npt.NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: slice | npt.NDArray[Any] | Sequence[int] | Sequence[bool]) -> "Table": ...
+    def __getitem__(self, key: Any) -> "npt.NDArray[Any] | Table":
+        if isinstance(key, slice):
+            return Table({name: column[key] for name, column in self.items()}, self._units)
+        if not isinstance(key, str):
+            chosen = np.asarray(key)
+            if chosen.ndim != 1:
+                raise TypeError(f"table[{key!r}]; expected a column's name, or a mask or numbers of rows in one dimension")
+            chosen = chosen if chosen.size else chosen.astype(np.intp)
+            return Table({name: column[chosen] for name, column in self.items()}, self._units)
         try:
-            return self._columns[name]
+            return super().__getitem__(key)
         except KeyError:
-            raise KeyError(f"there is no column {name!r}; expected one of {', '.join(self._columns)}") from None
+            raise KeyError(f"there is no column {key!r}; expected one of {', '.join(self)}") from None
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
+    def _refuse_change(self, *_: Any, **__: Any) -> NoReturn:
+        """Refuses: a table cannot be changed."""
+        raise TypeError("a Table cannot be changed; make another, as in Table({**table, ...}, table.units)")
 
-    def __len__(self) -> int:
-        return len(self._columns)
+    __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = _refuse_change
+    update = setdefault = _refuse_change  # pyright: ignore[reportAssignmentType]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Table, (dict(self), self._units, self._shape))
 
     def __eq__(self, other: object) -> bool:
         """Whether all columns, units and the shape are the same; nan is the same as nan."""
@@ -88,20 +116,26 @@ class Table(Mapping[str, npt.NDArray[Any]]):
             np.array_equal(column, other[name], equal_nan=column.dtype.kind == "f") for name, column in self.items()
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    def __ne__(self, other: object) -> bool:
+        equal = self.__eq__(other)
+        return equal if equal is NotImplemented else not equal
+
+    __hash__ = None
 
     def to_frame(self) -> "pandas.DataFrame":
         """The table as a pandas DataFrame."""
-        import pandas
+        with optional("to_frame", "pandas"):
+            import pandas
 
-        return pandas.DataFrame(dict(self._columns))
+        return pandas.DataFrame(dict(self))
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes the table as a Parquet file, by pyarrow; the fields' metadata have the units."""
-        import pyarrow
-        import pyarrow.parquet
+        with optional("to_parquet", "pyarrow"):
+            import pyarrow
+            import pyarrow.parquet
 
-        arrays = {name: pyarrow.array(column) for name, column in self._columns.items()}
+        arrays = {name: pyarrow.array(column) for name, column in self.items()}
         fields = [
             pyarrow.field(name, array.type, metadata={"unit": self._units[name]} if name in self._units else None)
             for name, array in arrays.items()
@@ -109,11 +143,57 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         table = pyarrow.table(list(arrays.values()), schema=pyarrow.schema(fields))
         pyarrow.parquet.write_table(table, os.fspath(path))
 
+    def plot(
+        self,
+        x: str | None = None,
+        y: str = "peak.theta/alpha",
+        *,
+        by: str | Sequence[str] | None = None,
+        ax: "Axes | None" = None,
+        **style: Any,
+    ) -> "Axes":
+        """Draws one column over another by Matplotlib: curves where each x is a single row, and points elsewhere.
+
+        Parameters
+        ----------
+        x : str, optional
+            Column along the axis; without it the first of 2pi/p, PGV, scale and the blocks' parameters that varies.
+        y : str
+            Column up the axis. Rotations above 1.5 |θ|/α are cut, and the picture says up to where they go.
+        by : str or sequence of str, optional
+            Columns that tell curves apart; without them the records' and blocks' parameters that vary beside x. Points have a
+            mark for each outcome then.
+        ax : Axes, optional
+            Where to draw; without it on the current axes of pyplot, or on a new figure if these show something else.
+        **style
+            Options of `Axes.plot`.
+
+        Raises
+        ------
+        ValueError
+            There is no such column, or it has no numbers.
+        """
+        from rocking_block import _plot
+
+        return _plot.table(self, x, y, by, ax, style)
+
+    def _heading(self, name: str) -> str:
+        return f"{name} [{self._units[name]}]" if name in self._units else name
+
+    def _count(self) -> str:
+        found = Counter(self["outcome"].tolist()) if "outcome" in self else {}
+        return ", ".join(f"{count} {outcome}" for outcome, count in sorted(found.items()))
+
     def __repr__(self) -> str:
-        found = Counter(self._columns["outcome"].tolist()) if "outcome" in self else Counter()
-        outcomes = "".join(f"{count} {outcome}, " for outcome, count in sorted(found.items()))[:-2]
-        names = [f"{name} [{self._units[name]}]" if name in self._units else name for name in self]
-        return f"<Table of {self.rows} rows, shape {self.shape}: {outcomes}; {', '.join(names)}>"
+        outcomes = f"{self._count()}; " if self._count() else ""
+        return f"<Table of {self.rows} rows, shape {self.shape}: {outcomes}{', '.join(map(self._heading, self))}>"
+
+    def _repr_html_(self) -> str:
+        shown = self[:10]
+        caption = f"{self.rows} rows, shape {self.shape}" + (f": {self._count()}" if self._count() else "")
+        if self.rows > shown.rows:
+            caption += f"; the first {shown.rows} are shown"
+        return html_table(caption, [self._heading(name) for name in self], zip(*shown.values(), strict=True))
 
 
 def of_program(headings: list[str], columns: list[Any]) -> Table:

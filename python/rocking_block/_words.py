@@ -1,4 +1,4 @@
-"""Words of options, and how long work shows how far it is."""
+"""Words of options, optional packages, and progress bars."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -15,6 +15,28 @@ Shape = Literal["one-sine", "one-cosine", "C1", "C2"]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
 Outcome = Literal["completed", "overturned", "separated", "failed"]
+
+
+def chosen(name: str, found: object, words: tuple[str, ...]) -> str:
+    """Returns the word that was chosen, in any case; the error lists the words."""
+    for word in words:
+        if isinstance(found, str) and found.lower() == word.lower():
+            return word
+    shown = f'"{found}"' if isinstance(found, str) else repr(found)
+    raise ValueError(f"{name} = {shown}; expected one of " + ", ".join(f'"{word}"' for word in words))
+
+
+@contextmanager
+def optional(what: str, package: str) -> Iterator[None]:
+    """Says how to install a package that an import in the block does not find."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        # A package that is there but misses one of its own says more itself.
+        if error.name is None or error.name.partition(".")[0] != package:
+            raise
+        message = f"{what} needs {package}; python -m pip install {package}"
+        raise ModuleNotFoundError(message, name=error.name, path=error.path) from None
 
 
 @contextmanager

@@ -18,9 +18,9 @@ pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// What a word stands for; the error lists the words.
+/// The value that a word stands for, in any case; the error lists the words.
 pub fn word<T: Copy>(name: &str, found: &str, words: &[(&str, T)]) -> PyResult<T> {
-    words.iter().find(|(word, _)| *word == found).map(|(_, value)| *value).ok_or_else(|| {
+    words.iter().find(|(word, _)| word.eq_ignore_ascii_case(found)).map(|(_, value)| *value).ok_or_else(|| {
         let known: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
         PyValueError::new_err(format!("{name} = \"{found}\"; expected one of {}", known.join(", ")))
     })
@@ -70,7 +70,8 @@ impl RunOptions {
         let separations =
             [("terminate", OnSeparation::Terminate), ("hold", OnSeparation::Hold), ("fly", OnSeparation::Fly)];
         let overturnings = [("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
-        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        let [least, greatest] = Settings::TOLERANCES;
+        finite("tolerance", self.tolerance, |x| (least..=greatest).contains(&x), "a number from 1e-14 to 0.1")?;
         Ok(Settings {
             tolerance: self.tolerance,
             on_separation: word("on_separation", &self.on_separation, &separations)?,

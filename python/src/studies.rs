@@ -9,7 +9,6 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
-use rocking_block::block::Foundation;
 use rocking_block::model::variables::Variable;
 use rocking_block::numerics::wide::Width;
 use rocking_block::records::ground::Ground;

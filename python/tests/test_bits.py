@@ -19,9 +19,8 @@ RUNS = {
     ),
     "a record both ways, in flight": (
         {"alpha": 0.3, "p": 2.5, "eta": 80, "xi_v": 0.05, "epsilon": 0.4},
-        {"scale": 5, "vertical": True, "on_separation": "fly", "tolerance": 1e-10},
-        "--scale=5 --alpha=0.3 --p=2.5 --eta=80 --xi-v=0.05 --epsilon=0.4 --on-separation=fly "
-        "--tolerance=1e-10".split(),
+        {"scale": 5, "vertical": True, "tolerance": 1e-10},
+        "--scale=5 --alpha=0.3 --p=2.5 --eta=80 --xi-v=0.05 --epsilon=0.4 --tolerance=1e-10".split(),
     ),
     "sizes": (
         {"width": 0.8, "height": 3.2, "K": 1e7, "C": 4e4, "mass": 4000},
@@ -46,7 +45,7 @@ FREE = {
 def test_a_run_is_that_of_the_program(name, rocking, record, path):
     parameters, options, said = (RUNS | FREE)[name]
     block = rb.Block(**parameters)
-    said = ["simulate", *said]
+    said = ["simulate", "--on-separation=fly", *said]
     if name in RUNS:
         said += ["--record", path]
         if options.get("vertical"):
@@ -64,7 +63,7 @@ def test_a_run_is_that_of_the_program(name, rocking, record, path):
 def test_the_summary_is_that_of_the_program(rocking, record, path, tmp_path):
     block = rb.Block(alpha=0.15, p=2.5)
     run = block.run(record, scale=2)
-    command = [rocking.program, "simulate", "--record", path, "--scale=2", "--alpha=0.15", "--p=2.5", "--json", "--events",
+    command = [rocking.program, "simulate", "--on-separation=fly", "--record", path, "--scale=2", "--alpha=0.15", "--p=2.5", "--json", "--events",
                "--csv", tmp_path / "run.csv"]
     summary = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     summary = summary.get("result", summary)
@@ -113,7 +112,7 @@ def test_a_spectrum_has_the_numbers_of_single_runs(record):
     table = rb.outcomes(blocks, [record], scale=[1.0, 4.0])
     assert table.shape == (1, 2, 2)
     for row, (scale, block) in enumerate((scale, block) for scale in (1.0, 4.0) for block in blocks):
-        run = block.run(record, scale=scale, tolerance=1e-6, on_separation="fly", step=1e4)
+        run = block.run(record, scale=scale, tolerance=1e-6, step=1e4)
         assert table["peak.theta/alpha"][row] == run.peak.theta / block.alpha
         assert table["outcome"][row] == run.outcome
         assert (table["alpha"][row], table["p"][row], table["scale"][row]) == (block.alpha, block.p, scale)
@@ -174,7 +173,7 @@ COLUMNS = ["theta", "theta_dot", "theta_ddot", "v", "v_dot", "u", "N_L", "N_R", 
 def test_a_run_under_a_record_is_that_of_the_fmu(record):
     """In steps from sample to sample. The record's samples are at multiples of its time step, to the last bit."""
     short = rb.Record(record.acceleration[1000:3001], 2.0**-7)
-    run = rb.Block(alpha=0.2, p=2.5, eta=60).run(short, on_separation="fly", duration=2000 * short.dt)
+    run = rb.Block(alpha=0.2, p=2.5, eta=60).run(short, duration=2000 * short.dt)
     start = {"dimensionless.alpha": 0.2, "dimensionless.p": 2.5, "dimensionless.eta": 60.0, "on_separation": 3,
              "a_gx": short.acceleration[0]}
     with instance(str(rb.fmu_path()), start) as (slave, references):

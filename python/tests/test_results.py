@@ -7,11 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import rocking_block as rb
 
+PULSE = rb.Pulse("one-sine", 6.0, 1.25)
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -47,10 +49,85 @@ def test_a_table_becomes_a_frame_and_a_file(tmp_path):
         table["q"]
 
 
-def test_a_run_becomes_a_picture(record, tmp_path):
-    figure = rb.Block(alpha=0.15, p=2.5).run(record, vertical=record, scale=2).plot()
-    assert [len(axes.lines) for axes in figure.axes] == [2, 2, 2]
-    figure.savefig(tmp_path / "run.png")
+def test_rows_of_a_table_are_chosen_by_masks_and_numbers():
+    given = np.array([1.0, 2.0, 3.0])
+    table = rb.Table({"p": given, "outcome": ["completed", "overturned", "completed"]}, {"p": "rad/s"}, (3, 1))
+    stood = table[table["outcome"] == "completed"]
+    assert stood["p"].tolist() == [1.0, 3.0] and stood.units == table.units and stood.shape == (2,)
+    assert table[[2, 0]]["p"].tolist() == [3.0, 1.0] and table[1:].rows == 2 and table[[]].rows == 0
+    with pytest.raises(TypeError, match="expected a column's name, or a mask or numbers of rows"):
+        table[0]
+    for change in (lambda: table.update(q=given), lambda: table.__setitem__("q", given), lambda: table.pop("p")):
+        with pytest.raises(TypeError, match="a Table cannot be changed"):
+            change()
+    given[0] = 5.0
+    with pytest.raises(ValueError, match="read-only"):
+        table["p"][0] = 1.0
+    with pytest.raises(ValueError, match=r"column 'p' has shape \(1, 3\); expected one dimension"):
+        rb.Table({"p": [given]})
+
+
+def test_pandas_takes_a_table():
+    import pandas
+
+    table = rb.spectrum(p=[1.0, 2.0], pulse=PULSE)
+    assert pandas.DataFrame(table).equals(table.to_frame()) and list(table.to_frame()) == list(table)
+
+
+@pytest.fixture
+def figure():
+    """A current figure, as a notebook's cell or plt.figure() has it."""
+    plt.close("all")
+    yield plt.figure(figsize=(6, 5))
+    plt.close("all")
+
+
+def test_runs_are_drawn_on_the_current_figure_and_share_it(record, figure, tmp_path):
+    block = rb.Block(alpha=0.15, p=2.5)
+    panels = block.run(record, vertical=record, scale=2, duration=15).plot()
+    assert [axes.figure for axes in panels] == [figure] * 3 and [len(axes.lines) for axes in panels] == [4, 2, 2]
+    assert figure.get_size_inches().tolist() == [6, 5]
+    block.run(record, duration=15).plot(label="weaker")
+    assert plt.gcf() is figure and [len(axes.lines) for axes in panels] == [5, 4, 3]
+    assert panels[0].lines[0].get_color() != panels[0].lines[-1].get_color()
+    figure.savefig(tmp_path / "runs.png")
+
+
+def test_a_run_is_drawn_where_it_is_told(figure):
+    """Free motion has no ground to draw; far rotations are cut, and the picture says so."""
+    axes = figure.add_subplot()
+    run = rb.Block(foundation="rigid").run(pulse=rb.Pulse("one-sine", 30.0, 1.0))
+    assert run.plot(axes) is axes and len(figure.axes) == 1
+    assert axes.get_ylim()[1] == 1.5 and "up to 6.28" in axes.texts[0].get_text()
+    plt.figure()
+    assert len(rb.Block().run(theta=0.1, duration=0.5).plot()) == 2 and len(figure.axes) == 1
+    with pytest.raises(TypeError, match="expected one, two or three Axes of Matplotlib"):
+        run.plot("axes")
+
+
+def test_tables_and_records_are_drawn(record, figure):
+    axes = rb.spectrum(p=[1.0, 1.5, 2.0], eta=[40, 80], pulse=PULSE).plot(linewidth=2)
+    assert axes.get_xlabel() == "2pi/p [s]" and axes.figure is figure
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["eta = 40", "eta = 80"]
+    table = rb.outcomes(rb.blocks(alpha=0.15, p=[2.0, 3.0]), [record], scale=[1, 2, 4])
+    points = table.plot("PGV", ax=figure.add_subplot())
+    assert {line.get_marker() for line in points.lines} >= {"o"} and points.get_xlabel() == "PGV [m/s]"
+    assert record.plot().figure is not figure
+    with pytest.raises(ValueError, match="column 'outcome' has .* values; expected numbers"):
+        table.plot("outcome")
+
+
+def test_notebooks_show_results_as_tables(record):
+    run = rb.Block(alpha=0.15).run(theta=0.1, duration=0.5)
+    table = rb.Table({"a<b": np.arange(12.0), "outcome": ["completed"] * 12}, {"a<b": "m"})
+    assert "<th>a&lt;b [m]</th>" in table._repr_html_() and table._repr_html_().count("<tr>") == 11
+    assert "0.6667" in run._repr_html_() and "PGA" in record._repr_html_()
+
+
+def test_what_is_not_installed_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ModuleNotFoundError, match="to_frame needs pandas; python -m pip install pandas"):
+        rb.Block().run(theta=0.1, duration=0.1).to_frame()
 
 
 def public():
