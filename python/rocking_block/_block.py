@@ -8,7 +8,7 @@ from rocking_block import _engine
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._run import Run
-from rocking_block._words import OnOverturning, OnSeparation, ticking
+from rocking_block._words import OnOverturning, OnSeparation, number, run_options, ticking
 
 
 class Block(_engine.Block):
@@ -49,6 +49,11 @@ class Block(_engine.Block):
     ------
     ValueError
         A parameter of which no block can be made, or that nothing would read; the message names it.
+
+    Warns
+    -----
+    UserWarning
+        Supports so soft that the block falls over on them by itself.
 
     Examples
     --------
@@ -148,18 +153,13 @@ class Block(_engine.Block):
         >>> run.outcome, run.theta.shape
         ('completed', (927,))
         """
-        beginning = {"theta": theta, "theta_dot": theta_dot, "v": v, "v_dot": v_dot}
-        options = {
-            "tolerance": tolerance,
-            "on_separation": on_separation,
-            "on_overturning": on_overturning,
-            "duration": duration,
-            "step": step,
-        }
+        given = {"theta": theta, "theta_dot": theta_dot, "v": v, "v_dot": v_dot}
+        beginning = {name: None if value is None else number(name, value) for name, value in given.items()}
+        options = run_options(tolerance, on_separation, on_overturning, duration, step)
         along = None if record is None else as_record("record", record, self.g)
         up = None if vertical is None else as_record("vertical", vertical, self.g)
         with ticking(progress) as tick:
-            made = _engine.history(self, along, up, scale, as_pulse(pulse), beginning, options, tick)
+            made = _engine.history(self, along, up, number("scale", scale), as_pulse(pulse), beginning, options, tick)
         return Run.of(self, made)
 
     def __repr__(self) -> str:

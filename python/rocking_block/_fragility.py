@@ -1,6 +1,7 @@
 """Fragility curves."""
 
 from collections.abc import Mapping
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -208,7 +209,7 @@ def fragility(
     """
     if isinstance(limit, str) and limit.lower() == "overturned":
         limit = "overturned"
-    elif isinstance(limit, str) or not 0.0 < limit < np.inf:
+    elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
         shown = f'"{limit}"' if isinstance(limit, str) else limit
         raise ValueError(f'limit = {shown}; expected "overturned" or a rotation |θ|/α > 0')
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"

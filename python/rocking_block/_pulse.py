@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from rocking_block import _engine
 from rocking_block._record import IMPLAUSIBLE
-from rocking_block._words import Floats, Shape, chosen
+from rocking_block._words import Floats, Shape, chosen, number
 
 
 @dataclass(frozen=True)
@@ -17,11 +17,11 @@ class Pulse:
     """A pulse of horizontal ground acceleration, zero outside its duration.
 
     Cycloidal pulses of Palmeri & Makris (2008), Table I: type A is "one-sine", type B "one-cosine", each over one period;
-    "C1" and "C2" bring the ground back after one and a half and two and a half periods, less their phase.
+    "c1" and "c2" bring the ground back after one and a half and two and a half periods, less their phase.
 
     Parameters
     ----------
-    shape : {"one-sine", "one-cosine", "C1", "C2"}
+    shape : {"one-sine", "one-cosine", "c1", "c2"}
         Shape of the acceleration.
     amplitude : float, optional
         Amplitude a_p of the acceleration [m/s²]; only a search for it does without.
@@ -57,6 +57,9 @@ class Pulse:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", chosen("shape", self.shape, get_args(Shape)))
+        for name in ("amplitude", "period", "start"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, number(name, getattr(self, name)))
         _engine.check_pulse(self)
         if self.amplitude is not None and abs(self.amplitude) > IMPLAUSIBLE:
             message = f"amplitude = {self.amplitude:.4g} m/s² is {abs(self.amplitude) / 9.81:.3g} g; expected m/s²"

@@ -173,4 +173,4 @@ def as_record(name: str, given: object, g: float) -> Record:
 
 def _shown(given: object) -> str:
     text = repr(given)
-    return text if len(text) <= 40 else f"{type(given).__name__} {text[:40]}…"
+    return text if len(text) <= 60 else f"{text[:60]}…"

@@ -7,7 +7,7 @@ from typing import Any
 from rocking_block import _engine
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
-from rocking_block._words import OnSeparation, ticking
+from rocking_block._words import OnSeparation, run_options, ticking
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def search_overturning(
     '7.2226 m/s²'
     """
     scan = _scan(start, stop, points, resolution, threads)
-    options = _options(tolerance, on_separation)
+    options = run_options(tolerance, on_separation)
     if not isinstance(block, _engine.Block):
         raise TypeError(f"block = {block!r}; expected a Block")
     pulse = as_pulse(pulse)
@@ -127,7 +127,7 @@ def search_damping(
         An option that is not valid, or a rigid base.
     """
     scan = _scan(start, stop, points, resolution, threads)
-    options = _options(tolerance, "terminate")
+    options = run_options(tolerance, "terminate")
     with ticking(progress) as tick:
         least, stretches, spacing = _engine.search_damping(block, rate, scan, options, tick)
     return Search("xi_v [1]", least, tuple(stretches), spacing, resolution)
@@ -137,13 +137,3 @@ def _scan(
     start: float | None, stop: float | None, points: int, resolution: float, threads: int | None
 ) -> dict[str, Any]:
     return {"from": start, "to": stop, "points": points, "resolution": resolution, "threads": threads}
-
-
-def _options(tolerance: float, on_separation: OnSeparation) -> dict[str, Any]:
-    return {
-        "tolerance": tolerance,
-        "on_separation": on_separation,
-        "on_overturning": "terminate",
-        "duration": None,
-        "step": None,
-    }

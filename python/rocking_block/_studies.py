@@ -14,7 +14,7 @@ from rocking_block._block import Block
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._table import Table, of_program
-from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, ticking
+from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, run_options, ticking
 
 # One record or several, as they are or as files.
 Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
@@ -58,7 +58,7 @@ def spectrum(
     records: Records | None = None,
     vertical: Records | None = None,
     scale: npt.ArrayLike = 1.0,
-    periods: Sequence[float] = (),
+    periods: npt.ArrayLike = (),
     pulse: Pulse | None = None,
     tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
@@ -87,7 +87,7 @@ def spectrum(
         Horizontal and vertical records, as many of both if there are both. Files are read by `read_record`.
     scale : array_like, up to one dimension
         Factors on the records [1].
-    periods : sequence of float
+    periods : array_like
         Periods [s] of Sa and Sv among the records' intensity measures in the table, which are those of `intensity`.
     pulse : Pulse, optional
         A pulse, alone or added to each record.
@@ -161,7 +161,7 @@ def spectrum(
         gamma,
         g,
     )
-    options = _options(tolerance, on_separation, on_overturning, duration, step)
+    options = run_options(tolerance, on_separation, on_overturning, duration, step)
     return _outcomes(many, (*shape, *sizes.shape), records, vertical, scale, periods, pulse, g, options, threads, progress)
 
 
@@ -180,8 +180,8 @@ def blocks(**parameters: npt.ArrayLike) -> list[Block]:
     [1.0, 2.0]
     """
     names = list(parameters)
-    arrays = np.broadcast_arrays(*(np.asarray(value) for value in parameters.values()))
-    rows = zip(*(array.ravel().tolist() for array in arrays), strict=True)
+    arrays = _same_shape({name: np.asarray(value) for name, value in parameters.items()})
+    rows = zip(*(array.ravel().tolist() for array in arrays.values()), strict=True)
     return [Block(**dict(zip(names, row, strict=True))) for row in rows]
 
 
@@ -191,7 +191,7 @@ def outcomes(
     *,
     vertical: Records | None = None,
     scale: npt.ArrayLike = 1.0,
-    periods: Sequence[float] = (),
+    periods: npt.ArrayLike = (),
     pulse: Pulse | None = None,
     tolerance: float = 1e-6,
     on_separation: OnSeparation = "fly",
@@ -237,7 +237,7 @@ def outcomes(
             raise TypeError(f"blocks has {block!r}; expected Blocks")
     many = _engine.Blocks.of(listed)
     shape = () if single else (len(many),)
-    options = _options(tolerance, on_separation, on_overturning, duration, step)
+    options = run_options(tolerance, on_separation, on_overturning, duration, step)
     return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, options, threads, progress)
 
 
@@ -315,6 +315,10 @@ def _broadcast(**values: npt.ArrayLike) -> dict[str, Floats]:
     for name, array in arrays.items():
         if array.size == 0:
             raise ValueError(f"{name} = []; expected at least one")
+    return _same_shape(arrays)
+
+
+def _same_shape(arrays: dict[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:
@@ -323,29 +327,13 @@ def _broadcast(**values: npt.ArrayLike) -> dict[str, Floats]:
     return {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
 
 
-def _options(
-    tolerance: float,
-    on_separation: OnSeparation,
-    on_overturning: OnOverturning,
-    duration: float | None,
-    step: float | None,
-) -> dict[str, Any]:
-    return {
-        "tolerance": tolerance,
-        "on_separation": on_separation,
-        "on_overturning": on_overturning,
-        "duration": duration,
-        "step": step,
-    }
-
-
 def _outcomes(
     many: _engine.Blocks,
     shape: tuple[int, ...],
     records: Records | None,
     vertical: Records | None,
     scale: npt.ArrayLike,
-    periods: Sequence[float],
+    periods: npt.ArrayLike,
     pulse: Pulse | None,
     g: float,
     options: dict[str, Any],
@@ -368,11 +356,12 @@ def _outcomes(
         raise ValueError("scale = []; expected at least one factor")
     if not along and not up and not np.array_equal(scales, 1.0):
         raise ValueError("scale has no effect without records")
-    if not along and len(periods) > 0:
+    of_spectra = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
+    if not along and of_spectra:
         raise ValueError("periods has no effect without horizontal records")
     factors = scales.ravel().tolist()
     with ticking(progress) as tick:
-        made, units, failure = _engine.outcomes(many, pairs, factors, list(periods), g, pulse, options, threads, tick)
+        made, units, failure = _engine.outcomes(many, pairs, factors, of_spectra, g, pulse, options, threads, tick)
 
     def of_motion(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
         """A column of values of the records, or of the scales, the latter in turn for each record."""

@@ -1,5 +1,6 @@
 """Results of many runs: columns of one length."""
 
+import math
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -63,6 +64,8 @@ class Table(dict[str, npt.NDArray[Any]]):
             raise ValueError(f"columns have {sorted(rows)} rows; expected one length")
         self._units = dict(units or {})
         self._shape = shape if shape is not None else (max(rows, default=0),)
+        if math.prod(self._shape) != max(rows, default=0):
+            raise ValueError(f"shape = {shape} with {max(rows, default=0)} rows; expected as many elements")
 
     @property
     def units(self) -> dict[str, str]:

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 Foundation = Literal["viscoelastic", "rigid"]
-Shape = Literal["one-sine", "one-cosine", "C1", "C2"]
+Shape = Literal["one-sine", "one-cosine", "c1", "c2"]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
 Outcome = Literal["completed", "overturned", "separated", "failed"]
@@ -24,6 +24,33 @@ def chosen(name: str, found: object, words: tuple[str, ...]) -> str:
             return word
     shown = f'"{found}"' if isinstance(found, str) else repr(found)
     raise ValueError(f"{name} = {shown}; expected one of " + ", ".join(f'"{word}"' for word in words))
+
+
+def number(name: str, given: Any) -> float:
+    """Returns a number as a float, and refuses texts and lists by the name of the argument."""
+    try:
+        if not isinstance(given, str | bytes):
+            return float(given)
+    except (TypeError, ValueError):
+        pass
+    raise TypeError(f"{name} = {given!r}; expected a number")
+
+
+def run_options(
+    tolerance: float,
+    on_separation: OnSeparation,
+    on_overturning: OnOverturning = "terminate",
+    duration: float | None = None,
+    step: float | None = None,
+) -> dict[str, Any]:
+    """Returns the options of runs as the engine reads them."""
+    return {
+        "tolerance": number("tolerance", tolerance),
+        "on_separation": chosen("on_separation", on_separation, get_args(OnSeparation)),
+        "on_overturning": chosen("on_overturning", on_overturning, get_args(OnOverturning)),
+        "duration": None if duration is None else number("duration", duration),
+        "step": None if step is None else number("step", step),
+    }
 
 
 @contextmanager

@@ -1,9 +1,10 @@
 //! Parameters → a block, or many.
 
+use std::ffi::CString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Physical};
@@ -119,6 +120,7 @@ impl Block {
     ))]
     #[allow(non_snake_case, clippy::too_many_arguments)]
     fn new(
+        py: Python,
         alpha: Option<f64>,
         p: Option<f64>,
         eta: Option<f64>,
@@ -138,7 +140,9 @@ impl Block {
         let given = Given { alpha, p, eta, xi_v, width, height, stiffness: K, damping: C, restitution_factor };
         let restitution_factor = restitution_factor.unwrap_or(1.0);
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
-        Ok(Block { block: given.block(&common)?, given })
+        let block = given.block(&common)?;
+        warn_of_soft_supports(py, &[block], 1)?;
+        Ok(Block { block, given })
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
@@ -284,6 +288,22 @@ impl Block {
     }
 }
 
+/// Warns of the first block that falls over by itself: the moment of its supports per radian, 2 K b², is at most that of its
+/// weight, M g h. `stack_level` is that of the line that the warning names.
+fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
+    let least = |block: &engine::Block| block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
+    let is_soft =
+        |block: &&engine::Block| block.foundation == Foundation::Viscoelastic && block.stiffness <= least(block);
+    let Some(block) = blocks.iter().find(is_soft) else { return Ok(()) };
+    let (eta, stiffness, least) = (block.eta(), block.stiffness, least(block));
+    let least_eta = eta * (least / stiffness).sqrt();
+    let message = format!(
+        "the block falls over by itself on supports of eta = {eta:.4}, K = {stiffness:.4e} N/m; expected eta > \
+         {least_eta:.4}, K > {least:.4e} N/m"
+    );
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, stack_level)
+}
+
 fn foundation_word(foundation: Foundation) -> &'static str {
     FOUNDATIONS.iter().find(|(_, known)| *known == foundation).map_or("", |(word, _)| word)
 }
@@ -303,6 +323,7 @@ impl Blocks {
     #[new]
     #[allow(clippy::too_many_arguments)]
     fn new(
+        py: Python,
         foundation: &str,
         alpha: PyReadonlyArray1<f64>,
         p: PyReadonlyArray1<f64>,
@@ -323,7 +344,8 @@ impl Blocks {
                 Common { mass, gamma, epsilon: epsilon[i], gravity: g, foundation, restitution_factor: factor[i] };
             engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
         };
-        let blocks = (0..alpha.len()).map(block).collect::<PyResult<_>>()?;
+        let blocks = (0..alpha.len()).map(block).collect::<PyResult<Vec<_>>>()?;
+        warn_of_soft_supports(py, &blocks, 2)?;
         Ok(Blocks { blocks, eta: eta.to_vec() })
     }
 

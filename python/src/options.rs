@@ -106,8 +106,8 @@ impl PulseOptions {
         let shapes = [
             ("one-sine", PulseShape::OneSine),
             ("one-cosine", PulseShape::OneCosine),
-            ("C1", PulseShape::C1),
-            ("C2", PulseShape::C2),
+            ("c1", PulseShape::C1),
+            ("c2", PulseShape::C2),
         ];
         let shape = word("shape", &self.shape, &shapes)?;
         let amplitude = instead.or(self.amplitude);

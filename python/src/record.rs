@@ -13,7 +13,7 @@ use rocking_block::study::ground_files::{Name, Said};
 use rocking_block::study::intensity::{Measure, PERIODS, pga, pgv};
 
 use crate::block::hash;
-use crate::options::{finite, invalid};
+use crate::options::{finite, invalid, whole};
 
 /// The samples of a record; the class of the same name in Python adds what it can do.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
@@ -161,7 +161,7 @@ pub fn read_record(
     unit: Option<&str>,
     dt: Option<f64>,
     format: Option<&str>,
-    channel: Option<usize>,
+    channel: Option<i64>,
     time_column: Option<ColumnOption>,
     acceleration_column: Option<ColumnOption>,
     g: f64,
@@ -173,7 +173,10 @@ pub fn read_record(
         gravity: g,
         time_column: time_column.map(Column::from),
         acceleration_column: acceleration_column.map(Column::from),
-        channel,
+        channel: channel
+            .map(|channel| whole("channel", channel, 1..=1_000_000))
+            .transpose()?
+            .map(|channel| channel as usize),
     };
     let record = py.detach(|| engine::read(&path, &options)).map_err(refused)?;
     let said = Said { of_both: options, ..Said::default() };

@@ -29,7 +29,7 @@ RUNS = {
     ),
     "a rigid base": (
         {"alpha": 0.15, "p": 2.0, "foundation": "rigid", "restitution_factor": 0.95},
-        {"scale": 2, "pulse": rb.Pulse("C1", 1.0, 1.5, 2.0)},
+        {"scale": 2, "pulse": rb.Pulse("c1", 1.0, 1.5, 2.0)},
         "--scale=2 --alpha=0.15 --p=2 --foundation=rigid --restitution-factor=0.95 --pulse=c1 --amplitude=1 --period=1.5 "
         "--start=2".split(),
     ),

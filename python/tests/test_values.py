@@ -16,7 +16,7 @@ VALUES = [
     rb.Block(width=0.8, height=3.2, K=1e7, C=4e4, mass=4000, epsilon=0.3),
     rb.Block(alpha=0.2, foundation="rigid", restitution_factor=0.9),
     rb.Record([0.0, 1.0, -1.0], 0.01, "name", 2.0),
-    rb.Pulse("C2", 3.0, 1.2, 0.5),
+    rb.Pulse("c2", 3.0, 1.2, 0.5),
 ]
 
 
@@ -125,10 +125,10 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
          "1 s in steps of 0.000000001 s are 1000000000 rows; expected fewer than 1e8"),
         (lambda: BLOCK.run(RECORD, on_separation="float"),
          'on_separation = "float"; expected one of "terminate", "hold", "fly"'),
-        (lambda: BLOCK.run(pulse=rb.Pulse("C1", period=1.0)),
+        (lambda: BLOCK.run(pulse=rb.Pulse("c1", period=1.0)),
          "amplitude is missing; expected that of the pulse, a_p [m/s2]"),
-        (lambda: rb.Pulse("square", 1.0), 'shape = "square"; expected one of "one-sine", "one-cosine", "C1", "C2"'),
-        (lambda: rb.Pulse("C1", 1.0, period=0.0), "period = 0; expected a time > 0 s"),
+        (lambda: rb.Pulse("square", 1.0), 'shape = "square"; expected one of "one-sine", "one-cosine", "c1", "c2"'),
+        (lambda: rb.Pulse("c1", 1.0, period=0.0), "period = 0; expected a time > 0 s"),
         (lambda: rb.Record([1.0], 0.01), "acceleration has 1 samples; expected at least two"),
         (lambda: rb.Record([1.0, np.nan], 0.01), "acceleration[1] = NaN; expected a finite number"),
         (lambda: rb.Record(np.zeros((2, 2)), 0.01), "acceleration has shape (2, 2); expected one dimension, of samples"),
@@ -146,6 +146,8 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
         (lambda: rb.spectrum(p=[], pulse=PULSE), "p = []; expected at least one"),
         (lambda: rb.spectrum(p=1.0, eta=[], pulse=PULSE), "eta = []; expected at least one"),
         (lambda: rb.outcomes([], RECORD), "blocks = []; expected at least one"),
+        (lambda: rb.blocks(p=[1, 2], alpha=[0.1, 0.2, 0.3]), "shapes do not broadcast: p (2,), alpha (3,)"),
+        (lambda: rb.Table({"p": [1.0, 2.0, 3.0]}, shape=(2, 2)), "shape = (2, 2) with 3 rows; expected as many elements"),
         (lambda: rb.outcomes(BLOCK, RECORD, scale=[]), "scale = []; expected at least one factor"),
         (lambda: rb.spectrum(p=1.0, pulse=PULSE, step=1e-9), "step = 0.000000001; expected a time of at least 1e-6 s"),
         (lambda: rb.search_overturning(BLOCK), "expected either a pulse or a record, whose strength is searched for"),
@@ -175,6 +177,10 @@ def test_what_is_not_valid_is_refused(call, message):
         (lambda: rb.outcomes(BLOCK, [0.0, 1.0]), "records has 0.0; expected a Record or the path of a file"),
         (lambda: rb.search_overturning(BLOCK, record=3), "record has 3; expected a Record or the path of a file"),
         (lambda: rb.outcomes([0.2], RECORD), "blocks has 0.2; expected Blocks"),
+        (lambda: BLOCK.run(RECORD, scale=[1, 2]), "scale = [1, 2]; expected a number"),
+        (lambda: BLOCK.run(theta="0.1"), "theta = '0.1'; expected a number"),
+        (lambda: rb.search_overturning(BLOCK, pulse=PULSE, tolerance="1e-6"), "tolerance = '1e-6'; expected a number"),
+        (lambda: rb.Pulse("c1", "3"), "amplitude = '3'; expected a number"),
     ],
 )
 def test_what_is_of_another_type_is_refused(call, message):
@@ -184,7 +190,7 @@ def test_what_is_of_another_type_is_refused(call, message):
 
 
 def test_words_may_be_in_any_case():
-    assert rb.Pulse("One-Sine", 6.0, 1.25) == PULSE and rb.Pulse("c2", 1.0) == rb.Pulse("C2", 1.0)
+    assert rb.Pulse("One-Sine", 6.0, 1.25) == PULSE and rb.Pulse("C2", 1.0) == rb.Pulse("c2", 1.0)
     rigid = BLOCK.replace(foundation="Rigid")
     assert rigid == rb.Block(foundation="RIGID") and rigid.replace(foundation="Viscoelastic").foundation == "viscoelastic"
     ends = [BLOCK.run(pulse=PULSE, on_separation=word, on_overturning="Hold", duration=2.0) for word in ("fly", "FLY")]
@@ -201,11 +207,22 @@ def test_a_block_flies_by_default_everywhere():
     assert run.peak.theta / block.alpha == table["peak.theta/alpha"][0]
 
 
+def test_supports_that_let_the_block_fall_over_are_warned_of():
+    """At the least η the block leans at rest in any position; a hundredth above it stands, and below it falls."""
+    least = np.sqrt(4 / 3 * np.cos(0.25)) / np.sin(0.25)
+    assert rb.Block(eta=1.01 * least, xi_v=0.5).run(theta=1e-3, duration=30.0).peak.theta < 2e-3
+    with pytest.warns(UserWarning, match="falls over by itself on supports of eta = 4.548.* expected eta > 4.594.* K > "):
+        soft = rb.Block(eta=0.99 * least, xi_v=0.5)
+    assert soft.run(theta=1e-3).outcome == "overturned"
+    with pytest.warns(UserWarning, match="falls over by itself"):
+        rb.spectrum(p=1.0, eta=[40, 3], pulse=PULSE)
+
+
 def test_accelerations_of_no_earthquake_are_warned_of():
     with pytest.warns(UserWarning, match=r"made up: the PGA is 1e\+05 m/s², 1.02e\+04 g; expected samples in m/s²"):
         rb.Record([0.0, 1e5, 0.0], 0.01, "made up")
     with pytest.warns(UserWarning, match=r"amplitude = 200 m/s² is 20.4 g; expected m/s²"):
-        rb.Pulse("C1", 200.0)
+        rb.Pulse("c1", 200.0)
 
 
 def test_records_may_be_files_and_come_one_by_one(path):
@@ -227,6 +244,8 @@ def test_files_that_cannot_be_read(tmp_path):
         rb.read_record(file, unit="g")
     with pytest.raises(ValueError, match=r'found unit "furlong", expected one of g, m/s2'):
         rb.read_record(file, dt=0.01, unit="furlong")
+    with pytest.raises(ValueError, match="channel = -1; expected a whole number from 1"):
+        rb.read_record(file, dt=0.01, unit="g", channel=-1)
     with pytest.raises(ValueError, match="channel has no effect without a COSMOS or CSMIP file"):
         rb.read_record(file, dt=0.01, unit="g", channel=1)
     read = rb.read_record(file, dt=0.01, unit="g", g=10.0)

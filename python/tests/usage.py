@@ -9,7 +9,7 @@ record: rb.Record = rb.read_record("RSN1063.AT2", unit="g")
 synthetic = rb.Record([0.0, 1.0], 0.01, name="made up")
 block = rb.Block(alpha=0.2, p=1.5, eta=60, xi_v=0.1)
 rigid: rb.Block = block.replace(foundation="rigid")
-run: rb.Run = block.run(record, vertical=synthetic, scale=2, on_separation="fly", pulse=rb.Pulse("C1", 1.0, 2.0))
+run: rb.Run = block.run(record, vertical=synthetic, scale=2, on_separation="hold", pulse=rb.Pulse("c1", 1.0, 2.0))
 rotation: npt.NDArray[np.float64] = run.theta
 energy: float = float(run.energy.total[-1])
 times: list[float] = [event.t for event in run.events if event.corner == "L"]
