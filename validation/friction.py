@@ -33,7 +33,7 @@ def main():
         eta, xi_v = generator.uniform(20, 100), generator.uniform(0.05, 0.4)
         scale, record = generator.uniform(1, 6), records[generator.integers(len(records))]
         block = rb.Block(alpha=alpha, p=p, eta=eta, xi_v=xi_v)
-        run = block.run(record, scale=scale, step=STEP, on_separation="fly", progress=False)
+        run = block.run(record, scale=scale, step=STEP, progress=False)
         if run.counts.liftoffs == 0:
             continue
         demand = run.friction_demand

@@ -44,7 +44,7 @@ def on_supports(height, frequency, damping):
     alpha, radius = math.atan2(HALF_WIDTH, half_height), math.hypot(HALF_WIDTH, half_height)
     p = math.sqrt(0.75 * 9.81 / radius)
     block = rb.Block(alpha=alpha, p=p, eta=frequency * math.sqrt(0.5 / height) / p, xi_v=damping)
-    run = block.run(theta=alpha / 2, duration=4 / p, step=2e-4 / p, on_separation="fly", progress=False)
+    run = block.run(theta=alpha / 2, duration=4 / p, step=2e-4 / p, progress=False)
     regimes = [event.after for event in run.events]
     landing = next(event.t for event in run.events if event.event == "landing")
     lifts = [event.t for event in run.events if event.event == "lift-off" and event.t > landing]

@@ -1,6 +1,7 @@
 """Words of options, optional packages, and progress bars."""
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Literal, get_args
@@ -18,12 +19,16 @@ Outcome = Literal["completed", "overturned", "separated", "failed"]
 
 
 def chosen(name: str, found: object, words: tuple[str, ...]) -> str:
-    """Returns the word that was chosen, in any case; the error lists the words."""
+    """Returns the word that was chosen; case, hyphens and underscores do not matter. The error lists the words."""
     for word in words:
-        if isinstance(found, str) and found.lower() == word.lower():
+        if isinstance(found, str) and _letters(found) == _letters(word):
             return word
     shown = f'"{found}"' if isinstance(found, str) else repr(found)
     raise ValueError(f"{name} = {shown}; expected one of " + ", ".join(f'"{word}"' for word in words))
+
+
+def _letters(word: str) -> str:
+    return word.lower().replace("-", "").replace("_", "")
 
 
 def number(name: str, given: Any) -> float:
@@ -74,7 +79,10 @@ def ticking(progress: bool | None) -> Iterator[Callable[[int, int], object]]:
         yield lambda done, total: None
         return
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # A notebook without ipywidgets has bars of text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
     except ImportError:
         if progress:
             raise

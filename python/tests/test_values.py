@@ -190,7 +190,7 @@ def test_what_is_of_another_type_is_refused(call, message):
 
 
 def test_words_may_be_in_any_case():
-    assert rb.Pulse("One-Sine", 6.0, 1.25) == PULSE and rb.Pulse("C2", 1.0) == rb.Pulse("c2", 1.0)
+    assert rb.Pulse("One-Sine", 6.0, 1.25) == rb.Pulse("OneSine", 6.0, 1.25) == PULSE and rb.Pulse("C2", 1.0) == rb.Pulse("c2", 1.0)
     rigid = BLOCK.replace(foundation="Rigid")
     assert rigid == rb.Block(foundation="RIGID") and rigid.replace(foundation="Viscoelastic").foundation == "viscoelastic"
     ends = [BLOCK.run(pulse=PULSE, on_separation=word, on_overturning="Hold", duration=2.0) for word in ("fly", "FLY")]
