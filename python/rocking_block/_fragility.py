@@ -59,7 +59,7 @@ class Fragility(_engine.Fragility):
     im: str
     """The intensity measure."""
     unit: str
-    """Its unit."""
+    """Its unit; empty where the table has none."""
     limit: str | float
     """What exceeds: "overturned", or a rotation |θ|/α [1]."""
     ci: float
@@ -125,7 +125,7 @@ class Fragility(_engine.Fragility):
         return _plot.fragility(self, ax, label, color, runs, style)
 
     def _repr_html_(self) -> str:
-        unit = "" if self.unit == "1" else f" {self.unit}"
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         ends = [[f"{end:.4g}" for end in pair] for pair in (self.median_ci, self.beta_ci)]
         rows = [
             ("median", f"{self.median:.4g}{unit}", f"[{', '.join(ends[0])}]"),
@@ -140,7 +140,7 @@ class Fragility(_engine.Fragility):
         return self.limit if isinstance(self.limit, str) else f"|θ|/α > {self.limit:g}"
 
     def __repr__(self) -> str:
-        unit = "" if self.unit == "1" else f" {self.unit}"
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         median, beta = self.median_ci, self.beta_ci
         return (
             f"<Fragility of {self._limit()} over {self.im}: median {self.median:.4g}{unit} "
@@ -240,7 +240,8 @@ def fragility(
     rows = (measures[tells], fraction[tells], peak[tells], motions[tells])
     for column in rows:
         column.setflags(write=False)
-    unit = table.units.get(im, "1") if isinstance(table, Table) else "1"
+    units = table.units if isinstance(table, Table) else getattr(table, "attrs", {}).get("units", {})
+    unit = units.get(im, "")
     what = (im, unit, limit, int(failed.sum()), int(separated.sum()))
     how = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:

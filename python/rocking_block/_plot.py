@@ -33,7 +33,9 @@ _ROTATION = "peak.theta/alpha"
 _CUT = 1.5
 # Where a table is drawn over one of these by default, if it varies.
 _ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
-_PARAMETERS = ("record", "vertical", "scale", "foundation", "alpha", "p", "eta", "xi_v", "epsilon", "restitution_factor")
+_MOTIONS = ("record", "vertical", "scale")
+_OF_BLOCK = ("foundation", "alpha", "p", "eta", "xi_v", "width", "height", "K", "C", "mass", "gamma", "epsilon", "g",
+             "restitution_factor")
 # Columns that follow from others, which need no curves of their own beside them.
 _FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 
@@ -167,7 +169,7 @@ def fragility(
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     limit = fit._limit()
-    over, what = f"{fit.im} [{fit.unit}]", f"probability: {limit}"
+    over, what = f"{fit.im} [{fit.unit}]" if fit.unit else fit.im, f"probability: {limit}"
     if not first:
         left, right = axes.get_xlim()
         low, high = min(low, left), max(high, right)
@@ -186,7 +188,8 @@ def table(
     varying = [name for name in table if table.rows and len(np.unique(table[name])) > 1]
     if x is None:
         # A spectrum has curves over the size; runs under many records have points over a measure of those.
-        fitting = [name for name in _ABSCISSAS if name in varying]
+        known = (*_ABSCISSAS, *(name for name in varying if _is_parameter(name)))
+        fitting = [name for name in known if name in varying and table[name].dtype.kind in "fiu"]
         if "2pi/p" in fitting and not _makes_curves(table, "2pi/p", _tell_apart(varying, "2pi/p", y)):
             fitting.remove("2pi/p")
         if not fitting:
@@ -234,7 +237,11 @@ def table(
 
 def _tell_apart(varying: Sequence[str], x: str, y: str) -> list[str]:
     """Returns the parameters that tell curves over x apart."""
-    return [name for name in _PARAMETERS if name in varying and name not in (x, y, *_FOLLOWS.get(x, ()))]
+    return [name for name in varying if _is_parameter(name) and name not in (x, y, *_FOLLOWS.get(x, ()))]
+
+
+def _is_parameter(name: str) -> bool:
+    return name in _MOTIONS or name in _OF_BLOCK or name.startswith(("pulse.", "initial."))
 
 
 def _makes_curves(table: "Table", x: str, by: Sequence[str]) -> bool:

@@ -126,11 +126,13 @@ class Table(dict[str, npt.NDArray[Any]]):
     __hash__ = None
 
     def to_frame(self) -> "pandas.DataFrame":
-        """The table as a pandas DataFrame."""
+        """The table as a pandas DataFrame; its `attrs["units"]` are the units."""
         with optional("to_frame", "pandas"):
             import pandas
 
-        return pandas.DataFrame(dict(self))
+        frame = pandas.DataFrame(dict(self))
+        frame.attrs["units"] = self.units
+        return frame
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes the table as a Parquet file, by pyarrow; the fields' metadata have the units."""

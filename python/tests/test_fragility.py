@@ -54,7 +54,9 @@ def test_intervals_and_bands_lie_about_the_curve(intervals):
 
 def test_a_frame_does_as_well():
     table = planted()
-    assert repr(rb.fragility(table.to_frame(), "PGV")) == repr(rb.fragility(table, "PGV")).replace(" m/s", "")
+    assert repr(rb.fragility(table.to_frame(), "PGV")) == repr(rb.fragility(table, "PGV"))
+    without = rb.fragility(dict(table), "PGV")
+    assert without.unit == "" and without.plot(ax=plt.figure().add_subplot()).get_xlabel() == "PGV"
 
 
 def test_a_measure_and_outcomes_are_enough():

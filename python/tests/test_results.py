@@ -113,6 +113,9 @@ def test_tables_and_records_are_drawn(record, figure):
     points = table.plot("PGV", ax=figure.add_subplot())
     assert {line.get_marker() for line in points.lines} >= {"o"} and points.get_xlabel() == "PGV [m/s]"
     assert record.plot().figure is not figure
+    study = {"study": {"design": "grid"}, "parameters": {"pulse": {"shape": "OneSine", "period": [1.0, 1.5], "amplitude": [4.0, 6.0]}}}
+    axes = rb.sweep(study).plot(ax=plt.figure().add_subplot())
+    assert axes.get_xlabel() == "pulse.period [s]" and axes.get_legend().get_texts()[1].get_text() == "pulse.amplitude = 6"
     with pytest.raises(ValueError, match="column 'outcome' has .* values; expected numbers"):
         table.plot("outcome")
 
