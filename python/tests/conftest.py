@@ -38,6 +38,14 @@ def rocking(tmp_path_factory):
     return run
 
 
+@pytest.fixture(autouse=True)
+def no_figures():
+    """Pictures of the same kind share axes, but not those of other tests."""
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
+
+
 @pytest.fixture(scope="session")
 def path():
     """An embedded record of the Loma Prieta earthquake of 1989."""

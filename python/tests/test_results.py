@@ -77,9 +77,7 @@ def test_pandas_takes_a_table():
 @pytest.fixture
 def figure():
     """A current figure, as a notebook's cell or plt.figure() has it."""
-    plt.close("all")
-    yield plt.figure(figsize=(6, 5))
-    plt.close("all")
+    return plt.figure(figsize=(6, 5))
 
 
 def test_runs_are_drawn_on_the_current_figure_and_share_it(record, figure, tmp_path):
