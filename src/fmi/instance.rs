@@ -9,7 +9,7 @@ use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
 use crate::model::unit::exchange::{AfterEvent, counted};
 use crate::model::unit::{Interface, Unit};
-use crate::model::variables::Kind;
+use crate::model::variables::{Kind, VARIABLES};
 
 /// What a call answers; a fault is answered with the status for an error.
 pub type Answer = Result<Status, Fault>;
@@ -110,8 +110,30 @@ impl<V: Version> Instance<V> {
         convert: impl Fn(f64) -> T,
     ) -> Answer {
         self.unit.check(references, kind)?;
-        let unit = &mut self.unit;
-        write(references.iter().map(|&reference| unit.get(kind, reference).map(&convert)), values)
+        let (unit, mut lost) = (&mut self.unit, None);
+        let results = references.iter().map(|&reference| {
+            let value = unit.get(kind, reference)?;
+            if !value.is_finite() {
+                lost.get_or_insert(reference);
+            }
+            Ok(convert(value))
+        });
+        write(results, values)?;
+        match lost {
+            None => Ok(Status::Ok),
+            Some(reference) => Ok(self.answer_without_numbers(VARIABLES[reference as usize].name)),
+        }
+    }
+
+    /// What follows from the states may be no finite number in Model Exchange, where an importer's solver sets them: it can go back
+    /// then. In Co-Simulation that is an error of the step before.
+    pub fn answer_without_numbers(&self, what: &str) -> Status {
+        if self.unit.interface() == Interface::CoSimulation {
+            return Status::Ok;
+        }
+        let message = format!("{what} is not finite; expected states, inputs and loads of possible size");
+        self.log.status(Status::Discard, &message);
+        Status::Discard
     }
 
     /// Sets texts, all or none.
@@ -148,7 +170,10 @@ impl<V: Version> Instance<V> {
         direction: &[f64],
         sensitivities: &mut [MaybeUninit<f64>],
     ) -> Answer {
-        write(self.unit.directional_derivative(unknowns, knowns, direction)?, sensitivities)
+        let mut lost = false;
+        let results = self.unit.directional_derivative(unknowns, knowns, direction)?;
+        write(results.inspect(|result| lost |= result.as_ref().is_ok_and(|x| !x.is_finite())), sensitivities)?;
+        if lost { Ok(self.answer_without_numbers("a derivative")) } else { Ok(Status::Ok) }
     }
 
     /// An event is due.
@@ -197,7 +222,11 @@ impl<V: Version> Instance<V> {
         values: &mut [MaybeUninit<f64>],
     ) -> Answer {
         counted(values.len(), N, "numbers")?;
-        write(of(&mut self.unit)?.into_iter().map(Ok), values)
+        let numbers = of(&mut self.unit)?;
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Ok(self.answer_without_numbers("a derivative or an event indicator"));
+        }
+        write(numbers.into_iter().map(Ok), values)
     }
 
     /// From here on as when the state was saved.

@@ -9,6 +9,7 @@ use crate::fmi3::calls::Call;
 use crate::fmi3::instance::{Answer, Fmi3, Instance};
 use crate::fmi3::step::{Given, Look, Step};
 use crate::fmi3::types::*;
+use crate::model::fault::Fault;
 use crate::model::unit::Interface;
 use crate::model::variables::TOKEN;
 
@@ -23,13 +24,24 @@ pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Ins
     unsafe { boundary::call::<Fmi3>(instance, call, act) }.code()
 }
 
-/// `fmi3DoStep`: in pieces, between which the importer may look in. `done` gets what the step came to.
+/// `fmi3DoStep`: in pieces, between which the importer may look in. `ready` may refuse the step before it begins; `done` gets its
+/// result.
 ///
 /// # Safety
 /// As for [`call`].
-pub unsafe fn do_step(instance: fmi3Instance, step: Step, done: impl Fn(&Step) -> Answer) -> fmi3Status {
+pub unsafe fn do_step(
+    instance: fmi3Instance,
+    step: Step,
+    ready: impl Fn() -> Result<(), Fault>,
+    done: impl Fn(&Step) -> Answer,
+) -> fmi3Status {
     let mut step = step;
-    let piece = |instance: &mut Instance, given: Option<Given>| instance.step_on(&mut step, given, &done);
+    let piece = |instance: &mut Instance, given: Option<Given>| {
+        if given.is_none() {
+            ready()?;
+        }
+        instance.step_on(&mut step, given, &done)
+    };
     // SAFETY: by contract.
     unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::show) }.code()
 }

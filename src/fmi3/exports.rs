@@ -526,13 +526,27 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> fmi3Status {
     // SAFETY: the instance lives; the others are places for results (standard, 4.2).
     unsafe {
-        boundary::do_step(instance, Step::new(time, step), |step| {
-            place("eventHandlingNeeded", event_handling_needed)?.put(step.event.into());
-            place("terminateSimulation", terminate_simulation)?.put(step.terminates.into());
-            place("earlyReturn", early_return)?.put(step.early.into());
-            place("lastSuccessfulTime", last_successful_time)?.put(step.reached);
-            Ok(Status::Ok)
-        })
+        let places = || {
+            Ok((
+                place("eventHandlingNeeded", event_handling_needed)?,
+                place("terminateSimulation", terminate_simulation)?,
+                place("earlyReturn", early_return)?,
+                place("lastSuccessfulTime", last_successful_time)?,
+            ))
+        };
+        boundary::do_step(
+            instance,
+            Step::new(time, step),
+            || places().map(|_| ()),
+            |step| {
+                let (event, terminates, early, reached) = places()?;
+                event.put(step.event.into());
+                terminates.put(step.terminates.into());
+                early.put(step.early.into());
+                reached.put(step.reached);
+                Ok(Status::Ok)
+            },
+        )
     }
 }
 

@@ -14,6 +14,15 @@ use crate::model::parts::Reached;
 /// rounding error of the clock.
 const ROUNDING: f64 = 1e-6;
 
+/// Most intervals between looks in one step: in a longer step the intervals are longer, too.
+const MOST_LOOKS: f64 = 1e6;
+
+/// The time of the next look (s): an `interval` (s) after `time`, or as soon as the clock resolves, or `until` if that is near.
+fn next_look(time: f64, interval: f64, until: f64) -> f64 {
+    let next = (time + interval).max(time.next_up());
+    if next + ROUNDING * interval < until { next } else { until }
+}
+
 /// A step under way, and in the end what it came to.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
@@ -116,9 +125,10 @@ impl Instance {
         let after = version.early_return.then_some(step.time);
         while unit.time() < step.until {
             if let Some(updater) = version.updater.filter(|_| unit.needs_part()) {
-                let interval = unit.interval();
-                let time = unit.time() + interval;
-                let time = if time + ROUNDING * interval < step.until { time } else { step.until };
+                let time = match version.sets_inputs || !unit.rests() {
+                    true => next_look(unit.time(), unit.interval().max(step.size / MOST_LOOKS), step.until),
+                    false => step.until,
+                };
                 unit.ask(time);
                 if version.sets_inputs {
                     return Ok(Some(Look { updater, time, asks: true, can_return_early: version.early_return }));

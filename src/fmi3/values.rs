@@ -123,7 +123,9 @@ impl Instance {
             }
         }
         fits(found.len(), values.len())?;
-        write(found.into_iter().map(Ok), values)
+        let lost = found.iter().any(|number| !number.is_finite());
+        write(found.into_iter().map(Ok), values)?;
+        if lost { Ok(self.answer_without_numbers("a value")) } else { Ok(Status::Ok) }
     }
 
     /// `fmi3SetFloat64`, all or none; while inputs are asked for, those of a time to come.

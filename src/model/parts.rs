@@ -65,10 +65,17 @@ impl Unit {
         self.part.is_none()
     }
 
+    /// Whether nothing moves, and nothing will unless the inputs change.
+    pub fn rests(&self) -> bool {
+        let Some(simulation) = &self.simulation else { return false };
+        let (inputs, end) = self.acting(&self.values.inputs(self.time(), &PerInput::default()));
+        end == f64::INFINITY && simulation.rests(&inputs)
+    }
+
     /// Begins a part that ends at `end` (s), with the inputs at its end as they are now. They can be set until
     /// [`Unit::end_asking`].
     pub fn ask(&mut self, end: f64) {
-        let at_end = Input::ALL.map(|input| self.values[input.variable()]);
+        let at_end = self.values.present_inputs();
         self.part = Some(Part { end, over: Inputs::default(), at_end });
         self.phase = Phase::SettingAhead;
     }
@@ -85,7 +92,7 @@ impl Unit {
         self.phase = Phase::StepComplete;
         let time = self.time();
         if let Some(part) = &mut self.part {
-            let here = Input::ALL.map(|input| self.values[input.variable()]);
+            let here = self.values.present_inputs();
             let rates = std::array::from_fn(|i| (part.at_end[i] - here[i]) / (part.end - time));
             part.over = inputs(time, here, &rates);
         }

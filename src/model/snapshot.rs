@@ -9,7 +9,7 @@ use crate::model::variables::GUID;
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 
 /// Version of the content; to be raised with every change of what [`Unit`] holds.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 #[derive(Serialize, Deserialize)]
 struct Header {

@@ -19,7 +19,6 @@ use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Va
 use crate::records::ground::Ground;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
-use crate::simulation::peaks::Channels;
 use crate::simulation::{Energies, Progress, Settings, Simulation, SimulationError};
 use crate::system::surfaces::Event;
 
@@ -51,7 +50,7 @@ pub struct Unit {
     rates: PerInput,
     rates_are_new: bool,
     /// The block in motion; before initialization ends, what it would start as, if that is known.
-    simulation: Option<Simulation>,
+    pub(super) simulation: Option<Simulation>,
     /// What acts at the present time: the inputs, and the records inside.
     inputs: Inputs,
     /// The part of a step in which the inputs are known beforehand; see [`crate::model::parts`].
@@ -61,17 +60,25 @@ pub struct Unit {
     /// The records inside, once they are read. Shared with saved states; serialized states hold them whole, so that no file
     /// is needed to resume from one.
     ground: Option<Arc<Ground>>,
-    /// In Model Exchange the continuous states, as they were set or as the last event left them, and what the peaks need of
-    /// the last step.
+    /// In Model Exchange the continuous states, as they were set or as the last event left them.
     states: States,
-    last_step: Option<(f64, Channels)>,
+    /// In Model Exchange the inputs at the end of the last completed step.
+    last_inputs: PerInput,
     /// What is seen at the present time, until something changes it.
     #[serde(skip)]
     seen: Option<(Observation<f64>, Energies)>,
 }
 
-/// By how much a master's clock may be off, relative to the greater of step and time.
+/// Largest error of a master's clock, relative to the greater of step and time.
 const CLOCK_ROUNDING: f64 = 1e-9;
+
+/// Largest part of a communication step that a master's clock may skip.
+const MOST_SKIPPED: f64 = 1e-3;
+
+/// Largest accepted error (s) of a master's clock near `time` (s) for a communication step of `step` (s).
+fn clock_slack(step: f64, time: f64) -> f64 {
+    (CLOCK_ROUNDING * step.max(time.abs())).min(MOST_SKIPPED * step)
+}
 
 impl Unit {
     /// A new instance, all values at their starts.
@@ -89,7 +96,7 @@ impl Unit {
             left: None,
             ground: None,
             states: States::default(),
-            last_step: None,
+            last_inputs: PerInput::default(),
             seen: None,
         }
     }
@@ -121,7 +128,7 @@ impl Unit {
                 Interface::ModelExchange => !stepped,
             }
             && !looked_at
-            && times.iter().chain(&self.rates).chain(&self.states).all(|x| x.is_finite())
+            && times.iter().chain(&self.rates).chain(&self.states).chain(&self.last_inputs).all(|x| x.is_finite())
             && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
             && self.part.as_ref().is_none_or(Part::is_valid)
             && match &self.simulation {
@@ -208,7 +215,7 @@ impl Unit {
         if !(step.is_finite() && step > 0.0) {
             return Err(Fault::new(format!("communicationStepSize = {step} at t = {present} s; expected > 0 s")));
         }
-        let slack = CLOCK_ROUNDING * step.max(present.abs());
+        let slack = clock_slack(step, present);
         // A time that is no number is off by no number.
         if !time.is_finite() || (time - present).abs() > slack {
             return Err(Fault::new(format!(
@@ -217,7 +224,7 @@ impl Unit {
         }
         let until = time + step;
         if let Some(stop) = experiment.stop
-            && until > stop + CLOCK_ROUNDING * step.max(stop.abs())
+            && until > stop + clock_slack(step, stop)
         {
             return Err(Fault::new(format!("a step to t = {until:?} s passes stopTime = {stop:?} s")));
         }
@@ -225,8 +232,9 @@ impl Unit {
             return Err(Fault::new(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
         }
         simulation.set_time(time);
-        // The rest of a step that was left early ends where that would have ended.
-        Ok(left.take().filter(|end| (end - until).abs() <= slack && *end > time).unwrap_or(until))
+        // The rest of a step that was left early ends where that would have ended, but for the rounding of `time + step`.
+        let rounding = slack.max(f64::EPSILON * until.abs());
+        Ok(left.take().filter(|end| (end - until).abs() <= rounding && *end > time).unwrap_or(until))
     }
 
     /// Goes on to `until` (s) under these inputs and the records inside, from one of their samples to the next. `advance` does
@@ -262,6 +270,11 @@ impl Unit {
             Progress::Ended(..) => *phase = Phase::StepFailed,
         }
         Ok((progress, stopped))
+    }
+
+    /// The inputs with the records inside at the present time, and until when they act (s).
+    pub(super) fn acting(&self, inputs: &Inputs) -> (Inputs, f64) {
+        self.ground.as_ref().map_or((*inputs, f64::INFINITY), |ground| with_ground(inputs, ground, self.time()))
     }
 
     /// Applies the event at which a step was left, if one was, under the inputs as they are now.
@@ -372,6 +385,9 @@ impl Unit {
                 (DerivedSource::Ground(of), _) => Ok(of.value(&*self.ground()?)),
             },
             Role::Output(output) => {
+                if let Some(value) = self.state_output(output) {
+                    return Ok(value);
+                }
                 let (seen, energies) = match self.seen {
                     Some(seen) => seen,
                     None => {

@@ -335,9 +335,14 @@ impl Values {
         }
     }
 
+    /// The present values of the inputs.
+    pub fn present_inputs(&self) -> PerInput {
+        Input::ALL.map(|input| self[input.variable()])
+    }
+
     /// The inputs from `time` on, changing at these rates.
     pub fn inputs(&self, time: f64, rates: &PerInput) -> Inputs {
-        inputs(time, Input::ALL.map(|input| self[input.variable()]), rates)
+        inputs(time, self.present_inputs(), rates)
     }
 }
 

@@ -10,13 +10,14 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Block, Foundation};
 use crate::dual::Dual64;
 use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::numerics::dop853::DenseOutput;
 use crate::numerics::roots::Sample;
+use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
-use crate::simulation::peaks::Channels;
 use crate::simulation::{Energies, Simulation, SimulationError};
-use crate::system::dynamics::{Footing, State, energy, height_of_what_stands, instant};
+use crate::system::dynamics::{Footing, Powers, State, energy, height_of_what_stands, instant};
 use crate::system::law::{AnyLaw, Law};
-use crate::system::now::{Motion, Now};
+use crate::system::now::{Motion, Now, Pose};
 use crate::system::surfaces::{Event, Surface};
 
 /// How many continuous states there are.
@@ -24,8 +25,8 @@ pub const STATES: usize = 8;
 
 /// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation and energy that the dashpots took (J).
 ///
-/// While what touches grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these states
-/// are integrated along and not read.
+/// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these states
+/// are integrated along, and the motion does not depend on them. Each event sets them to the values that follow.
 pub type States = [f64; STATES];
 
 /// How many event indicators there are: of the corners L and R, of the quarter turn, and of what slides.
@@ -35,30 +36,35 @@ pub const INDICATORS: usize = 4;
 /// impacts, with 1e-9 p, rises.
 const SMALLEST_GAP: f64 = 1e-20;
 
+/// How fast an indicator changes at most, as a multiple of p times its rounding, that an event left without a rate.
+const NO_RATE: f64 = 1e3;
+
 /// The indicator of what can end nothing at present.
 const IDLE: f64 = 1.0;
 
-/// What the present piece of a motion that is stepped from outside has beside the block's pose.
+/// The present smooth piece of a motion that is stepped from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Piece {
     /// Time from which the excitation is seen (s): at its end it is still that of the piece.
     since: f64,
-    /// How far each indicator is above its surface. A motion that begins on a surface, or by the importer's tolerance beyond
-    /// it on its way back, has not fallen through it.
+    /// Rounding that is added to each indicator: a motion that begins on a surface has not fallen through it.
     offsets: [f64; INDICATORS],
+    /// The block at the end of the last completed step, or right after the last event.
+    last: Option<Pose>,
 }
 
 impl Piece {
-    /// All numbers finite.
+    /// Whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
-        self.since.is_finite() && self.offsets.iter().all(|offset| offset.is_finite())
+        let last = self.last.is_none_or(|pose| pose.is_finite());
+        last && self.since.is_finite() && self.offsets.iter().all(|offset| offset.is_finite())
     }
 }
 
 impl Simulation {
     /// From here on the block is stepped from outside.
     pub fn begin_exchange(&mut self) {
-        self.piece = Some(Piece { since: self.pose.time, offsets: [IDLE; INDICATORS] });
+        self.piece = Some(Piece { since: self.pose.time, offsets: [IDLE; INDICATORS], last: None });
     }
 
     /// Time from which the present smooth piece of the excitation is seen (s).
@@ -71,15 +77,17 @@ impl Simulation {
         Excitation::from_time(self.piece_time(), inputs, &self.pulse, self.block())
     }
 
-    /// The continuous states.
+    /// The continuous states; without rates once the block is held.
     pub fn states(&self, inputs: &Inputs) -> States {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let x = self.now(block, &excitation).instant;
         let works = [self.sums.input, self.sums.dashpots].map(|work| work * block.mass);
-        [x.theta, x.theta_dot, x.v, x.v_dot, x.u, x.u_dot, works[0], works[1]]
+        let [theta_dot, v_dot, u_dot] = if self.is_frozen() { [0.0; 3] } else { [x.theta_dot, x.v_dot, x.u_dot] };
+        [x.theta, theta_dot, x.v, v_dot, x.u, u_dot, works[0], works[1]]
     }
 
-    /// Puts the block where these states say, at `time` (s), on the same contacts.
+    /// Puts the block where these states say, at `time` (s), on the same contacts. A block that is held keeps the rates, and
+    /// with them the energies, of the end of its run.
     pub fn set_states(&mut self, time: f64, states: &States) {
         let [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots] = *states;
         let (block, regime) = (*self.block(), self.regime());
@@ -87,10 +95,19 @@ impl Simulation {
             self.events_in_this_instant = 0;
         }
         self.pose.time = time;
+        let held = self.is_frozen().then_some(self.pose);
         let [w, w_dot] = height_of_what_stands(&block, regime, [theta, theta_dot, v, v_dot]);
         self.pose.state = State::from([theta, theta_dot, w, w_dot]);
         if let Footing::Free { .. } = self.pose.footing {
             self.pose.footing = Footing::Free { u, u_dot };
+        }
+        if let Some(held) = held {
+            (self.pose.state[1], self.pose.state[3]) = (held.state[1], held.state[3]);
+            if let (Footing::Free { u_dot, .. }, Footing::Free { u_dot: at_end, .. }) =
+                (&mut self.pose.footing, held.footing)
+            {
+                *u_dot = at_end;
+            }
         }
         (self.sums.input, self.sums.dashpots) = (input / block.mass, dashpots / block.mass);
     }
@@ -118,17 +135,18 @@ impl Simulation {
         [alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p, barrier, barrier]
     }
 
-    /// The event indicators: an event is due where one falls below zero. A surface on which the motion begins, to rounding, is
-    /// above zero.
+    /// The event indicators: an event is due where one falls below zero.
     pub fn indicators(&self, inputs: &Inputs) -> [f64; INDICATORS] {
         if self.ending.is_some() {
             return [IDLE; INDICATORS];
         }
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let now = self.now(block, &excitation);
-        let mut indicators = self.piece.map_or([IDLE; INDICATORS], |piece| piece.offsets);
-        for (indicator, surface) in indicators.iter_mut().zip(self.all_surfaces()) {
-            *indicator = surface.map_or(IDLE, |surface| surface.sample(&now).value + *indicator);
+        let offsets = self.piece.map_or([IDLE; INDICATORS], |piece| piece.offsets);
+        let surfaces = self.all_surfaces().into_iter().zip(offsets);
+        let mut indicators = [IDLE; INDICATORS];
+        for (indicator, (surface, offset)) in indicators.iter_mut().zip(surfaces) {
+            *indicator = surface.map_or(IDLE, |surface| indicator_of(surface, &now, offset));
         }
         indicators
     }
@@ -140,45 +158,63 @@ impl Simulation {
     /// What becomes of the block where it is: a new smooth piece of the excitation begins, and what has fallen through a
     /// surface passes into the motion after it. Events are reported to `observer`.
     pub fn pass_events(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+        let offsets = self.piece.map(|piece| piece.offsets);
+        self.begin_exchange();
         let block = self.system.block;
         let excitation = self.excitation(inputs);
         let mut now = self.now(&block, &excitation);
-        // At the beginning no offset is known, and the motion may begin beyond a surface.
-        let mut offsets = match self.piece {
-            Some(Piece { offsets, .. }) if offsets != [IDLE; INDICATORS] => offsets,
-            _ => self.offsets(&now),
-        };
+        // At the beginning no offset is known.
+        let mut offsets =
+            offsets.filter(|offsets| *offsets != [IDLE; INDICATORS]).unwrap_or_else(|| self.offsets(&now));
         while self.ending.is_none() {
             let surfaces = self.all_surfaces().into_iter().zip(offsets);
             let fallen = surfaces.filter_map(|(surface, offset)| {
-                let below = surface?.sample(&now).value + offset;
+                let below = indicator_of(surface?, &now, offset);
                 (below <= 0.0).then_some((surface?, below))
             });
             let Some((surface, _)) = fallen.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
             now = self.apply(surface, &now, observer)?;
             offsets = self.offsets(&now);
         }
-        self.piece = Some(Piece { since: self.pose.time, offsets: self.offsets(&now) });
-        self.let_bear(&now);
+        self.piece = Some(Piece { since: self.pose.time, offsets: self.offsets(&now), last: Some(self.pose) });
         self.peaks.include(&now.channels());
         Ok(())
     }
 
-    /// A step was done from outside: takes its peaks in, from inside the step as far as the rates at its ends tell. `last`
-    /// are time and channels at the step's beginning; gives those at its end.
-    pub fn complete_step(&mut self, inputs: &Inputs, last: Option<(f64, Channels)>) -> (f64, Channels) {
-        let (block, excitation) = (*self.block(), self.excitation(inputs));
-        let now = self.now(&block, &excitation);
-        self.peaks.include(&now.channels());
-        // The rates of others depend on those of the inputs, which are not known.
-        let end = now.cheap_channels();
-        let time = self.pose.time;
-        if let Some((before, start)) = last.filter(|(before, _)| *before < time) {
-            let duration = time - before;
-            self.peaks.include_step(&start, &end, duration, |elapsed| start.hermite(&end, duration, elapsed));
+    /// Time of the last completed step, or of the last event if that came later (s).
+    pub fn last_completed(&self) -> f64 {
+        self.piece.and_then(|piece| piece.last).map_or(self.pose.time, |last| last.time)
+    }
+
+    /// Includes the peaks of a step that was made from outside since the last one, under `inputs` that are linear in time over
+    /// it.
+    ///
+    /// The motion between its ends is the polynomial that has their displacements, rates and accelerations.
+    pub fn complete_step(&mut self, inputs: &Inputs) {
+        if self.ending.is_some() {
+            return;
         }
-        self.let_bear(&now);
-        (time, end)
+        let (block, excitation) = (*self.block(), self.excitation(inputs));
+        let there = self.now(&block, &excitation);
+        let channels = there.channels();
+        if !channels.candidates().iter().all(|(_, sample)| sample.value.is_finite() && sample.rate.is_finite()) {
+            return;
+        }
+        let last = self.piece.and_then(|piece| piece.last);
+        if let Some(last) = last.filter(|last| last.time < there.time) {
+            let motion = Motion::from_pose(&block, &last, &excitation);
+            let here = motion.at(last.time, last.state);
+            let ends = [(here.state, here.rate), (there.state, there.rate)];
+            let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
+            // An importer may step as far as it wants: the rates of all channels are compared.
+            let near = 0.0;
+            let mut inside = Inside { motion, between: Between::Known(between), evaluations: 0 };
+            self.update_peaks(&here, &there, near, &mut inside);
+        }
+        self.peaks.include(&channels);
+        if let Some(piece) = &mut self.piece {
+            piece.last = Some(self.pose);
+        }
     }
 
     /// The first kink of the pulse after the present time (s).
@@ -190,6 +226,10 @@ impl Simulation {
     /// whose components are `states` and the values of `inputs`.
     pub fn directional(&self, at: &Inputs, states: &States, inputs: &Inputs) -> (Observation<Dual64>, Energies) {
         let (block, excitation) = (self.block(), self.excitation(at));
+        let mut states = *states;
+        if self.is_frozen() {
+            (states[1], states[3], states[5]) = (0.0, 0.0, 0.0);
+        }
         let direction = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
         let now = self.now(block, &excitation);
         let x = &now.instant;
@@ -202,56 +242,52 @@ impl Simulation {
         };
         let forcing = now.forcing.with_derivative(direction);
         let x = instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing);
-        let tops = Motion::from_pose(block, &self.pose, &excitation).tops(self.pose.time);
+        let time = self.ending.map_or(self.pose.time, |(_, ended)| ended);
+        let tops = Motion::from_pose(block, &self.pose, &excitation).tops(time);
         let seen = observe(block, now.regime, &x, tops.map(|top| Dual64::from(top.value)), forcing);
         let (kinetic, potential) = energy(block, now.regime, &x);
         let [kinetic, potential] = [kinetic, potential].map(|part| part.eps * block.mass);
         let (total, input, dashpots) = (kinetic + potential, states[6], states[7]);
         let residual = total - input + dashpots;
         let energies = Energies { total, kinetic, potential, input, dashpots, residual, ..Energies::default() };
-        if self.ending.is_some() { (seen.frozen(), energies) } else { (seen, energies) }
+        if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }
     }
 
-    /// How far each indicator is above its surface for a motion that begins at `now`: by what rounding leaves of a zero, or,
-    /// where a gap is closed by more and opens, by so much that it opens above zero.
+    /// The rounding of each indicator, twice; where an event left a surface without a rate, but beyond it by the importer's tolerance,
+    /// also the way back.
     fn offsets(&self, now: &Now) -> [f64; INDICATORS] {
         self.all_surfaces().map(|surface| {
             let Some(surface) = surface else { return IDLE };
-            // A rate that a landing makes zero is so to rounding.
-            let opens = |rate: f64| rate >= -surface.rounding(now.block) * now.block.p;
             let rounding = match (surface, now.block.foundation) {
                 // Its gaps are zero at θ = 0 without rounding, and rocking that dies out has ever smaller ones.
                 (Surface::Gap(_), Foundation::Rigid) if now.footing.grips() => SMALLEST_GAP * now.block.r0,
                 _ => 2.0 * surface.rounding(now.block),
             };
-            match (surface, surface.sample(now)) {
-                // No more than that: bounces would sink in by twice as much each time.
-                (Surface::Gap(_), Sample { value, rate }) if value < 0.0 && opens(rate) => rounding - value,
-                _ => rounding,
-            }
+            let Sample { value, rate } = surface.sample(now);
+            let rateless = rate.abs() <= NO_RATE * surface.rounding(now.block) * now.block.p;
+            // The reactions of the rigid base jump with the inputs.
+            let follows = matches!(surface, Surface::Gap(_)) || now.block.foundation == Foundation::Viscoelastic;
+            if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
     }
 }
 
-impl Channels {
-    /// The cubics through values and rates at both ends of a step.
-    fn hermite(&self, end: &Channels, duration: f64, elapsed: f64) -> Channels {
-        let s = elapsed / duration;
-        let between = |a: Sample, b: Sample| {
-            let (change, slope) = (b.value - a.value, [a.rate * duration, b.rate * duration]);
-            let (square, cube) = (3.0 * change - 2.0 * slope[0] - slope[1], slope[0] + slope[1] - 2.0 * change);
-            Sample {
-                value: a.value + s * (slope[0] + s * (square + s * cube)),
-                rate: (slope[0] + s * (2.0 * square + s * 3.0 * cube)) / duration,
-            }
-        };
-        let both = |a: [Sample; 2], b: [Sample; 2]| [between(a[0], b[0]), between(a[1], b[1])];
-        Channels {
-            theta: between(self.theta, end.theta),
-            reaction: both(self.reaction, end.reaction),
-            horizontal: between(self.horizontal, end.horizontal),
-            uplift: both(self.uplift, end.uplift),
-            friction_demand: between(self.friction_demand, end.friction_demand),
+/// The indicator of a surface, with its `offset`.
+///
+/// A function falls through zero only while it falls. So the indicator is positive while the function rises, and right after an event at
+/// which the function is zero it is clearly positive: it grows with the rate, of which a solver's first steps know the sign, where the value
+/// has the solver's error.
+fn indicator_of(surface: Surface, now: &Now, offset: f64) -> f64 {
+    let sample = surface.sample(now);
+    let value = sample.value + offset;
+    let falling = |rate: f64| value.max(rate / now.block.p);
+    match (surface, now.block.foundation) {
+        // A corner that is held leaves if its gap opens and it bears nothing.
+        (Surface::Held(corner), _) => value.max(now.instant.reaction[corner.index()]),
+        // The rate depends on those of the inputs, which are not known.
+        (Surface::Reaction(_), Foundation::Rigid) | (Surface::QuarterTurn, _) => value,
+        (Surface::Reaction(_), Foundation::Viscoelastic) | (Surface::Gap(_) | Surface::Slide, _) => {
+            falling(sample.rate)
         }
     }
 }

@@ -395,7 +395,7 @@ impl Simulation {
 
     /// Takes the step's peaks in.
     #[inline(always)]
-    fn update_peaks<L: Law>(&mut self, here: &Now, there: &Now, near: f64, inside: &mut Inside<L>) {
+    pub(super) fn update_peaks<L: Law>(&mut self, here: &Now, there: &Now, near: f64, inside: &mut Inside<L>) {
         let duration = there.time - here.time;
         if duration <= 0.0 {
             return;

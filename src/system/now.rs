@@ -27,6 +27,14 @@ pub struct Pose {
     pub footing: Footing<f64>,
 }
 
+impl Pose {
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let Pose { time, state, contacts, footing } = self;
+        time.is_finite() && state.0.iter().all(|x| x.is_finite()) && contacts.is_finite() && footing.is_finite()
+    }
+}
+
 /// The block at an instant: its pose, what drives it, and what the equations of motion say.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a> {

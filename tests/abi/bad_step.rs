@@ -61,6 +61,27 @@ fn a_clock_off_by_rounding_is_accepted_and_taken() {
     }
 }
 
+/// At large times a part of |t| may be longer than the step.
+#[test]
+fn a_clock_never_skips_more_than_a_thousandth_of_a_step() {
+    let start = 1e9;
+    for (off, step, accepted) in [(0.5, 1.0, false), (1.1e-3, 1.0, false), (-1.1e-3, 1.0, false), (0.9e-3, 1.0, true)] {
+        let instance = Instance::new("block");
+        assert_eq!(instance.setup(None, start, Some(start + 10.0)), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        assert_eq!(call!(instance, exit_initialization_mode), OK);
+        let status = instance.try_step(start + off, step);
+        if accepted {
+            assert_eq!(status, OK, "{off} s");
+        } else {
+            instance.refuses(status, &["currentCommunicationPoint"]);
+            // Nor does a step pass the stop time by more.
+            instance.refuses(instance.try_step(start, 10.0 + 0.02), &["stopTime"]);
+            instance.step(start, 10.0);
+        }
+    }
+}
+
 #[test]
 fn a_stop_time_overshot_by_rounding_is_accepted() {
     let instance = at_two();

@@ -41,7 +41,7 @@ pub struct Callbacks {
 
 /// What an importer has to know after an event of Model Exchange.
 #[repr(C)]
-#[derive(Default, Debug)]
+#[derive(Clone, Copy, Default, Debug)]
 pub struct EventInfo {
     pub new_discrete_states_needed: Boolean,
     pub terminate_simulation: Boolean,

@@ -177,3 +177,71 @@ fn what_is_not_for_an_update_is_refused() {
         assert!(handle.is_null(), "{name}");
     }
 }
+
+fn counted(
+    intermediate: &'static [&'static str],
+    values: &[(&str, f64)],
+    start: f64,
+) -> (Instance, Rc<RefCell<Vec<f64>>>) {
+    let looks: Rc<RefCell<Vec<f64>>> = Rc::default();
+    let log = Rc::clone(&looks);
+    let on_update = Box::new(move |_: &Instance, update: Update| {
+        if update.get_allowed {
+            log.borrow_mut().push(update.time);
+        }
+        None
+    });
+    let block = Instance::new(Wanted { intermediate, on_update: Some(on_update), ..Wanted::default() });
+    block.set_all(values);
+    block.ok(call!(block, enter_initialization_mode, false, 0.0, start, false, 0.0));
+    block.ok(call!(block, exit_initialization_mode));
+    (block, looks)
+}
+
+/// Near 1e11 s the clock resolves 1.5e-5 s.
+#[test]
+fn an_interval_below_the_resolution_of_the_clock_goes_on() {
+    let start = 1e11;
+    let (block, looks) = counted(&["a_gx"], &[("intermediate.interval", 1e-6)], start);
+    assert_eq!(block.step(start, 1e-3).reached, start + 1e-3);
+    let looks = looks.take();
+    assert!(looks.windows(2).all(|pair| pair[0] < pair[1]), "{looks:?}");
+    assert_eq!(looks.last(), Some(&(start + 1e-3)));
+}
+
+#[test]
+fn a_block_at_rest_is_looked_at_when_the_step_ends() {
+    let (block, looks) = counted(&["theta"], &[], 0.0);
+    block.step(0.0, 1e6);
+    assert_eq!(looks.take(), [1e6]);
+    // A pulse is still to come.
+    let pulse = [("pulse.shape", 2.0), ("pulse.amplitude", 1.0), ("pulse.start", 0.5)];
+    let (block, looks) = counted(&["theta"], &pulse, 0.0);
+    block.step(0.0, 1.0);
+    assert_eq!(looks.take().len(), 200);
+    // Inputs may move it at any time, but not at more than a million times in a step.
+    let (block, looks) = counted(&["a_gx"], &[], 0.0);
+    block.step(0.0, 1e4);
+    assert!((999_000..=1_000_000).contains(&looks.take().len()));
+}
+
+#[test]
+fn a_step_without_a_place_for_a_result_is_not_made() {
+    let block = Instance::new(Wanted::default());
+    block.set_all(&[("initial.theta", 0.1), ("foundation", 2.0)]);
+    block.initialize(false);
+    let before = block.output_bits();
+    for missing in 0..4 {
+        let [mut event, mut terminates, mut early] = [false; 3];
+        let mut reached = f64::NAN;
+        let [event, terminates, early] = [&raw mut event, &raw mut terminates, &raw mut early];
+        let place = |i, place| if i == missing { std::ptr::null_mut() } else { place };
+        let last = if missing == 3 { std::ptr::null_mut() } else { &raw mut reached };
+        let status =
+            call!(block, do_step, 0.0, 0.5, true, place(0, event), place(1, terminates), place(2, early), last);
+        let name = ["eventHandlingNeeded", "terminateSimulation", "earlyReturn", "lastSuccessfulTime"][missing];
+        block.refuses(status, &["fmi3DoStep", name, "NULL"]);
+        assert_eq!(block.output_bits(), before, "{name}");
+    }
+    assert_eq!(block.step(0.0, 0.5).reached, 0.5);
+}

@@ -1,6 +1,8 @@
-"""Model Exchange: the reference trajectories by CVode, which knows nothing of blocks."""
+"""Model Exchange: reference trajectories and random pulses by CVode, which knows nothing of blocks."""
 
 import json
+import random
+import re
 import warnings
 from pathlib import Path
 
@@ -89,3 +91,61 @@ def test_cvode_follows_the_reference(fmu, name):
     seen = lasting(result["time"][changes], result["regime"][changes], end)
     events = [(0.0, expected["regime"][0]), *((time, after) for time, _, after in case["events"])]
     assert seen == lasting(*zip(*events), end)
+
+
+def random_case(seed, mode):
+    """A block under a pulse, and how long it is followed."""
+    draw = random.Random(seed)
+    alpha, p = draw.uniform(0.1, 0.35), draw.uniform(1, 4)
+    period = 2 * np.pi / p * draw.uniform(0.1, 0.8)
+    values = {
+        "dimensionless.alpha": alpha,
+        "dimensionless.p": p,
+        "dimensionless.eta": 10 ** draw.uniform(1, 2),
+        "dimensionless.xi_v": draw.uniform(0.02, 0.6),
+        "pulse.shape": draw.choice([2, 3, 4, 5]),
+        "pulse.amplitude": 9.81 * np.tan(alpha) * draw.uniform(1.05, 4),
+        "pulse.period": period,
+        "on_separation": {"Terminate": 1, "Hold": 2, "Fly": 3, "rigid": 3}[mode],
+        "foundation": 2 if mode == "rigid" else 1,
+    }
+    return values, 3 / p + period
+
+
+def events(fmu, interface, values, end, tolerance):
+    """The events that the FMU logs, without those of rocking on the rigid base that dies out."""
+    logged = []
+
+    def log(environment, instance, status, category, message):
+        found = re.match(rb"t = (\S+) s: (.*)", message if isinstance(message, bytes) else message.encode())
+        if found:
+            logged.append((float(found[1]), found[2].decode()))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = simulate_fmu(
+            fmu,
+            fmi_type=interface,
+            solver="CVode",
+            start_values=values,
+            stop_time=end,
+            output_interval=end / 200,
+            relative_tolerance=tolerance,
+            output=["theta"],
+            logger=log,
+            debug_logging=True,
+            timeout=60,
+        )
+    times = [time for time, _ in logged] + [end]
+    dying = [i for i in range(len(logged)) if values["foundation"] == 2 and times[i + 1] - times[i] < 1e-3]
+    return [what for _, what in (logged[: dying[0]] if dying else logged)], result
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-6])
+@pytest.mark.parametrize("mode", ["Terminate", "Hold", "Fly", "rigid"])
+def test_cvode_has_the_events_of_co_simulation(fmu, mode, tolerance):
+    for seed in range(6):
+        values, end = random_case(seed, mode)
+        inside, _ = events(fmu, "CoSimulation", values, end, 1e-12)
+        outside, result = events(fmu, "ModelExchange", values, end, tolerance)
+        assert outside == inside, seed

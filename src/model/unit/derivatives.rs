@@ -198,7 +198,11 @@ impl Unit {
             None => (simulation.observe_direction(&at, &along), Energies::default()),
             Some(states) => simulation.directional(&at, &states, &along),
         };
-        Ok(Derivatives::Now(seen.map(|x| x.eps), energies))
+        let mut seen = seen.map(|x| x.eps);
+        if let Some([theta, theta_dot, v, v_dot, u, u_dot, ..]) = states {
+            seen = Observation { theta, theta_dot, v, v_dot, u, u_dot, ..seen };
+        }
+        Ok(Derivatives::Now(seen, energies))
     }
 
     fn derivatives_at_beginning(&mut self, unknowns: &[u32], direction: &Direction) -> Result<Derivatives, Fault> {

@@ -2,7 +2,10 @@
 
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
-use crate::model::unit::{Unit, with_ground};
+use crate::model::outputs::state;
+use crate::model::unit::{Interface, Unit, with_ground};
+use crate::model::values::inputs;
+use crate::model::variables::Output;
 use crate::simulation::exchange::{INDICATORS, STATES, States};
 use crate::system::surfaces::Event;
 
@@ -11,39 +14,39 @@ use crate::system::surfaces::Event;
 pub struct AfterEvent {
     /// Whether the run ended.
     pub ended: bool,
-    /// Whether states are others than before.
+    /// Whether states may differ from those before. In Model Exchange each event says so: the derivatives are others, those states that
+    /// follow from the rest are set to what follows, and some importers restart their solver only then.
     pub states_changed: bool,
     /// When the excitation has its next kink (s), if it has one.
     pub next_time: Option<f64>,
 }
 
 impl Unit {
-    /// An event is due, or the beginning.
+    /// An event is due, or the beginning. The motion up to here was that under the inputs as they are now.
     pub fn enter_event_mode(&mut self) {
+        self.complete_step();
         self.phase = Phase::EventMode;
     }
 
     /// What becomes of the block at the present time: a new piece of the excitation, transitions, and what follows.
     pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
-        let (simulation, inputs) = self.preview()?;
-        let before = simulation.states(&inputs);
+        self.preview()?;
         let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else {
             return Err(Fault::new("there is no block yet"));
         };
         let time = simulation.time();
-        simulation.begin_exchange();
         let (sum, end) = with_ground(&self.values.inputs(time, &self.rates), ground, time);
         (self.inputs, self.seen) = (sum, None);
         simulation.pass_events(&self.inputs, observer).map_err(|error| {
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
-        let after = simulation.states(&self.inputs);
-        (self.states, self.last_step) = (after, None);
+        self.states = simulation.states(&self.inputs);
+        self.last_inputs = self.values.present_inputs();
         let next_time = [simulation.next_kink(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {
             ended: simulation.ending().is_some() && !simulation.is_frozen(),
-            states_changed: after != before,
+            states_changed: true,
             next_time: next_time.filter(|time| time.is_finite()),
         })
     }
@@ -91,10 +94,19 @@ impl Unit {
         Ok(simulation.states(&inputs))
     }
 
-    /// Their derivatives.
+    /// Their derivatives. Those of displacements are the rates among the states.
     pub fn derivatives(&mut self) -> Result<States, Fault> {
+        let states = self.states()?;
         let (simulation, inputs) = self.preview()?;
-        Ok(simulation.derivatives(&inputs))
+        let mut derivatives = simulation.derivatives(&inputs);
+        (derivatives[0], derivatives[2], derivatives[4]) = (states[1], states[3], states[5]);
+        Ok(derivatives)
+    }
+
+    /// The value of an output that is a continuous state, if the importer's solver has it.
+    pub(super) fn state_output(&self, output: Output) -> Option<f64> {
+        let exchanged = self.interface == Interface::ModelExchange && self.phase.is_initialized();
+        state(output).filter(|_| exchanged).map(|i| self.states[i])
     }
 
     /// The sizes that they typically have.
@@ -109,10 +121,22 @@ impl Unit {
         Ok(simulation.indicators(&inputs))
     }
 
-    /// A step of the importer's solver was accepted.
+    /// A step of the importer's solver was accepted. Inputs count as linear in time over it.
     pub fn complete_step(&mut self) {
-        if let Some(simulation) = &mut self.simulation {
-            self.last_step = Some(simulation.complete_step(&self.inputs, self.last_step));
+        let Some(simulation) = self.simulation.as_mut().filter(|_| self.interface == Interface::ModelExchange) else {
+            return;
+        };
+        let (last, time) = (simulation.last_completed(), simulation.time());
+        if last < time {
+            let now = self.values.present_inputs();
+            let rates = std::array::from_fn(|i| (now[i] - self.last_inputs[i]) / (time - last));
+            let over = inputs(last, self.last_inputs, &rates);
+            let over = match &self.ground {
+                Some(ground) => with_ground(&over, ground, simulation.piece_time()).0,
+                None => over,
+            };
+            simulation.complete_step(&over);
+            self.last_inputs = now;
             self.seen = None;
         }
     }
