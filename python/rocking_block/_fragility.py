@@ -53,7 +53,8 @@ class Fragility(_engine.Fragility):
     with the logistic one (logit) it is logistic regression. `median_ci` and `beta_ci` are their intervals, `coefficients`
     a and b with their `standard_errors`, and `log_likelihood`, `auc` (area under the receiver operating characteristic),
     `brier` (Brier score) and `efficiency` (scatter of the peaks about a power of the measure) say how well the measure
-    tells.
+    tells. `rocking` counts the blocks of the efficiency, which lifted off, reached a thousandth of α and stand;
+    `independence` says what the intervals take to be independent.
     """
 
     im: str
@@ -182,8 +183,8 @@ def fragility(
     link : {"probit", "logit"}
         Normal or logistic distribution: a lognormal curve, or logistic regression.
     intervals : {"profile", "bootstrap"}
-        Those of the profile likelihood, which takes the runs to be independent, or of a bootstrap of whole records, which
-        does not: runs of the same record stay together.
+        Those of the profile likelihood, clustered by record where several runs share one, or of a bootstrap of whole
+        records. `Fragility.independence` says which. Runs without records are independent.
     samples, seed : int
         How many samples a bootstrap takes, and the number from which they follow.
     progress : bool, optional
@@ -230,11 +231,16 @@ def fragility(
         fraction = _numbers(table, f"P({exceeds})")
         separated, failed = np.zeros_like(exceeded), np.isnan(fraction)
     tells = ~separated & ~failed
-    peak = np.where((outcome == "completed") & (peak > 0.0), peak, np.nan)
+    rocked = (outcome == "completed") & (peak > 0.0)
+    if "events.liftoffs" in table:
+        rocked &= np.asarray(table["events.liftoffs"]) > 0
+    peak = np.where(rocked, peak, np.nan)
     names = [np.asarray(table[column], dtype=str).tolist() for column in ("record", "vertical") if column in table]
     # Numbers in the order of their first appearance, on which the samples of a bootstrap depend.
     numbers: dict[tuple[str, ...], int] = {}
-    keys = zip(*names, strict=True) if names else [()] * len(outcome)
+    shared: list[tuple[str, ...]] = list(zip(*names, strict=True)) if names else [()] * len(outcome)
+    # A row without records has a motion of its own.
+    keys = [key if any(key) else ("", "", str(row)) for row, key in enumerate(shared)]
     motions = np.array([numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64)
     measures = _numbers(table, im)
     rows = (measures[tells], fraction[tells], peak[tells], motions[tells])

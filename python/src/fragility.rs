@@ -89,8 +89,7 @@ impl Fragility {
 
     #[getter]
     fn standard_errors(&self) -> (f64, f64) {
-        let errors = self.0.fit.standard_errors();
-        (errors[0], errors[1])
+        (self.0.standard_errors[0], self.0.standard_errors[1])
     }
 
     #[getter]
@@ -106,6 +105,16 @@ impl Fragility {
     #[getter]
     fn efficiency(&self) -> f64 {
         self.0.efficiency.unwrap_or(f64::NAN)
+    }
+
+    #[getter]
+    fn rocking(&self) -> usize {
+        self.0.rocking
+    }
+
+    #[getter]
+    fn independence(&self) -> String {
+        self.0.independence.to_string()
     }
 
     /// Probabilities at measures above zero.

@@ -26,8 +26,8 @@ pub struct Options {
     /// Intensity measure, or any other column of numbers above zero, with or without its unit; several are compared
     #[arg(long, value_name = "COLUMN", required = true)]
     im: Vec<String>,
-    /// What a block is not to do: overturned, or theta/alpha>0.5 with any number. The probability of ensembles where the
-    /// table has one, the outcomes of single runs otherwise
+    /// What a block is not to do: overturned, or any number such as 0.5 for |theta|/alpha > 0.5. The probability of ensembles
+    /// where the table has one, the outcomes of single runs otherwise
     #[arg(long, value_name = "LIMIT", default_value = "overturned")]
     limit: Limit,
     /// Rows that count: those in which a column has this value; all of several
@@ -39,7 +39,8 @@ pub struct Options {
     /// Confidence of the intervals and of the band
     #[arg(long, value_name = "PART", default_value_t = 0.95)]
     ci: f64,
-    /// Intervals from so many samples of whole records, in place of the likelihood that takes each row on its own
+    /// Intervals from this many bootstrap samples of the records, in place of the profile likelihood, which is clustered by
+    /// record where several rows share one
     #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     bootstrap: Option<u32>,
     /// From which the samples follow
@@ -97,7 +98,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     for condition in &options.conditions {
         let (column, value) = condition
             .split_once('=')
-            .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=Rigid"))?;
+            .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))?;
         table.keep(column, value)?;
     }
     let found = table.cases(*limit)?;
@@ -108,11 +109,13 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     let uncertainty = bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, *seed));
     let link = options.link.into();
     let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
+    let mut intervals = None;
     for measure in im {
         let heading = table.heading(measure)?;
         let at = || format!("{name}: {measure}");
         let values = column(measure)?;
         let assessment = Assessment::new(&found.cases, &values, link, *ci, uncertainty).with_context(at)?;
+        intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
         let p_value = |other: &String| {
             let found = sufficiency_beside(&found.cases, &values, &column(other)?, link);
             Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
@@ -145,6 +148,7 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
         limit: limit.to_string(),
         link: link.to_string(),
         confidence: *ci,
+        intervals: intervals.unwrap_or_default(),
         rows: Rows::of(&table, &found),
         measures,
         surface,

@@ -14,6 +14,8 @@ pub struct Curves {
     pub limit: String,
     pub link: String,
     pub confidence: f64,
+    /// Method of the intervals.
+    pub intervals: String,
     pub rows: Rows,
     pub measures: Vec<Measure>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -62,6 +64,8 @@ pub struct Measure {
     #[serde(rename = "Brier")]
     brier: f64,
     efficiency: Option<f64>,
+    /// Blocks that lifted off and stand, from which the efficiency is.
+    rocking: usize,
     /// Probability of the data, or of stranger ones, if the measure is sufficient beside each of these.
     sufficiency: BTreeMap<String, f64>,
     /// Samples of the bootstrap without a curve.
@@ -72,7 +76,7 @@ pub struct Measure {
 impl Measure {
     /// The curve of a measure of this heading.
     pub fn of(heading: &str, found: &Assessment, sufficiency: BTreeMap<String, f64>) -> Measure {
-        let Assessment { data, fit, median, dispersion, auc, brier, efficiency, .. } = found;
+        let Assessment { data, fit, median, dispersion, auc, brier, efficiency, rocking, .. } = found;
         let ends = |Interval { low, high }: &Interval| [*low, *high];
         Measure {
             im: heading.into(),
@@ -83,12 +87,13 @@ impl Measure {
             beta_interval: ends(dispersion),
             intercept: fit.coefficients[0],
             slope: fit.coefficients[1],
-            standard_errors: fit.standard_errors(),
+            standard_errors: found.standard_errors.clone(),
             log_likelihood: fit.log_likelihood,
             null_log_likelihood: fit.null_log_likelihood,
             auc: *auc,
             brier: *brier,
             efficiency: *efficiency,
+            rocking: *rocking,
             sufficiency,
             without_curve: found.without_curve(),
         }
@@ -105,6 +110,7 @@ impl Measure {
             format!("{:.3}", self.auc),
             format!("{:.4}", self.brier),
             self.efficiency.map_or("none".into(), |efficiency| format!("{efficiency:.3}")),
+            self.rocking.to_string(),
             self.rows.to_string(),
         ];
         fields.extend(self.sufficiency.values().map(|p| format!("{p:.2e}")));
@@ -131,13 +137,13 @@ pub struct SurfaceResult {
 impl SurfaceResult {
     /// What a surface of measures of these headings amounts to.
     pub fn of(headings: [&str; 2], found: &Surface) -> SurfaceResult {
-        let Surface { data, fit, auc, brier } = found;
+        let Surface { data, fit, standard_errors, auc, brier } = found;
         SurfaceResult {
             im: headings.map(String::from),
             rows: data.observations().len(),
             intercept: fit.coefficients[0],
             slopes: [fit.coefficients[1], fit.coefficients[2]],
-            standard_errors: fit.standard_errors(),
+            standard_errors: standard_errors.clone(),
             log_likelihood: fit.log_likelihood,
             auc: *auc,
             brier: *brier,
@@ -164,16 +170,18 @@ impl Curves {
         let mut words = format!(
             "table         {}: {all} rows{left_out}\n\
              limit         {}: exceeded in {} of {told} rows\n\
-             curve         {}, intervals of {} %\n",
+             curve         {}, intervals of {} %: {}\n",
             self.table,
             self.limit,
             // A sum of probabilities has more digits than anybody needs.
             (exceeded * 10.0).round() / 10.0,
             self.link,
-            100.0 * self.confidence
+            100.0 * self.confidence,
+            self.intervals
         );
-        let mut rows =
-            vec![["measure", "median", "beta", "AUC", "Brier", "efficiency", "rows"].map(String::from).to_vec()];
+        let mut rows = vec![
+            ["measure", "median", "beta", "AUC", "Brier", "efficiency", "rocking", "rows"].map(String::from).to_vec(),
+        ];
         rows[0].extend(self.measures[0].sufficiency.keys().map(|other| format!("p beside {other}")));
         rows.extend(self.measures.iter().map(Measure::fields));
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);

@@ -10,10 +10,14 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The parameter of this name; the error says which ones there are.
+    /// The parameter of this name, as in `alpha` or, as in the FMU, `dimensionless.alpha`; the error says which ones there are.
     pub fn named(name: &str) -> Result<Parameter, String> {
         // Studies have record files of their own.
-        let known = VARIABLES.iter().find(|metadata| metadata.name == name && !metadata.name.starts_with("record."));
+        let known = VARIABLES.iter().filter(|metadata| !metadata.name.starts_with("record."));
+        let known = known.clone().find(|metadata| metadata.name == name).or_else(|| {
+            let parameters = |metadata: &&Metadata| metadata.causality == Causality::Parameter;
+            known.clone().filter(parameters).find(|metadata| short(metadata.name) == name)
+        });
         let Some(metadata) = known else {
             return Err(format!("there is no parameter {name}; expected one of {}", similar(name)));
         };
@@ -22,6 +26,11 @@ impl Parameter {
             return Err(format!("{name} ({causality}) is not set from outside; expected one of {}", similar(name)));
         }
         Ok(Parameter { metadata })
+    }
+
+    /// The name as it stands in tables: `alpha`, without the group of the FMU where the name alone is clear.
+    pub fn name(&self) -> &'static str {
+        short(self.metadata.name)
     }
 
     /// Whether some variable's name begins with this name and a dot.
@@ -34,28 +43,28 @@ impl Parameter {
         match self.metadata.kind {
             Kind::Boolean => (value != 0.0).to_string(),
             _ => match self.metadata.items.iter().find(|item| f64::from(item.0) == value) {
-                Some((_, name)) => (*name).into(),
+                Some((_, name)) => word(name),
                 None => value.to_string(),
             },
         }
     }
 
-    /// Name and unit, as they stand over a column: `dimensionless.p [rad/s]`. A choice has no unit.
+    /// Name and unit, as they stand over a column: `p [rad/s]`. A choice has no unit.
     pub fn heading(&self) -> String {
-        let name = self.metadata.name;
+        let name = self.name();
         self.metadata.unit.map_or(name.into(), |unit| format!("{name} [{unit}]"))
     }
 
-    /// The number of an item.
+    /// The number of an item, as in `one-sine`; any case will do, and the name in the FMU, `OneSine`.
     pub fn item(&self, name: &str) -> Result<f64, String> {
         let items = self.metadata.items;
-        match items.iter().find(|item| item.1 == name) {
+        match items.iter().find(|item| is_same_word(item.1, name)) {
             Some((value, _)) => Ok(f64::from(*value)),
             None if items.is_empty() => {
                 Err(format!("{} = \"{name}\"; expected {}", self.metadata.name, self.expected()))
             }
             None => {
-                let known: Vec<&str> = items.iter().map(|item| item.1).collect();
+                let known: Vec<String> = items.iter().map(|item| word(item.1)).collect();
                 Err(format!("{} = \"{name}\"; expected one of {}", self.metadata.name, known.join(", ")))
             }
         }
@@ -72,9 +81,33 @@ impl Parameter {
     }
 }
 
+/// Whether two spellings name the same choice: case, hyphens and underscores do not matter.
+pub fn is_same_word(one: &str, other: &str) -> bool {
+    let letters =
+        |text: &str| text.chars().filter(|c| !matches!(c, '-' | '_')).flat_map(char::to_lowercase).collect::<String>();
+    letters(one) == letters(other)
+}
+
+/// The word of a choice from its name in the FMU: `one-sine` from `OneSine`, `c1` from `C1`.
+fn word(item: &str) -> String {
+    let mut word = String::new();
+    for c in item.chars() {
+        if c.is_uppercase() && !word.is_empty() {
+            word.push('-');
+        }
+        word.extend(c.to_lowercase());
+    }
+    word
+}
+
+/// A name without the group of the parameterization it belongs to.
+fn short(name: &'static str) -> &'static str {
+    ["dimensionless.", "physical."].iter().find_map(|group| name.strip_prefix(group)).unwrap_or(name)
+}
+
 fn names() -> impl Iterator<Item = &'static str> {
     let parameters = VARIABLES.iter().filter(|metadata| metadata.causality == Causality::Parameter);
-    parameters.map(|metadata| metadata.name).filter(|name| !name.starts_with("record."))
+    parameters.map(|metadata| short(metadata.name)).filter(|name| !name.starts_with("record."))
 }
 
 /// The names of the same group, or all.
@@ -90,10 +123,17 @@ mod tests {
 
     #[test]
     fn items_and_units_are_those_of_the_description() {
-        assert_eq!(Parameter::named("pulse.shape").unwrap().item("OneCosine"), Ok(3.0));
-        assert_eq!(Parameter::named("foundation").unwrap().display(2.0), "Rigid");
+        let shape = Parameter::named("pulse.shape").unwrap();
+        for spelling in ["one-cosine", "OneCosine", "ONE-COSINE", "one_cosine"] {
+            assert_eq!(shape.item(spelling), Ok(3.0), "{spelling}");
+        }
+        assert_eq!([3.0, 4.0].map(|value| shape.display(value)), ["one-cosine", "c1"]);
+        assert!(shape.item("two-sines").unwrap_err().ends_with("expected one of none, one-sine, one-cosine, c1, c2"));
+        assert_eq!(Parameter::named("foundation").unwrap().display(2.0), "rigid");
+        assert_eq!(Parameter::named("alpha"), Parameter::named("dimensionless.alpha"));
+        assert_eq!(Parameter::named("width"), Parameter::named("physical.width"));
         let headings =
             ["dimensionless.p", "epsilon", "foundation"].map(|name| Parameter::named(name).unwrap().heading());
-        assert_eq!(headings, ["dimensionless.p [rad/s]", "epsilon [1]", "foundation"]);
+        assert_eq!(headings, ["p [rad/s]", "epsilon [1]", "foundation"]);
     }
 }

@@ -1,6 +1,7 @@
 //! Cases and a measure → its curve, how sure that is, and how well it tells the outcomes.
 
 use crate::study::fragility::bootstrap::{Bootstrap, bootstrap};
+use crate::study::fragility::clusters::{self, Independence};
 use crate::study::fragility::profile::{Interval, Profile};
 use crate::study::fragility::quality::{auc, brier, efficiency, sufficiency};
 use crate::study::fragility::{Case, Data, Fit, FitError, Link, Observation};
@@ -8,10 +9,20 @@ use crate::study::fragility::{Case, Data, Fit, FitError, Link, Observation};
 /// How intervals are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainty {
-    /// By the likelihood, with each row on its own.
+    /// By the likelihood, with rows clustered by record where records repeat.
     Profile,
-    /// By so many samples of the ground motions, from this seed.
+    /// By this many bootstrap samples of the records, from this seed.
     Bootstrap(u32, u64),
+}
+
+impl Uncertainty {
+    /// The method in words.
+    pub fn words(self, independence: Independence) -> String {
+        match self {
+            Uncertainty::Profile => format!("profile likelihood, {independence}"),
+            Uncertainty::Bootstrap(samples, _) => format!("{samples} bootstrap samples, {independence}"),
+        }
+    }
 }
 
 /// A curve of one measure.
@@ -30,10 +41,18 @@ pub struct Assessment {
     pub brier: f64,
     /// Scatter of the peaks of the blocks that rock and stand about a power of the measure.
     pub efficiency: Option<f64>,
+    /// Number of blocks that rock and stand: they lifted off and reached a thousandth of α.
+    pub rocking: usize,
+    /// What the intervals take for independent.
+    pub independence: Independence,
+    /// Standard errors of the coefficients, with rows clustered by record where records repeat; infinite if one record alone
+    /// determines them.
+    pub standard_errors: Vec<f64>,
     /// Cases that do not have the measure.
     pub without: usize,
     /// The part of the bootstrap's curves or of the confidence that intervals hold.
     confidence: f64,
+    records: Vec<usize>,
     bootstrap: Option<Bootstrap>,
 }
 
@@ -55,16 +74,16 @@ impl Assessment {
         let data = Data::new(pairs.iter().map(observation).collect())?;
         let fit = data.fit(link)?;
         let (rocking, peaks): (Vec<f64>, Vec<f64>) =
-            pairs.iter().filter_map(|(case, measure)| Some((*measure, case.peak?))).unzip();
+            pairs.iter().filter_map(|(case, measure)| Some((*measure, rocking_peak(case)?))).unzip();
         let probabilities = fit.probabilities(data.observations());
-        let groups: Vec<usize> = pairs.iter().map(|(case, _)| case.motion).collect();
+        let records: Vec<usize> = pairs.iter().map(|(case, _)| case.motion).collect();
         let (median, dispersion, bootstrap) = match uncertainty {
             Uncertainty::Profile => {
-                let profile = Profile::new(&data, &fit, confidence)?;
+                let profile = Profile::new(&data, &fit, confidence, &records)?;
                 (profile.median(), profile.dispersion(), None)
             }
             Uncertainty::Bootstrap(samples, seed) => {
-                let found = bootstrap(&data, &groups, link, samples, seed)?;
+                let found = bootstrap(&data, &records, link, samples, seed)?;
                 let of = |feature: fn(&Fit) -> f64| found.interval(confidence, feature);
                 (of(Fit::median), of(Fit::dispersion), Some(found))
             }
@@ -75,8 +94,12 @@ impl Assessment {
             auc: auc(data.observations(), &probabilities),
             brier: brier(data.observations(), &probabilities),
             efficiency: efficiency(&rocking, &peaks),
+            rocking: rocking.len(),
+            independence: Independence::of(&records),
+            standard_errors: standard_errors(&data, &fit, &records),
             without: cases.len() - pairs.len(),
             confidence,
+            records,
             bootstrap,
             data,
             fit,
@@ -90,7 +113,7 @@ impl Assessment {
                 let at = |&measure: &f64| found.interval(self.confidence, |fit| fit.probability(&[measure]));
                 measures.iter().map(at).collect()
             }
-            None => match Profile::new(&self.data, &self.fit, self.confidence) {
+            None => match Profile::new(&self.data, &self.fit, self.confidence, &self.records) {
                 Ok(profile) => measures.iter().map(|&measure| profile.probability(measure)).collect(),
                 Err(_) => unreachable!("the data have one measure"),
             },
@@ -103,12 +126,30 @@ impl Assessment {
     }
 }
 
+/// The least |θ|max/α (1) of a block that rocked. Accelerations just above uplift leave peaks down to 1e-13, whose logarithms
+/// would drown all others.
+const LEAST_ROCKING: f64 = 1e-3;
+
+fn rocking_peak(case: &Case) -> Option<f64> {
+    case.peak.filter(|peak| *peak >= LEAST_ROCKING)
+}
+
+/// Standard errors of the coefficients.
+fn standard_errors(data: &Data, fit: &Fit, records: &[usize]) -> Vec<f64> {
+    match clusters::covariance(data, fit, records) {
+        Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
+        None => vec![f64::INFINITY; fit.coefficients.len()],
+    }
+}
+
 /// A surface of two measures.
 pub struct Surface {
     /// The cases that have both.
     pub data: Data,
     /// The surface.
     pub fit: Fit,
+    /// Standard errors of the coefficients, as in [`Assessment`].
+    pub standard_errors: Vec<f64>,
     /// Area under the receiver operating characteristic.
     pub auc: f64,
     /// Brier score.
@@ -127,13 +168,15 @@ impl Surface {
         link: Link,
     ) -> Result<Surface, FitError> {
         let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
-            Some(Observation::with_probability(&[(*measure)?, (*other)?], case.fraction))
+            Some((Observation::with_probability(&[(*measure)?, (*other)?], case.fraction), case.motion))
         });
-        let data = Data::new(both.collect())?;
+        let (observations, records): (Vec<Observation>, Vec<usize>) = both.unzip();
+        let data = Data::new(observations)?;
         let fit = data.fit(link)?;
         let probabilities = fit.probabilities(data.observations());
         let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
-        Ok(Surface { data, fit, auc, brier })
+        let standard_errors = standard_errors(&data, &fit, &records);
+        Ok(Surface { data, fit, standard_errors, auc, brier })
     }
 }
 
@@ -148,8 +191,8 @@ pub fn sufficiency_beside(
     link: Link,
 ) -> Result<f64, FitError> {
     let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
-        Some((Observation::with_probability(&[(*measure)?], case.fraction), (*other)?))
+        Some((Observation::with_probability(&[(*measure)?], case.fraction), ((*other)?, case.motion)))
     });
-    let (observations, others): (Vec<Observation>, Vec<f64>) = both.unzip();
-    sufficiency(&Data::new(observations)?, &others, link)
+    let (observations, (others, records)): (Vec<Observation>, (Vec<f64>, Vec<usize>)) = both.unzip();
+    sufficiency(&Data::new(observations)?, &others, link, &records)
 }

@@ -4,8 +4,8 @@
 //! With the normal distribution for F (probit) it is the lognormal fragility curve of median `exp(−a/b)` and dispersion
 //! `β = 1/b`; with the logistic one (logit) it is logistic regression. Coefficients are those of the greatest likelihood
 //! (J. W. Baker, Efficient analytical fragility function fitting using dynamic structural analysis, Earthquake Spectra 31
-//! (2015) 579–599, without his grouping of levels); intervals and bands are those of the profile likelihood, or of
-//! a bootstrap of whole records.
+//! (2015) 579–599, without his grouping of levels); intervals and bands are those of the profile likelihood, with rows
+//! clustered by record, or of a bootstrap of whole records.
 //!
 //! ```
 //! use rocking_block::study::fragility::{Data, Link, Observation};
@@ -19,6 +19,7 @@
 
 mod assessment;
 mod bootstrap;
+mod clusters;
 mod ida;
 mod likelihood;
 mod profile;
@@ -29,6 +30,7 @@ mod table;
 
 pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
 pub use bootstrap::{Bootstrap, bootstrap};
+pub use clusters::Independence;
 pub use ida::{Ida, Response};
 pub use likelihood::Link;
 pub use profile::{Interval, Profile};

@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::numerics::roots::sign_change;
+use crate::study::fragility::clusters::{self, Independence};
 use crate::study::fragility::regression::{Design, Fit, maximize};
 use crate::study::fragility::{Data, FitError, Observation};
-use crate::study::normal;
 
 /// An interval; an end that the data do not bound is missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,48 +27,52 @@ impl Interval {
 ///
 /// The interval of a feature holds the values at which twice the logarithm of the ratio to the greatest likelihood is at most
 /// the quantile of χ² with one degree of freedom. It does not change with the unit or the logarithm of a feature, and needs
-/// no symmetry. It takes the observations to be independent, which rows of the same record are not: see
-/// [`bootstrap`](crate::study::fragility::bootstrap).
+/// no symmetry.
+///
+/// Rows of the same record are not independent. Where records repeat, the fall that is allowed grows by the ratio of the
+/// feature's variance with rows clustered by record to that with independent rows (R. E. Chandler, S. Bate, Inference for
+/// clustered data using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t².
 pub struct Profile<'a> {
     observations: &'a [Observation],
     /// Logarithms of the measure.
     x: Vec<f64>,
     fit: &'a Fit,
-    /// What twice the log-likelihood may fall by.
-    fall: f64,
+    /// Covariance of the coefficients; nothing if one record alone determines them.
+    covariance: Option<DMatrix<f64>>,
+    /// Permitted fall of twice the log-likelihood, for independent rows.
+    allowed: f64,
 }
 
 impl<'a> Profile<'a> {
-    /// The profile of a curve that was fitted to these data, of one measure; `confidence` is above 0 and below 1.
+    /// The profile of a curve that was fitted to these data, of one measure; `confidence` is above 0 and below 1, `records`
+    /// has the record of each observation.
     ///
     /// # Errors
     /// [`FitError::Measures`] for a surface.
-    pub fn new(data: &'a Data, fit: &'a Fit, confidence: f64) -> Result<Profile<'a>, FitError> {
+    pub fn new(data: &'a Data, fit: &'a Fit, confidence: f64, records: &[usize]) -> Result<Profile<'a>, FitError> {
         if data.measures() != 1 {
             return Err(FitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
         }
-        let deviate = normal::quantile(0.5 + 0.5 * confidence);
+        let deviate = Independence::of(records).deviate(confidence);
+        let covariance = clusters::covariance(data, fit, records);
         let x = data.observations().iter().map(|row| libm::log(row.measures[0])).collect();
-        Ok(Profile { observations: data.observations(), x, fit, fall: deviate * deviate })
+        Ok(Profile { observations: data.observations(), x, fit, covariance, allowed: deviate * deviate })
     }
 
     /// Interval of the median, in the unit of the measure. Where the probability need not depend on the measure at all, it has
     /// no bounds.
     pub fn median(&self) -> Interval {
         let [a, b] = self.coefficients();
-        let [[var_a, cov], [_, var_b]] = self.covariance();
         let log_median = -a / b;
-        // Of −a/b, by the first derivatives.
-        let deviation = (var_a + 2.0 * log_median * cov + log_median * log_median * var_b).sqrt() / b.abs();
-        let excess = |log_median: f64| self.excess(|x| (x - log_median, 0.0));
-        self.interval(log_median, deviation, excess).map(libm::exp)
+        let gradient = [-1.0 / b, a / (b * b)];
+        self.interval(log_median, gradient, |log_median, x| (x - log_median, 0.0)).map(libm::exp)
     }
 
     /// Interval of the dispersion β. Where the slope may be zero, β has no upper bound; if the data allow both signs of it,
     /// only the bounds of its own sign are reported.
     pub fn dispersion(&self) -> Interval {
         let [_, b] = self.coefficients();
-        let slopes = self.interval(b, self.covariance()[1][1].sqrt(), |b| self.excess(|x| (1.0, b * x)));
+        let slopes = self.interval(b, [0.0, 1.0], |b, x| (1.0, b * x));
         let same_sign = |slope: Option<f64>| slope.filter(|slope| slope * b > 0.0).map(|slope| 1.0 / slope);
         Interval { low: same_sign(slopes.high), high: same_sign(slopes.low) }
     }
@@ -76,10 +80,8 @@ impl<'a> Profile<'a> {
     /// Interval of the probability at a measure above zero: a band, point by point.
     pub fn probability(&self, measure: f64) -> Interval {
         let ([a, b], x0) = (self.coefficients(), libm::log(measure));
-        let [[var_a, cov], [_, var_b]] = self.covariance();
-        let deviation = (var_a + 2.0 * x0 * cov + x0 * x0 * var_b).sqrt();
-        let excess = |predictor: f64| self.excess(|x| (x - x0, predictor));
-        let found = self.interval(a + b * x0, deviation, excess).map(|predictor| self.fit.link.probability(predictor));
+        let found = self.interval(a + b * x0, [1.0, x0], |predictor, x| (x - x0, predictor));
+        let found = found.map(|predictor| self.fit.link.probability(predictor));
         Interval { low: found.low.or(Some(0.0)), high: found.high.or(Some(1.0)) }
     }
 
@@ -87,30 +89,33 @@ impl<'a> Profile<'a> {
         [self.fit.coefficients[0], self.fit.coefficients[1]]
     }
 
-    fn covariance(&self) -> [[f64; 2]; 2] {
-        let row = |i: usize| [self.fit.covariance[i][0], self.fit.covariance[i][1]];
-        [row(0), row(1)]
-    }
-
-    /// By how much twice the log-likelihood falls more than it may, with the predictor `offset + x c` for the best c; `of` has
-    /// x and offset for a logarithm of the measure.
-    fn excess(&self, of: impl Fn(f64) -> (f64, f64)) -> f64 {
+    /// By how much twice the log-likelihood falls, with the predictor `offset + x c` for the best c; `of` has x and offset for
+    /// a logarithm of the measure.
+    fn fall(&self, of: impl Fn(f64) -> (f64, f64)) -> f64 {
         let (x, offset): (Vec<f64>, Vec<f64>) = self.x.iter().map(|&x| of(x)).unzip();
         let rows = self.x.len();
         let (x, offset) = (DMatrix::from_vec(rows, 1, x), DVector::from_vec(offset));
         match maximize(&Design { observations: self.observations, x, offset }, self.fit.link) {
-            Ok(maximum) => 2.0 * (self.fit.log_likelihood - maximum.log_likelihood) - self.fall,
+            Ok(maximum) => 2.0 * (self.fit.log_likelihood - maximum.log_likelihood),
             // So far out that no digit of the likelihood is left.
             Err(_) => f64::INFINITY,
         }
     }
 
-    /// Where an excess is zero on both sides of an estimate, from a standard deviation on outwards.
-    fn interval(&self, estimate: f64, deviation: f64, excess: impl Fn(f64) -> f64) -> Interval {
+    /// The interval of a feature with this estimate and this gradient with respect to the coefficients; `of` has x and offset
+    /// of [`Profile::fall`] for a value of the feature and a logarithm of the measure.
+    fn interval(&self, estimate: f64, gradient: [f64; 2], of: impl Fn(f64, f64) -> (f64, f64)) -> Interval {
         /// Farther than 2⁴⁰ standard deviations there is no bound.
         const DOUBLINGS: i32 = 40;
+        let naive = variance(gradient, |i, j| self.fit.covariance[i][j]);
+        let clustered = self.covariance.as_ref().map_or(f64::INFINITY, |of| variance(gradient, |i, j| of[(i, j)]));
+        let (deviation, allowed) = (clustered.sqrt(), self.allowed * clustered / naive);
+        if !(deviation > 0.0 && deviation.is_finite() && allowed.is_finite()) {
+            return Interval { low: None, high: None };
+        }
+        let excess = |value: f64| self.fall(|x| of(value, x)) - allowed;
         let end = |sign: f64| {
-            let mut near = (estimate, -self.fall);
+            let mut near = (estimate, -allowed);
             for doubling in 0..DOUBLINGS {
                 let value = estimate + sign * deviation * f64::from(2).powi(doubling);
                 let far = (value, excess(value));
@@ -125,11 +130,14 @@ impl<'a> Profile<'a> {
             }
             None
         };
-        if !(deviation > 0.0 && deviation.is_finite()) {
-            return Interval { low: None, high: None };
-        }
         Interval { low: end(-1.0), high: end(1.0) }
     }
+}
+
+/// The variance of a feature with this gradient, from a covariance.
+fn variance(gradient: [f64; 2], covariance: impl Fn(usize, usize) -> f64) -> f64 {
+    let [a, b] = gradient;
+    a * a * covariance(0, 0) + 2.0 * a * b * covariance(0, 1) + b * b * covariance(1, 1)
 }
 
 impl Interval {

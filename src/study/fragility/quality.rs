@@ -1,5 +1,6 @@
 //! Observations and a curve → how well a measure tells the outcomes: AUC, Brier score, efficiency, sufficiency.
 
+use crate::study::fragility::clusters::{self, Independence};
 use crate::study::fragility::{Data, FitError, Link, Observation};
 
 /// The area under the receiver operating characteristic (1): the probability that a row in which the limit is exceeded has a
@@ -59,21 +60,25 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
 /// the other one is added to the curve, if the outcomes do not depend on it (likelihood ratio, χ² with one degree of freedom).
 /// Small ones, below 0.05 say, refute that the first measure is sufficient.
 ///
-/// `others` has the other measure of each observation, above zero.
+/// `others` has the other measure of each observation, above zero, `records` its record. Where records repeat, the growth
+/// counts less by the ratio of the variances of the added coefficient, as in [`Profile`](super::Profile).
 ///
 /// # Errors
 /// Those of [`Data::new`] and [`Data::fit`] for the surface of both measures: it may part classes that overlap in one.
-pub fn sufficiency(data: &Data, others: &[f64], link: Link) -> Result<f64, FitError> {
+pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -> Result<f64, FitError> {
     let both = data
         .observations()
         .iter()
         .zip(others)
         .map(|(row, &other)| Observation { measures: vec![row.measures[0], other], ..row.clone() });
     let curve = data.fit(link)?;
-    let surface = Data::new(both.collect())?.fit(link)?;
-    let gain = (surface.log_likelihood - curve.log_likelihood).max(0.0);
-    // P(χ² > 2 gain) with one degree of freedom.
-    Ok(libm::erfc(gain.sqrt()))
+    let both = Data::new(both.collect())?;
+    let surface = both.fit(link)?;
+    let gain = 2.0 * (surface.log_likelihood - curve.log_likelihood).max(0.0);
+    // Of the coefficient that is added, the last one.
+    let clustered = clusters::covariance(&both, &surface, records).map_or(f64::INFINITY, |found| found[(2, 2)]);
+    let deviate = (gain * surface.covariance[2][2] / clustered).sqrt();
+    Ok(Independence::of(records).exceedance(deviate))
 }
 
 #[cfg(test)]

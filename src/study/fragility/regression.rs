@@ -83,7 +83,7 @@ impl Design<'_> {
     }
 
     /// The log-likelihood at these coefficients and the terms that it is the sum of, times their weights.
-    fn terms(&self, link: Link, coefficients: &DVector<f64>) -> (f64, Vec<Term>) {
+    pub fn terms(&self, link: Link, coefficients: &DVector<f64>) -> (f64, Vec<Term>) {
         let predictor = &self.x * coefficients + &self.offset;
         let terms = self.observations.iter().zip(predictor.iter()).map(|(row, &predictor)| {
             let Term { log_likelihood, score, curvature, information } = link.term(predictor, row.fraction);

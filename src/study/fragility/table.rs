@@ -5,6 +5,7 @@ use std::io::Read;
 use std::str::FromStr;
 
 use crate::study::outcome::End;
+use crate::study::parameters::is_same_word;
 
 /// What a block is not to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,13 +30,14 @@ impl FromStr for Limit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Limit, String> {
-        let rotation = || text.strip_prefix("theta/alpha>")?.parse().ok().filter(|limit| *limit > 0.0);
-        match text {
-            "overturned" => Ok(Limit::Overturned),
-            _ => rotation().filter(|limit: &f64| limit.is_finite()).map(Limit::Rotation).ok_or_else(|| {
-                format!("found limit `{text}`; expected overturned, or theta/alpha>0.5 with a number > 0")
-            }),
+        let lower = text.to_ascii_lowercase();
+        if lower == "overturned" {
+            return Ok(Limit::Overturned);
         }
+        let limit = lower.strip_prefix("theta/alpha>").unwrap_or(&lower).parse().ok();
+        limit.filter(|limit: &f64| *limit > 0.0 && limit.is_finite()).map(Limit::Rotation).ok_or_else(|| {
+            format!("found limit `{text}`; expected overturned, or a number > 0 for |theta|/alpha, as in 0.5")
+        })
     }
 }
 
@@ -111,9 +113,9 @@ pub struct Case {
     pub row: usize,
     /// The part of its runs that exceeded the limit: 0 or 1 for a single run.
     pub fraction: f64,
-    /// Its |θ|max/α, if it rocked and stands.
+    /// Its |θ|max/α, if it lifted off and stands.
     pub peak: Option<f64>,
-    /// Number of its ground motion.
+    /// Number of its ground motion; a row without records has one of its own.
     pub motion: usize,
 }
 
@@ -153,7 +155,7 @@ impl Table {
     pub fn keep(&mut self, column: &str, value: &str) -> Result<(), TableError> {
         let place = self.place(column)?;
         let number: Option<f64> = value.parse().ok();
-        let is = |found: &str| found == value || number.is_some() && found.parse().ok() == number;
+        let is = |found: &str| is_same_word(found, value) || number.is_some() && found.parse().ok() == number;
         self.rows.retain(|row| is(&row[place]));
         match self.rows.is_empty() {
             true => Err(TableError::NoRow { file: self.file.clone(), column: column.into(), value: value.into() }),
@@ -187,7 +189,17 @@ impl Table {
     /// # Errors
     /// The table has no outcomes, or one that is none.
     pub fn cases(&self, limit: Limit) -> Result<Cases, TableError> {
-        let (ends, peaks) = (self.ends()?, self.numbers("peak.theta/alpha")?);
+        let ends = self.ends()?;
+        let column = |name: &str| match self.place(name) {
+            Ok(_) => self.numbers(name),
+            Err(_) => Ok(vec![None; self.rows.len()]),
+        };
+        // Peaks decide on limits of the rotation; for overturning they only show how far standing blocks rocked.
+        let peaks = match limit {
+            Limit::Overturned => column("peak.theta/alpha")?,
+            Limit::Rotation(_) => self.numbers("peak.theta/alpha")?,
+        };
+        let liftoffs = column("events.liftoffs")?;
         let is_ensemble = self.place("ensemble.samples").is_ok();
         let probabilities = match is_ensemble {
             true => self.numbers(&format!("P({limit})"))?,
@@ -197,7 +209,11 @@ impl Table {
         let mut motions = BTreeMap::new();
         let names = ["record", "vertical"].map(|name| self.place(name).ok());
         for (row, ((end, peak), probability)) in ends.into_iter().zip(peaks).zip(probabilities).enumerate() {
-            let known: String = names.iter().flatten().map(|&place| format!("{}\n", &self.rows[row][place])).collect();
+            let mut known: Vec<String> = names.iter().flatten().map(|&place| self.rows[row][place].into()).collect();
+            if known.iter().all(String::is_empty) {
+                // No key of one or two names equals these three.
+                known = vec![String::new(), String::new(), row.to_string()];
+            }
             let next = motions.len();
             let motion = *motions.entry(known).or_insert(next);
             let exceeds = match limit {
@@ -216,7 +232,8 @@ impl Table {
             };
             match fraction {
                 Some(fraction) => {
-                    let peak = peak.filter(|peak| end == End::Completed && *peak > 0.0);
+                    let rocked = end == End::Completed && liftoffs[row] != Some(0.0);
+                    let peak = peak.filter(|peak| rocked && *peak > 0.0);
                     found.cases.push(Case { row, fraction, peak, motion });
                 }
                 None => found.failed += 1,
@@ -251,8 +268,12 @@ impl Table {
     }
 
     fn place(&self, name: &str) -> Result<usize, TableError> {
-        let is = |column: &&String| *column == name || column.split_once(" [").is_some_and(|(known, _)| known == name);
-        self.columns.iter().position(|column| is(&column)).ok_or_else(|| TableError::Column {
+        let is_named = |column: &str, same: fn(&str, &str) -> bool| {
+            same(column, name) || column.split_once(" [").is_some_and(|(known, _)| same(known, name))
+        };
+        let exact = self.columns.iter().position(|column| is_named(column, |a, b| a == b));
+        let in_any_case = || self.columns.iter().position(|column| is_named(column, str::eq_ignore_ascii_case));
+        exact.or_else(in_any_case).ok_or_else(|| TableError::Column {
             file: self.file.clone(),
             name: name.into(),
             known: self.columns.join(", "),
@@ -319,7 +340,12 @@ mod tests {
         assert_eq!(told, "t.csv: row 0 has outcome = completed; expected a number");
         let told = table(TABLE).numbers("PGA").unwrap_err().to_string();
         assert!(told.contains("has no column PGA") && told.contains("PGV [m/s]"), "{told}");
-        for wrong in ["fallen", "theta/alpha>0", "theta/alpha>x"] {
+        for rotation in ["0.5", "theta/alpha>0.5", "Theta/Alpha>0.5"] {
+            assert_eq!(rotation.parse(), Ok(Limit::Rotation(0.5)));
+        }
+        assert_eq!("Overturned".parse(), Ok(Limit::Overturned));
+        assert_eq!(table(TABLE).numbers("pgv").unwrap(), table(TABLE).numbers("PGV").unwrap());
+        for wrong in ["fallen", "-1", "theta/alpha>0", "theta/alpha>x"] {
             assert!(wrong.parse::<Limit>().unwrap_err().contains(wrong));
         }
     }
