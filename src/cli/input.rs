@@ -11,15 +11,24 @@ use crate::study::place::STANDARD;
 /// What standard input is called in messages.
 pub const STANDARD_INPUT: &str = "standard input";
 
-/// Reads a record.
+/// Reads a record. A table without names whose numbers can hardly be accelerations gets a warning on standard error.
 pub fn record(path: &Path, options: &ReadOptions) -> Result<Record, RecordError> {
-    if path != Path::new(STANDARD) {
-        return records::read(path, options);
+    let (name, bytes) = match path == Path::new(STANDARD) {
+        true => (STANDARD_INPUT.into(), standard_input()?),
+        false => (path.display().to_string(), records::bytes(path)?),
+    };
+    let record = records::parse(&name, &bytes, options)?;
+    if let Some(why) = records::doubt(&bytes, &record) {
+        eprintln!("rocking: warning: {name}: nothing names its numbers, and {why}; expected accelerations");
     }
+    Ok(record)
+}
+
+fn standard_input() -> Result<Vec<u8>, RecordError> {
     let mut bytes = Vec::new();
     let read = std::io::stdin().lock().take((LARGEST_FILE << 20) + 1).read_to_end(&mut bytes);
     read.map_err(|error| RecordError::Unreadable { file: STANDARD_INPUT.into(), error })?;
-    records::parse(STANDARD_INPUT, &bytes, options)
+    Ok(bytes)
 }
 
 /// Reads a text, and tells its name in messages.

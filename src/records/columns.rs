@@ -1,7 +1,7 @@
 //! Columns of numbers, with or without lines of text before them: acceleration alone, or time and acceleration among
 //! others, separated by commas, semicolons, tabs or blanks.
 
-use std::{convert::Infallible, fmt, str::FromStr};
+use std::{borrow::Cow, convert::Infallible, fmt, str::FromStr};
 
 use super::raw::Raw;
 use super::table::{Layout, Name, Separator, is_comment, layout};
@@ -81,8 +81,10 @@ pub(super) fn read(source: &Source<'_>, options: &ReadOptions) -> Result<Raw, Re
             delimited(source, layout.first_row, separator, |line, fields| {
                 let width = fields.len() - fields.iter().rev().take_while(|field| field.is_empty()).count();
                 let field = |index: usize| {
-                    let field = fields.get(index).unwrap_or("");
-                    if separator == b',' { field.to_owned() } else { field.replace(',', ".") }
+                    let field = fields.get(index).copied().unwrap_or("");
+                    // Where commas do not separate columns they are decimal commas.
+                    let is_decimal = separator != b',' && field.contains(',');
+                    if is_decimal { Cow::Owned(field.replace(',', ".")) } else { Cow::Borrowed(field) }
                 };
                 visit(line, width, time.map(field).as_deref(), &field(acceleration))
             })?;
@@ -109,8 +111,23 @@ fn delimited(
     source: &Source<'_>,
     first: usize,
     separator: u8,
-    mut visit: impl FnMut(usize, &csv::StringRecord) -> Result<(), RecordError>,
+    mut visit: impl FnMut(usize, &[&str]) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {
+    if !source.text.contains('"') {
+        // Nothing is quoted: a separator separates wherever it stands.
+        let mut fields = Vec::new();
+        for (line, text) in source.lines().skip(first.saturating_sub(1)) {
+            if text.starts_with('#') {
+                continue;
+            }
+            fields.clear();
+            fields.extend(text.split(char::from(separator)).map(str::trim));
+            if fields.iter().any(|field| !field.is_empty()) {
+                visit(line, &fields)?;
+            }
+        }
+        return Ok(());
+    }
     // One kind of line end, also on the last line: only so the reader's line count is that of the file.
     let mut rows = String::with_capacity(source.text.len() + 1);
     for (_, text) in source.lines().skip(first.saturating_sub(1)) {
@@ -131,7 +148,7 @@ fn delimited(
         match more {
             Ok(false) => return Ok(()),
             Ok(true) if fields.iter().all(str::is_empty) => {}
-            Ok(true) => visit(line, &fields)?,
+            Ok(true) => visit(line, &fields.iter().collect::<Vec<_>>())?,
             Err(error) => {
                 return Err(source.header_error(line, &error.to_string(), "delimited columns"));
             }
@@ -192,15 +209,23 @@ fn choose(
 
 /// The unit in the brackets of the acceleration column's name.
 fn unit(source: &Source<'_>, layout: &Layout<'_>, column: usize) -> Result<Option<(usize, Unit)>, RecordError> {
+    let of_all = || match layout.stated {
+        Some((line, unit)) => match (unit.parse(), other_quantity(unit)) {
+            (Ok(unit), _) => Ok(Some((line, unit))),
+            (Err(_), Some(found)) => Err(source.not_acceleration(line, format!("{found} ({})", quoted(unit)))),
+            (Err(_), None) => Ok(None),
+        },
+        None => Ok(None),
+    };
     let Some(name) = layout.names.get(column) else {
-        return Ok(None);
+        return of_all();
     };
     if name.is_other_quantity() {
         let found = format!("a column named {}", quoted(name.whole));
         return Err(source.not_acceleration(layout.header, found));
     }
     let Some(unit) = name.unit else {
-        return Ok(None);
+        return of_all();
     };
     match (unit.parse(), other_quantity(unit)) {
         (Ok(unit), _) => Ok(Some((layout.header, unit))),

@@ -274,12 +274,48 @@ impl ReadOptions {
 /// # Errors
 /// [`RecordError::Unreadable`] and [`RecordError::TooLarge`] before the content is looked at, then those of [`parse`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Record, RecordError> {
-    let name = path.display().to_string();
+    parse(&path.display().to_string(), &bytes(path)?, options)
+}
+
+/// The content of a file, up to one byte more than the largest that [`parse`] takes.
+///
+/// # Errors
+/// [`RecordError::Unreadable`].
+pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take((LARGEST_FILE << 20) + 1).read_to_end(&mut bytes))
-        .map_err(|error| RecordError::Unreadable { file: name.clone(), error })?;
-    parse(&name, &bytes, options)
+        .map_err(|error| RecordError::Unreadable { file: path.display().to_string(), error })?;
+    Ok(bytes)
+}
+
+/// Why the numbers of a table without names can hardly be accelerations, if they cannot: nothing in such a file says that
+/// they are.
+#[must_use]
+pub fn doubt(bytes: &[u8], record: &Record) -> Option<String> {
+    /// No ground motion that was ever recorded had more (m/s²); the greatest had 4.4 g.
+    const GREATEST: f64 = 60.0;
+    /// Least mean frequency (Hz), √(∫ȧ² dt/∫a² dt)/2π: that of 36 accelerograms is 1.2 to 7.7 Hz, that of their velocities
+    /// 0.5 to 4 Hz.
+    const LEAST_FREQUENCY: f64 = 1.15;
+    /// Shorter tables are made by hand.
+    const FEWEST: usize = 200;
+    let text = String::from_utf8_lossy(bytes.get(..4096).unwrap_or(bytes));
+    let first = text.lines().map(str::trim).find(|line| !line.is_empty())?;
+    let mut fields = first.split([' ', '\t', ',', ';']).filter(|field| !field.is_empty());
+    if record.format != Format::Columns || !fields.all(|field| text::number(field).is_some()) {
+        return None;
+    }
+    let peak = record.peak().acceleration.abs();
+    if peak > GREATEST {
+        return Some(format!("the greatest is {peak:.3e} m/s², more than of any earthquake"));
+    }
+    let values = &record.acceleration;
+    let squares: f64 = values.iter().map(|a| a * a).sum();
+    let changes: f64 = values.iter().zip(values.iter().skip(1)).map(|(a, b)| (b - a) * (b - a)).sum();
+    let frequency = (changes / squares).sqrt() / record.time_step / std::f64::consts::TAU;
+    (values.len() >= FEWEST && frequency < LEAST_FREQUENCY)
+        .then(|| format!("they change as slowly as velocities, at {frequency:.2} Hz in the mean"))
 }
 
 /// Reads an accelerogram from the bytes of its file; `name` stands for the file in errors and, where the file has no

@@ -1,7 +1,8 @@
 //! How a table of numbers is laid out: separator, header row, first row of numbers.
 
 use super::text::{HEAD_LINES, Source, number, quoted, squeezed};
-use super::{Format, RecordError};
+use super::unit::other_quantity;
+use super::{Format, RecordError, Unit};
 
 /// So many columns are no table but values in reading order, as in PEER files.
 const FEWEST_IN_BLOCK: usize = 3;
@@ -62,7 +63,8 @@ impl<'a> Name<'a> {
     }
 
     pub(super) fn is_time(&self) -> bool {
-        self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time"])
+        let is_in_seconds = self.word.is_empty() && self.unit.is_some_and(is_second);
+        is_in_seconds || self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time"])
     }
 
     /// Velocity, displacement, or the abscissa of a spectrum.
@@ -73,7 +75,8 @@ impl<'a> Name<'a> {
     }
 
     pub(super) fn is_acceleration(&self) -> bool {
-        self.word.eq_ignore_ascii_case("a") || self.starts_with(&["acc", "a_", "ag"])
+        let has_its_unit = self.word.is_empty() && self.unit.is_some_and(|unit| unit.parse::<Unit>().is_ok());
+        has_its_unit || self.word.eq_ignore_ascii_case("a") || self.starts_with(&["acc", "a_", "ag"])
     }
 }
 
@@ -86,6 +89,8 @@ pub(super) struct Layout<'a> {
     /// Line of the header row.
     pub(super) header: usize,
     pub(super) names: Vec<Name<'a>>,
+    /// The unit that a line of its own states, and the line.
+    pub(super) stated: Option<(usize, &'a str)>,
     pub(super) title: String,
 }
 
@@ -113,11 +118,24 @@ pub(super) fn layout<'a>(source: &'a Source<'_>) -> Result<Layout<'a>, RecordErr
         if !fields.is_empty() && fields.iter().all(|field| separator.number(field.trim_matches('"')).is_some()) {
             // A comment may be the header row, as "# t [s], a [m/s2]".
             let bare = |text: &'a str| text.trim_start_matches(['#', '%', '!', '/']).trim();
+            let last = before.last().map(|&(line, text)| (line, bare(text)));
+            let stated = last.and_then(|(line, text)| Some((line, stated_unit(text)?)));
+            let units = last.map(|(_, text)| units(text, separator, fields.len())).unwrap_or_default();
+            if stated.is_some() || !units.is_empty() {
+                before.pop();
+            }
             let header = before.last().map(|&(header, text)| (header, names(bare(text), separator, fields.len())));
-            let (header, names) = header.unwrap_or((line, Vec::new()));
+            let (mut header, mut names) = header.unwrap_or((line, Vec::new()));
+            if let (true, false, Some((of_units, _))) = (names.is_empty(), units.is_empty(), last) {
+                header = of_units;
+                names = units.iter().map(|&unit| Name { whole: unit, word: "", unit: Some(unit) }).collect();
+            }
+            for (name, unit) in names.iter_mut().zip(units) {
+                name.unit = name.unit.or(Some(unit));
+            }
             let title = before.first().filter(|&&(first, _)| names.is_empty() || first != header);
             let title = title.map_or(String::new(), |(_, text)| squeezed(bare(text)));
-            return Ok(Layout { separator, first_row: line, width: fields.len(), header, names, title });
+            return Ok(Layout { separator, first_row: line, width: fields.len(), header, names, stated, title });
         }
         let lower = text.to_lowercase();
         let spectrum = ["spectrum", "spectra"].iter().any(|word| lower.contains(word)) && !lower.contains("matched");
@@ -132,6 +150,30 @@ pub(super) fn layout<'a>(source: &'a Source<'_>) -> Result<Layout<'a>, RecordErr
     let expected =
         format!("the header of a known format ({}) or a row of numbers in the first {HEAD_LINES} lines", Format::NAMES);
     Err(source.header_error(line, text, expected))
+}
+
+/// The unit of a line such as `unit: g` or `Units = cm/s^2`.
+fn stated_unit(line: &str) -> Option<&str> {
+    let start = line.get(..4).filter(|start| start.eq_ignore_ascii_case("unit"))?;
+    let unit = line.get(start.len()..)?.trim_start_matches(['s', 'S', ' ', ':', '=']).trim();
+    is_unit(unit).then_some(unit)
+}
+
+/// The units of a row that has nothing else, one a column, as `s, m/s2` below the names; otherwise none.
+fn units(line: &str, separator: Separator, width: usize) -> Vec<&str> {
+    let fields =
+        if separator.split(line).len() == width { separator.split(line) } else { Separator::of(line).split(line) };
+    let bare: Vec<&str> = fields.iter().map(|field| field.trim_matches(['[', ']', '(', ')', '"']).trim()).collect();
+    let are_units = bare.len() == width && bare.iter().all(|field| is_unit(field) || is_second(field));
+    if are_units && bare.iter().any(|field| is_unit(field)) { bare } else { Vec::new() }
+}
+
+fn is_unit(text: &str) -> bool {
+    text.parse::<Unit>().is_ok() || other_quantity(text).is_some()
+}
+
+fn is_second(text: &str) -> bool {
+    matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
 }
 
 /// The names of the header row, one a column, or none if the line does not fit the columns.

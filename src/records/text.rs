@@ -103,10 +103,7 @@ struct Digits {
 impl Digits {
     fn of(token: &str) -> Digits {
         let (mantissa, exponent) = split_exponent(token);
-        Digits {
-            decimals: Some(mantissa.split_once('.').map_or(0, |(_, tail)| tail.len())),
-            exponent: exponent.trim_start_matches(['+', '-']).len(),
-        }
+        Digits { decimals: Some(decimals(mantissa)), exponent: exponent.trim_start_matches(['+', '-']).len() }
     }
 
     fn common(self, other: Digits) -> Digits {
@@ -159,18 +156,26 @@ impl<'s> Values<'s> {
 
 /// Mantissa and exponent, the latter empty if there is none.
 fn split_exponent(token: &str) -> (&str, &str) {
-    token.split_once(['e', 'E', 'd', 'D']).unwrap_or((token, ""))
+    let place = token.bytes().position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'));
+    let split = place.and_then(|place| Some((token.get(..place)?, token.get(place + 1..)?)));
+    split.unwrap_or((token, ""))
+}
+
+/// Digits after the point of a mantissa.
+fn decimals(mantissa: &str) -> usize {
+    mantissa.bytes().position(|byte| byte == b'.').map_or(0, |place| mantissa.len() - place - 1)
 }
 
 /// Reads a number as C and Fortran print it (`.5E-02`, `0.5D-02`), not finite ones included.
 pub(super) fn number(token: &str) -> Option<f64> {
-    if token.contains(['D', 'd']) { token.replace(['D', 'd'], "e").parse().ok() } else { token.parse().ok() }
+    // Nearly all numbers are in the notation of C, and no text of C's has a `d`.
+    token.parse().ok().or_else(|| token.replace(['D', 'd'], "e").parse().ok())
 }
 
 /// One unit of a number's last printed digit: half of it is how far the value may be off.
 pub(super) fn print_quantum(token: &str) -> f64 {
     let (mantissa, exponent) = split_exponent(token);
-    let decimals = mantissa.split_once('.').map_or(0, |(_, tail)| tail.len());
+    let decimals = decimals(mantissa);
     let power = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(decimals).unwrap_or(0));
     10f64.powi(power)
 }

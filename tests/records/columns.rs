@@ -1,6 +1,6 @@
 //! Made-up columns of numbers: those that are read, and those that could be something else.
 
-use rocking_block::records::{Column, Format, ReadOptions, Unit};
+use rocking_block::records::{Column, Format, ReadOptions, Unit, doubt};
 
 use super::{accelerations, assert_refused, parsed, refusal, said};
 
@@ -69,6 +69,60 @@ fn delimited_files() {
     );
     assert_refused("t,a [g]\r\n0,1\r\n\r\n1,2\r\n2,x\r\n", "made-up, line 5: found \"x\", expected a finite number");
     assert_refused("t,a [g]\n0,1\n1\n", "made-up, line 3: found \"1 columns\", expected 2 columns as in line 2");
+}
+
+/// Units in a line of their own are units and no names.
+#[test]
+fn a_line_of_units_is_no_header_row() {
+    let none = ReadOptions::default();
+    for text in [
+        "# unit: m/s2\n0 0.5\n0.01 -0.25\n0.02 0.125\n",
+        "# Units = m/s^2\n0,0.5\n0.01,-0.25\n0.02,0.125\n",
+        "# unit m/s2\n0 0.5\n0.01 -0.25\n0.02 0.125\n",
+        "# s m/s2\n0 0.5\n0.01 -0.25\n0.02 0.125\n",
+        "t,a\n[s],[m/s2]\n0,0.5\n0.01,-0.25\n0.02,0.125\n",
+        "# t a\n# unit: m/s2\n0 0.5\n0.01 -0.25\n0.02 0.125\n",
+        "s;cm/s2\n0;50\n0,01;-25\n0,02;12,5\n",
+    ] {
+        let record = accelerations(text, &none);
+        assert_eq!((record.format, record.time_step), (Format::Columns, 0.01), "{text}");
+        assert!(record.acceleration.iter().zip([0.5, -0.25, 0.125]).all(|(a, b)| (a - b).abs() < 1e-15), "{record:?}");
+    }
+    let alone = accelerations("# g\n0.5\n0.25\n", &ReadOptions { time_step: Some(0.01), ..none.clone() });
+    assert_eq!(alone.unit, Unit::G);
+    let velocity = "made-up, line 1: found a velocity";
+    for text in ["# unit: cm/s\n0 0.5\n0.01 -0.25\n", "# s cm/s\n0 0.5\n0.01 -0.25\n"] {
+        assert!(refusal(text, &none).starts_with(velocity), "{}", refusal(text, &none));
+    }
+}
+
+/// Nothing in a bare table says that it holds accelerations: some of its numbers show that it does not.
+#[test]
+fn bare_numbers_that_cannot_be_accelerations_are_doubted() {
+    let waves = |hertz: f64, peak: f64| -> String {
+        let value = |i: u32| peak * (std::f64::consts::TAU * hertz * 0.01 * f64::from(i)).sin();
+        (0..1000).map(|i| format!("{:.2} {:.6}\n", 0.01 * f64::from(i), value(i))).collect()
+    };
+    let options = ReadOptions { unit: Some(Unit::MetrePerSecondSquared), ..ReadOptions::default() };
+    let told = |text: &str| doubt(text.as_bytes(), &accelerations(text, &options));
+    assert_eq!(told(&waves(3.0, 4.0)), None);
+    assert!(told(&waves(0.5, 0.8)).unwrap().contains("as slowly as velocities, at 0.50 Hz"));
+    assert!(told(&waves(3.0, 166.0)).unwrap().contains("more than of any earthquake"));
+    // A name is an answer.
+    assert_eq!(told(&format!("t [s] a [m/s2]\n{}", waves(0.5, 0.8))), None);
+}
+
+/// What is split without a parser of CSV is what the parser reads, which quotes ask for.
+#[test]
+fn quoted_tables_are_read_as_bare_ones() {
+    let lines = ["t,a [m/s2],note", "0,0.5,x", "# between,,", ",,", "0.01, -0.25 ,", "", "0.02,1.25D-1,,"];
+    let bare = lines.join("\n") + "\n";
+    let quoted = bare.replace(",x", ",\"x\"");
+    let options = ReadOptions { acceleration_column: Some(Column::Number(2)), ..ReadOptions::default() };
+    let read = |text: &str| parsed(text, &options).map_err(|error| error.to_string());
+    assert_eq!(read(&bare), read(&quoted));
+    let uneven = |text: &str| text.replace("0.02,", "0.03,");
+    assert_eq!(read(&uneven(&bare)), read(&uneven(&quoted)));
 }
 
 /// Counts and time steps that stand before the values in a way that no format has.

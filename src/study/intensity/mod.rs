@@ -167,15 +167,16 @@ impl std::fmt::Display for Measure {
 impl FromStr for Measure {
     type Err = String;
 
-    /// The measure of a name, as in `PGV` or `Sa(0.5 s)`.
+    /// The measure of a name in any case, as in `PGV` or `Sa(0.5 s)`.
     fn from_str(name: &str) -> Result<Measure, String> {
         let mut named = Measure::OF_RECORD.into_iter().chain(Measure::OF_BLOCK);
-        if let Some(measure) = named.find(|measure| measure.to_string() == name) {
+        if let Some(measure) = named.find(|measure| measure.to_string().eq_ignore_ascii_case(name)) {
             return Ok(measure);
         }
-        let spectral = [("Sa(", Measure::Sa as fn(f64) -> Measure), ("Sv(", Measure::Sv)];
+        let spectral = [("sa(", Measure::Sa as fn(f64) -> Measure), ("sv(", Measure::Sv)];
+        let lower = name.to_ascii_lowercase();
         let found = spectral.iter().find_map(|(start, kind)| {
-            let period: f64 = name.strip_prefix(start)?.strip_suffix(" s)")?.parse().ok()?;
+            let period: f64 = lower.strip_prefix(start)?.strip_suffix(" s)")?.parse().ok()?;
             PERIODS.contains(&period).then(|| kind(period))
         });
         found.ok_or_else(|| {
@@ -212,7 +213,12 @@ mod tests {
         for measure in Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_BLOCK) {
             assert_eq!(measure.to_string().parse(), Ok(measure));
         }
-        for name in ["pgv", "Sa(0.5)", "Sa(-1 s)", "Sv(nan s)"] {
+        for (spelling, measure) in
+            [("pgv", Measure::Pgv), ("sa(0.5 S)", Measure::Sa(0.5)), ("t_m", Measure::MeanPeriod)]
+        {
+            assert_eq!(spelling.parse(), Ok(measure));
+        }
+        for name in ["PVG", "Sa(0.5)", "Sa(-1 s)", "Sv(nan s)"] {
             let refused = name.parse::<Measure>().unwrap_err();
             assert!(refused.contains(name) && refused.contains("CAV"), "{refused}");
         }
