@@ -28,11 +28,11 @@ seed = 1
 scales = {scales}
 
 [parameters]
-dimensionless.alpha = {{ from = 0.1, to = 0.35 }}
-dimensionless.p = {{ from = 0.8, to = 4, spacing = "log" }}
-dimensionless.eta = {{ from = 20, to = 100, spacing = "log" }}
-dimensionless.xi_v = {{ from = 0.05, to = 0.3 }}
-foundation = "Viscoelastic"
+alpha = {{ from = 0.1, to = 0.35 }}
+p = {{ from = 0.8, to = 4, spacing = "log" }}
+eta = {{ from = 20, to = 100, spacing = "log" }}
+xi_v = {{ from = 0.05, to = 0.3 }}
+foundation = "viscoelastic"
 
 [[records]]
 horizontal = "records/*.txt"

@@ -2,6 +2,8 @@
 
 #![cfg(feature = "program")]
 
+#[path = "inputs/choices.rs"]
+mod choices;
 #[path = "inputs/free_motion.rs"]
 mod free_motion;
 #[path = "inputs/numbers.rs"]

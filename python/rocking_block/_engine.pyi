@@ -13,7 +13,7 @@ __version__: str
 _Floats = npt.NDArray[np.float64]
 _Tick = Callable[[int, int], object]
 _Pair = tuple[Record | None, Record | None]
-_Answer = tuple[float | None, list[tuple[float, float, str]], float]
+_Answer = tuple[float | None, str, list[tuple[float, float, str]], float]
 
 @disjoint_base
 class Block:
@@ -149,6 +149,10 @@ class Fragility:
     def standard_errors(self) -> tuple[float, float]: ...
     @property
     def efficiency(self) -> float: ...
+    @property
+    def rocking(self) -> int: ...
+    @property
+    def independence(self) -> str: ...
     @property
     def auc(self) -> float: ...
     @property

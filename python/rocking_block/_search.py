@@ -18,6 +18,9 @@ class Search:
     """What was searched over, with its unit."""
     least: float | None
     """The number that was searched for; None where the range has none."""
+    bound: str
+    """"none" where `least` was found; "upper" where the range begins at it, so that the true value is at most that (or runs below
+    it failed); "lower" where the true value lies beyond the range."""
     stretches: tuple[tuple[float, float, str], ...]
     """Where each outcome begins and ends, in order, and the outcome."""
     spacing: float
@@ -54,8 +57,8 @@ def search_overturning(
     record, vertical : Record or path
         Instead of a pulse, records, the factor on which [1] is searched for.
     start, stop : float, optional
-        Range of the amplitude or factor; without them from a PGA of g tan α, which rocks no block on a rigid base, to ten
-        times as much.
+        Range of the amplitude or factor. Without `stop` it ends at ten times a PGA of g tan α. Without `start` it begins at
+        0, or on a rigid base without a vertical record at g tan α, below which no block rocks there.
     points : int
         Values that are scanned, evenly spaced.
     resolution : float
@@ -90,9 +93,10 @@ def search_overturning(
     along = None if record is None else as_record("record", record, block.g)
     up = None if vertical is None else as_record("vertical", vertical, block.g)
     with ticking(progress) as tick:
-        least, stretches, spacing = _engine.search_overturning(block, pulse, along, up, scan, options, tick)
+        found = _engine.search_overturning(block, pulse, along, up, scan, options, tick)
+    least, bound, stretches, spacing = found
     parameter = "scale [1]" if pulse is None else "a_p [m/s2]"
-    return Search(parameter, least, tuple(stretches), spacing, resolution)
+    return Search(parameter, least, bound, tuple(stretches), spacing, resolution)
 
 
 def search_damping(
@@ -129,8 +133,8 @@ def search_damping(
     scan = _scan(start, stop, points, resolution, threads)
     options = run_options(tolerance, "terminate")
     with ticking(progress) as tick:
-        least, stretches, spacing = _engine.search_damping(block, rate, scan, options, tick)
-    return Search("xi_v [1]", least, tuple(stretches), spacing, resolution)
+        least, bound, stretches, spacing = _engine.search_damping(block, rate, scan, options, tick)
+    return Search("xi_v [1]", least, bound, tuple(stretches), spacing, resolution)
 
 
 def _scan(

@@ -264,7 +264,8 @@ def sweep(
     Returns
     -------
     Table
-        A row for each combination × record × scale; parameters by their names in the FMU.
+        A row for each combination × record × scale; parameters by their names in the FMU, without the
+        group: `alpha` for `dimensionless.alpha`.
 
     Raises
     ------
@@ -284,11 +285,11 @@ def sweep(
     >>> table = rb.sweep({
     ...     "study": {"design": "grid"},
     ...     "parameters": {
-    ...         "dimensionless.p": {"from": 1.0, "to": 3.0, "count": 3},
-    ...         "pulse": {"shape": "OneSine", "amplitude": 6.2622, "period": 1.2566},
+    ...         "p": {"from": 1.0, "to": 3.0, "count": 3},
+    ...         "pulse": {"shape": "one-sine", "amplitude": 6.2622, "period": 1.2566},
     ...     },
     ... })
-    >>> table["dimensionless.p"]
+    >>> table["p"]
     array([1., 2., 3.])
     """
     if isinstance(study, Mapping):

@@ -70,8 +70,7 @@ impl RunOptions {
         let separations =
             [("terminate", OnSeparation::Terminate), ("hold", OnSeparation::Hold), ("fly", OnSeparation::Fly)];
         let overturnings = [("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
-        let [least, greatest] = Settings::TOLERANCES;
-        finite("tolerance", self.tolerance, |x| (least..=greatest).contains(&x), "a number from 1e-14 to 0.1")?;
+        finite("tolerance", self.tolerance, Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
         Ok(Settings {
             tolerance: self.tolerance,
             on_separation: word("on_separation", &self.on_separation, &separations)?,

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use rocking_block::block::{Common, Dimensionless, Foundation};
 use rocking_block::numerics::wide::Width;
 use rocking_block::study::outcome::End;
-use rocking_block::study::search::{self, Found, Scan, Shaking};
+use rocking_block::study::search::{self, Found, Scan, Shaking, Threshold};
 
 use crate::block::Block;
 use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, whole};
@@ -34,12 +34,12 @@ impl ScanOptions {
     }
 }
 
-/// The number that is searched for, the stretches of one outcome, and the spacing of the scan.
-type Answer = (Option<f64>, Vec<(f64, f64, &'static str)>, f64);
+/// The number that is searched for, how the scan bounds it, the stretches of one outcome, and the spacing of the scan.
+type Answer = (Option<f64>, &'static str, Vec<(f64, f64, &'static str)>, f64);
 
-fn answer(found: &Found<End>, least: Option<f64>) -> Answer {
+fn answer(found: &Found<End>, threshold: Threshold) -> Answer {
     let stretches = found.stretches().into_iter().map(|(from, to, end)| (from, to, end.word()));
-    (least, stretches.collect(), found.spacing)
+    (threshold.value(), threshold.bound(), stretches.collect(), found.spacing)
 }
 
 /// Stretches of the amplitude of a pulse, or of the factor on records, by what becomes of the block.
@@ -56,16 +56,13 @@ pub fn search_overturning<'py>(
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Answer> {
     let block = block.get().block;
-    let (shaking, pga) = match (&pulse, horizontal) {
-        (Some(pulse), None) => (Shaking::Pulse(pulse.without_amplitude()?), 1.0),
-        (None, Some(record)) => {
-            let pga = record.get().record.peak().acceleration.abs();
-            (Shaking::Records(ground(Some(record), vertical, 1.0)?), pga)
-        }
+    let shaking = match (&pulse, horizontal) {
+        (Some(pulse), None) => Shaking::Pulse(pulse.without_amplitude()?),
+        (None, Some(record)) => Shaking::Records(ground(Some(record), vertical, 1.0)?),
         _ => return Err(PyValueError::new_err("expected either a pulse or a record, whose strength is searched for")),
     };
     let (settings, pool) = (options.settings()?, pool(scan.threads)?);
-    let scan = scan.scan(search::usual_strengths(&block, pga))?;
+    let scan = scan.scan(search::usual_strengths(&block, &shaking))?;
     let found = wait(py, tick, move |progress| {
         let show = |done, total| {
             progress.show(done, total);
@@ -73,7 +70,7 @@ pub fn search_overturning<'py>(
         };
         pool.install(|| search::overturning(&block, &shaking, settings, &scan, Width::widest(), show))
     })?;
-    Ok(answer(&found, found.least(End::Overturned)))
+    Ok(answer(&found, found.overturning()))
 }
 
 /// Stretches of the damping ratio of the supports by what becomes of the block in free vibration.
@@ -112,5 +109,5 @@ pub fn search_damping<'py>(
         pool.install(search)
     })?;
     let found = found.map_err(invalid)?;
-    Ok(answer(&found, found.least_without(End::Separated)))
+    Ok(answer(&found, found.damping_against_separation()))
 }

@@ -151,14 +151,14 @@ def test_a_sweep_is_that_of_the_program(rocking, path, tmp_path):
 def test_a_search_is_that_of_the_program(rocking, record, path, tmp_path):
     block = rb.Block(alpha=0.2, p=2.0, foundation="rigid")
     found = rb.search_overturning(block, pulse=rb.Pulse("one-sine", period=1.0), points=41)
-    command = "search overturning --pulse=one-sine --period=1 --alpha=0.2 --p=2 --rigid --points=41".split()
+    command = "search overturning --pulse=one-sine --period=1 --alpha=0.2 --p=2 --foundation=rigid --points=41".split()
     table = rocking(*command)
     assert same([stretch[0] for stretch in found.stretches], table["from"])
     assert same([stretch[1] for stretch in found.stretches], table["to"])
     assert [stretch[2] for stretch in found.stretches] == table["outcome"]
     assert found.least in [stretch[0] for stretch in found.stretches if stretch[2] == "overturned"]
     found = rb.search_overturning(block, record=record, points=21, resolution=1e-3)
-    command = f"search overturning --record={path} --alpha=0.2 --p=2 --rigid --points=21 --resolution=1e-3".split()
+    command = f"search overturning --record={path} --alpha=0.2 --p=2 --foundation=rigid --points=21 --resolution=1e-3".split()
     assert same([stretch[0] for stretch in found.stretches], rocking(*command)["from"])
     found = rb.search_damping(rb.Block(alpha=0.25, eta=80, epsilon=0.4), points=21)
     table = rocking(*"search damping --alpha=0.25 --eta=80 --epsilon=0.4 --points=21".split())

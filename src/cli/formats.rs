@@ -23,9 +23,16 @@ const NOT_CSV: [(&[&str], &str); 7] = [
     (&["doc", "docx", "html", "htm", "md", "tex"], "write .csv and import that"),
 ];
 
-/// Refuses a name for the table of `--csv` whose ending says another format. Any other name will do.
+/// Endings of texts in any format, which programs do not open as a table.
+const TEXT: [&str; 5] = ["txt", "text", "dat", "out", "log"];
+
+/// Refuses a name for the table of `--csv` whose ending says another format, and warns of one that says none. Any other name
+/// will do.
 pub fn check_table(path: &Path) -> anyhow::Result<()> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if TEXT.contains(&ending.as_str()) {
+        eprintln!("rocking: warning: {}: the table is CSV all the same; a name in .csv says so", path.display());
+    }
     match NOT_CSV.iter().find(|(endings, _)| endings.contains(&ending.as_str())) {
         Some((_, advice)) => anyhow::bail!("{}: a table is written as CSV, not as .{ending}; {advice}", path.display()),
         None => Ok(()),

@@ -21,8 +21,9 @@ mod summary;
 mod sweep;
 
 use std::any::TypeId;
-use std::io::ErrorKind;
+use std::io;
 
+use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::study::resumable::TableError;
@@ -63,7 +64,7 @@ enum Command {
 /// What runs without a command.
 const EXAMPLE: [&str; 8] = ["rocking", "simulate", "--alpha", "0.15", "--p", "2", "--xi-v", "0.2"];
 
-/// All commands. What follows an option of numbers is its value, `-1e-3` too, and not another option; elsewhere a negative
+/// All commands. Choices are read in any case. What follows an option of numbers is its value, `-1e-3` too, and not another option; elsewhere a negative
 /// number is one.
 fn command() -> clap::Command {
     fn is_number(arg: &clap::Arg) -> bool {
@@ -74,6 +75,12 @@ fn command() -> clap::Command {
     }
     fn with_negative_numbers(command: clap::Command) -> clap::Command {
         command
+            .mut_args(|arg| {
+                match arg.get_value_parser().possible_values().is_some() && arg.get_action().takes_values() {
+                    true => arg.ignore_case(true),
+                    false => arg,
+                }
+            })
             .mut_args(|arg| match arg.get_action().takes_values() {
                 true if is_number(&arg) => arg.allow_hyphen_values(true),
                 true => arg.allow_negative_numbers(true),
@@ -96,7 +103,27 @@ pub fn run() -> anyhow::Result<()> {
     // A write beyond the limit of the file size is to fail; the signal would end the program.
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &BEYOND_LIMIT)?;
-    run_with(&command().get_matches())
+    match command().try_get_matches() {
+        Ok(matches) => run_with(&matches),
+        // Help and version are printed as they are.
+        Err(error) if !error.use_stderr() => error.exit(),
+        Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => error.exit(),
+        Err(error) => {
+            eprintln!("rocking: {}", one_line(&error));
+            std::process::exit(error.exit_code())
+        }
+    }
+}
+
+/// A refusal of the command line in one line: what was found, and the values or options that were expected.
+fn one_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let text = text.split("\n\nUsage:").next().unwrap_or_default();
+    let text = text.split("\n\nFor more information").next().unwrap_or_default();
+    let text = text.strip_prefix("error: ").unwrap_or(text).replace("\n\n  tip: ", "; ");
+    let text = text.replace("invalid float literal", "expected a number");
+    let text = text.replace("invalid digit found in string", "expected a whole number");
+    text.split_whitespace().collect::<Vec<_>>().join(" ") + "; --help has all options"
 }
 
 fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
@@ -119,6 +146,6 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
 pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     matches!(
         error.downcast_ref(),
-        Some(TableError::Io { error, .. }) if error.kind() == ErrorKind::BrokenPipe
+        Some(TableError::Io { error, .. }) if error.kind() == io::ErrorKind::BrokenPipe
     )
 }

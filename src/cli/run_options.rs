@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use crate::block::{Block, Foundation};
 use crate::cli::excitation::finite;
+use crate::cli::given::Given;
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written, is_standard_output};
 use crate::numerics::wide::Width;
@@ -34,6 +36,71 @@ impl From<AtSeparation> for OnSeparation {
     }
 }
 
+/// What a block stands on.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum Base {
+    /// A spring and a dashpot under each corner
+    Viscoelastic,
+    /// Housner's rigid base
+    Rigid,
+}
+
+impl From<Base> for Foundation {
+    fn from(base: Base) -> Foundation {
+        match base {
+            Base::Viscoelastic => Foundation::Viscoelastic,
+            Base::Rigid => Foundation::Rigid,
+        }
+    }
+}
+
+/// Sizes of a block in place of dimensionless parameters.
+#[derive(Args)]
+pub struct SizeOptions {
+    /// Width of the base, with --height [m]
+    #[arg(long, value_name = "M")]
+    width: Option<f64>,
+    /// Twice the height of the centre of mass over the base [m]
+    #[arg(long, value_name = "M")]
+    height: Option<f64>,
+}
+
+impl SizeOptions {
+    /// Width and height (m), if they are given, without the options that they stand for.
+    pub fn read(&self, given: &Given, instead_of: &[&str]) -> anyhow::Result<Option<[f64; 2]>> {
+        match (self.width, self.height) {
+            (None, None) => Ok(None),
+            (Some(width), Some(height)) => {
+                given.only_if(false, instead_of, "with --width")?;
+                for (name, size) in [("width", width), ("height", height)] {
+                    finite(name, size, |x| x > 0.0, "a length > 0 m")?;
+                }
+                Ok(Some([width, height]))
+            }
+            (Some(_), None) => anyhow::bail!("--width without --height; expected both"),
+            (None, Some(_)) => anyhow::bail!("--height without --width; expected both"),
+        }
+    }
+}
+
+/// Warns of a block that falls over by itself: the moment of its supports per radian, 2 K b², is at most that of its weight, M g h.
+pub fn warn_of_soft_supports(block: &Block) {
+    let least = block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
+    if block.foundation == Foundation::Viscoelastic && block.stiffness <= least {
+        let (eta, stiffness) = (block.eta(), block.stiffness);
+        let least_eta = eta * (least / stiffness).sqrt();
+        eprintln!(
+            "rocking: warning: the block falls over by itself on supports of eta = {eta:.4}, K = {stiffness:.4e} N/m; expected \
+             eta > {least_eta:.4}, K > {least:.4e} N/m"
+        );
+    }
+}
+
+/// Refuses a tolerance at which no digit of a result would be left.
+pub fn check_tolerance(tolerance: f64) -> anyhow::Result<()> {
+    finite("tolerance", tolerance, Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)
+}
+
 /// How each run of a study is made.
 #[derive(Args)]
 #[command(next_help_heading = "Runs")]
@@ -55,7 +122,7 @@ pub struct RunOptions {
 impl RunOptions {
     /// Settings of the solver.
     pub fn settings(&self) -> anyhow::Result<Settings> {
-        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        check_tolerance(self.tolerance)?;
         Ok(Settings { tolerance: self.tolerance, on_separation: self.on_separation.into(), ..Settings::default() })
     }
 
@@ -108,6 +175,9 @@ pub struct StudyOptions {
     /// Resume the table of an interrupted study
     #[arg(long)]
     resume: bool,
+    /// Replace the table that is there
+    #[arg(long, conflicts_with = "resume")]
+    force: bool,
     #[command(flatten)]
     processor: ProcessorOptions,
     #[command(flatten)]
@@ -119,7 +189,7 @@ impl StudyOptions {
     /// of it.
     pub fn run(&self, study: &impl Study, read_back: bool) -> anyhow::Result<(Made, ResumableTable)> {
         let pool = self.processor.pool()?;
-        let mut table = study.open(&self.csv, Opening { resume: self.resume, read_back })?;
+        let mut table = study.open(&self.csv, Opening { resume: self.resume, force: self.force, read_back })?;
         // A bar between the rows would spoil both.
         let rows_on_terminal = is_standard_output(&self.csv) && std::io::stdout().is_terminal();
         let mut bar = None;

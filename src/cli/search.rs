@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use serde::Serialize;
 
-use crate::block::{Block, Common, Dimensionless, Foundation};
+use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::accelerograms::Accelerograms;
 use crate::cli::excitation::{Shape, finite};
 use crate::cli::formats::check_table;
@@ -15,11 +15,13 @@ use crate::cli::given::Given;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
-use crate::cli::run_options::{AtSeparation, ProcessorOptions};
+use crate::cli::run_options::{
+    AtSeparation, Base, ProcessorOptions, SizeOptions, check_tolerance, warn_of_soft_supports,
+};
 use crate::excitation::Pulse;
 use crate::simulation::Settings;
 use crate::study::outcome::End;
-use crate::study::search::{self, Found, Scan, Shaking};
+use crate::study::search::{self, Found, Scan, Shaking, Threshold};
 
 /// Options of `rocking search`.
 #[derive(Parser)]
@@ -66,10 +68,11 @@ struct Overturning {
     period: Option<f64>,
     #[command(flatten)]
     accelerograms: Accelerograms,
-    /// Least amplitude [m/s2], or factor; without it a PGA of g tan(alpha), which rocks no block on a rigid base
+    /// Least amplitude [m/s2], or factor; without it 0, or on a rigid base without a vertical record a PGA of g tan(alpha), below
+    /// which no block rocks there
     #[arg(long, value_name = "A")]
     from: Option<f64>,
-    /// Greatest amplitude [m/s2], or factor; without it ten times as much
+    /// Greatest amplitude [m/s2], or factor; without it ten times a PGA of g tan(alpha)
     #[arg(long, value_name = "A")]
     to: Option<f64>,
     /// Width to which a change is closed in, in the unit of the amplitude or factor
@@ -81,9 +84,9 @@ struct Overturning {
     /// What happens at complete separation
     #[arg(long, value_enum, default_value_t = AtSeparation::Fly)]
     on_separation: AtSeparation,
-    /// Housner's rigid base instead of supports
-    #[arg(long)]
-    rigid: bool,
+    /// What the block stands on
+    #[arg(long, value_enum, default_value_t = Base::Viscoelastic)]
+    foundation: Base,
     /// Restitution e on the rigid base over Housner's e of epsilon; their product is at most 1
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     restitution_factor: f64,
@@ -102,6 +105,8 @@ struct BlockOptions {
     /// Frequency parameter p [rad/s]
     #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
     p: f64,
+    #[command(flatten)]
+    size: SizeOptions,
     /// Stiffness ratio eta = omega_v/p
     #[arg(long, default_value_t = 40.0)]
     eta: f64,
@@ -142,8 +147,8 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             damping.search.check_table(&[])?;
             finite("rate", rate, |_| true, "a finite number")?;
             let scan = damping.search.scan(from, to, resolution)?;
-            let block = damping.block.dimensionless(0.1);
             let common = damping.block.common(Foundation::Viscoelastic);
+            let block = damping.block.dimensionless(0.1, &common, given)?;
             let (settings, width) = (damping.search.settings()?, damping.search.processor.width());
             damping.search.search(
                 "xi_v",
@@ -154,31 +159,38 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
                         search::damping_against_separation(&block, &common, rate, settings, &scan, width, progress);
                     Ok(found?)
                 },
-                |found| found.least_without(End::Separated),
-                |found, least, shown| {
+                Found::damping_against_separation,
+                |found, threshold, shown| {
                     let overturned = found.stretches().iter().any(|stretch| stretch.2 == End::Overturned);
                     let but = if overturned { ", but overturning where it says so above" } else { "" };
-                    match least {
-                        Some(least) if found.changes.is_empty() => {
-                            format!("none needed: no separation from xi_v = {} on{but}", shown(least))
+                    let to = shown(to);
+                    match threshold {
+                        Threshold::At(0.0) => format!("none needed: no separation from xi_v = 0 to {to}{but}"),
+                        Threshold::At(least) => format!("no separation from xi_v = {} to {to}{but}", shown(least)),
+                        Threshold::AtMost(least) => format!(
+                            "no separation from xi_v = {} to {to}{but}: the least damping is at most that; expected a \
+                             smaller --from",
+                            shown(least)
+                        ),
+                        Threshold::Above(_) => {
+                            format!("separation at xi_v = {to} still; expected a range with a greater --to")
                         }
-                        Some(least) => format!("no separation from xi_v = {} on{but}", shown(least)),
-                        None => format!("separation at xi_v = {to} still; expected a range with a greater --to"),
                     }
                 },
             )
         }
         What::Overturning(overturning) => {
-            let Overturning { xi_v, rigid, restitution_factor, resolution, .. } = **overturning;
-            given.only_if(!rigid, &["eta", "xi-v"], "with --rigid")?;
-            given.only_if(rigid, &["restitution-factor"], "without --rigid")?;
+            let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = **overturning;
+            let rigid = foundation == Base::Rigid;
+            given.only_if(!rigid, &["eta", "xi-v"], "on a rigid base")?;
+            given.only_if(rigid, &["restitution-factor"], "on viscoelastic supports; expected --foundation rigid")?;
             given.only_if(!given.has("record"), &["pulse", "period"], "with --record")?;
             overturning.search.check_table(&overturning.accelerograms.files().named())?;
-            let foundation = if rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
-            let common = Common { restitution_factor, ..overturning.block.common(foundation) };
-            let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v), &common)?;
-            let (shaking, name, unit, pga) = overturning.shaking(common.gravity)?;
-            let [least, greatest] = search::usual_strengths(&block, pga);
+            let common = Common { restitution_factor, ..overturning.block.common(foundation.into()) };
+            let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v, &common, given)?, &common)?;
+            warn_of_soft_supports(&block);
+            let (shaking, name, unit) = overturning.shaking(common.gravity)?;
+            let [least, greatest] = search::usual_strengths(&block, &shaking);
             let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(greatest));
             let scan = overturning.search.scan(from, to, resolution)?;
             let on_separation = overturning.on_separation.into();
@@ -189,10 +201,19 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
                 unit,
                 &scan,
                 |progress| Ok(search::overturning(&block, &shaking, settings, &scan, width, progress)),
-                |found| found.least(End::Overturned),
-                |_, least, shown| match least {
-                    Some(least) => format!("overturning first at {name} = {}{unit}", shown(least)),
-                    None => format!("no overturning from {name} = {} to {}{unit}", shown(from), shown(to)),
+                Found::overturning,
+                |_, threshold, shown| match threshold {
+                    Threshold::At(least) => format!("overturning first at {name} = {}{unit}", shown(least)),
+                    Threshold::AtMost(least) if least == from => format!(
+                        "overturning first at {name} = {}{unit} at most: the range begins there; expected a smaller --from",
+                        shown(least)
+                    ),
+                    Threshold::AtMost(least) => {
+                        format!("overturning first at {name} = {}{unit} at most: runs below failed", shown(least))
+                    }
+                    Threshold::Above(_) => {
+                        format!("no overturning from {name} = {} to {}{unit}", shown(from), shown(to))
+                    }
                 },
             )
         }
@@ -200,26 +221,35 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
 }
 
 impl Overturning {
-    /// What moves the ground, name and unit of the number that is searched for, and the PGA (m/s²) where it is 1.
-    fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str, f64)> {
+    /// What moves the ground, and name and unit of the number that is searched for.
+    fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
         let ground = self.accelerograms.read(gravity)?;
-        if let Some(record) = &ground.horizontal {
-            let pga = record.peak().acceleration.abs();
-            return Ok((Shaking::Records(ground), "scale", "", pga));
+        if ground.horizontal.is_some() {
+            return Ok((Shaking::Records(ground), "scale", ""));
         }
         anyhow::ensure!(ground.vertical.is_none(), "--vertical without --record; expected both, or a pulse alone");
         anyhow::ensure!(self.pulse != Shape::None, "--pulse none overturns no block; expected a pulse");
         let period = self.period.context("--period is missing; expected the period T_p of the pulse, or --record")?;
         finite("period", period, |x| x > 0.0, "a time > 0 s")?;
         let pulse = Pulse { shape: self.pulse.into(), amplitude: 0.0, period, start: 0.0 };
-        Ok((Shaking::Pulse(pulse), "a_p", " m/s2", 1.0))
+        Ok((Shaking::Pulse(pulse), "a_p", " m/s2"))
     }
 }
 
 impl BlockOptions {
-    fn dimensionless(&self, xi_v: f64) -> Dimensionless {
-        let BlockOptions { alpha, p, eta, .. } = *self;
-        Dimensionless { alpha, p, eta, xi_v }
+    fn dimensionless(&self, xi_v: f64, common: &Common, given: &Given) -> anyhow::Result<Dimensionless> {
+        let BlockOptions { alpha, p, eta, size, .. } = self;
+        let Some([width, height]) = size.read(given, &["alpha", "p"])? else {
+            return Ok(Dimensionless { alpha: *alpha, p: *p, eta: *eta, xi_v });
+        };
+        anyhow::ensure!(
+            common.foundation == Foundation::Rigid || given.has("eta"),
+            "--width without --eta; expected the stiffness ratio of the supports, or --foundation rigid"
+        );
+        // Neither alpha nor p depends on the supports.
+        let (stiffness, damping) = (common.mass * common.gravity / height, 0.0);
+        let Block { alpha, p, .. } = Block::from_physical(&Physical { width, height, stiffness, damping }, common)?;
+        Ok(Dimensionless { alpha, p, eta: *eta, xi_v })
     }
 
     fn common(&self, foundation: Foundation) -> Common {
@@ -230,7 +260,7 @@ impl BlockOptions {
 
 impl SearchOptions {
     fn settings(&self) -> anyhow::Result<Settings> {
-        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        check_tolerance(self.tolerance)?;
         Ok(Settings { tolerance: self.tolerance, ..Settings::default() })
     }
 
@@ -248,7 +278,7 @@ impl SearchOptions {
         check_distinct(inputs, &[Named::new("--csv", csv)])
     }
 
-    /// Searches on so many threads, writes the table and reports what was found: `least` is the number that is searched
+    /// Searches on so many threads, writes the table and reports the result: `threshold` is the number that is searched
     /// for, `answer` says it in words.
     fn search(
         &self,
@@ -256,8 +286,8 @@ impl SearchOptions {
         unit: &str,
         scan: &Scan,
         search: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> anyhow::Result<Found<End>> + Send,
-        least: impl FnOnce(&Found<End>) -> Option<f64>,
-        answer: impl FnOnce(&Found<End>, Option<f64>, &dyn Fn(f64) -> String) -> String,
+        threshold: impl FnOnce(&Found<End>) -> Threshold,
+        answer: impl FnOnce(&Found<End>, Threshold, &dyn Fn(f64) -> String) -> String,
     ) -> anyhow::Result<()> {
         let file = self.csv.as_deref().map(Pending::new).transpose()?;
         let bar = Mutex::new(Progress::new(scan.points, 0));
@@ -277,9 +307,9 @@ impl SearchOptions {
             stretches.iter().for_each(|(from, to, end)| table.push_str(&format!("{from},{to},{end}\n")));
             Pending::write(vec![(file, table.into_bytes())])?;
         }
-        let least = least(&found);
+        let threshold = threshold(&found);
         let shown = |value: f64| rounded(value, scan.resolution);
-        let answer = answer(&found, least, &shown);
+        let answer = answer(&found, threshold, &shown);
         let mut text = String::new();
         for (from, to, end) in &stretches {
             text.push_str(&format!("{name} = {} to {}{unit}: {end}\n", shown(*from), shown(*to)));
@@ -295,7 +325,8 @@ impl SearchOptions {
         let result = SearchResult {
             parameter: name,
             unit: if unit.is_empty() { "1" } else { unit.trim() },
-            least,
+            least: threshold.value(),
+            bound: threshold.bound(),
             answer: &answer,
             values: scan.points,
             spacing: found.spacing,
@@ -316,6 +347,8 @@ struct SearchResult<'a> {
     unit: &'a str,
     /// The least damping without separation from there on, or the least amplitude or factor that overturns the block.
     least: Option<f64>,
+    /// `none`, or `upper` or `lower` where the range only bounds the least value.
+    bound: &'static str,
     answer: &'a str,
     values: u64,
     spacing: f64,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::{Args, Parser, ValueEnum};
+use clap::{Args, Parser};
 
 use crate::block::{Block, Common, Dimensionless, Foundation, Physical};
 use crate::cli::excitation::{Excitation, Motion, finite};
@@ -12,7 +12,7 @@ use crate::cli::given::Given;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::report::{ReportOptions, Written};
-use crate::cli::run_options::AtSeparation;
+use crate::cli::run_options::{AtSeparation, Base, check_tolerance, warn_of_soft_supports};
 use crate::cli::summary::Summary;
 use crate::records::{self, ReadOptions, Record};
 use crate::simulation::{Ending, Initial, Settings};
@@ -106,14 +106,6 @@ struct BlockOptions {
     restitution_factor: f64,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Base {
-    /// A spring and a dashpot under each corner
-    Viscoelastic,
-    /// Housner's rigid base
-    Rigid,
-}
-
 #[derive(Args)]
 #[command(next_help_heading = "Beginning (without excitation, the block moves freely from it)")]
 struct Beginning {
@@ -200,13 +192,14 @@ impl Options {
     /// The run, and what excites it.
     fn run(&self, given: &Given) -> anyhow::Result<(Run, String)> {
         let block = self.block()?;
+        warn_of_soft_supports(&block);
         let Motion { ground, pulse, mut source } = self.excitation.read(given, self.block.g, self.embedded(given)?)?;
         if source.is_empty() {
             source = "free motion".into();
         }
         finite("theta", self.beginning.theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
         finite("theta-dot", self.beginning.theta_dot, |_| true, "a finite rate")?;
-        finite("tolerance", self.tolerance, |x| x > 0.0, "a number > 0")?;
+        check_tolerance(self.tolerance)?;
         let Beginning { theta, theta_dot, v, v_dot } = self.beginning;
         let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
         for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
@@ -243,10 +236,7 @@ impl Options {
     fn block(&self) -> anyhow::Result<Block> {
         let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } =
             self.block;
-        let foundation = match foundation {
-            Base::Viscoelastic => Foundation::Viscoelastic,
-            Base::Rigid => Foundation::Rigid,
-        };
+        let foundation = foundation.into();
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
         let BlockOptions { width: Some(width), height, stiffness, damping, .. } = self.block else {
             return Ok(Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?);

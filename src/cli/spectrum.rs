@@ -11,7 +11,7 @@ use crate::cli::formats::{PictureOptions, check_table};
 use crate::cli::given::Given;
 use crate::cli::output::{Named, Pending, check_distinct};
 use crate::cli::report::is_standard_output;
-use crate::cli::run_options::{RunOptions, StudyOptions};
+use crate::cli::run_options::{RunOptions, SizeOptions, StudyOptions, warn_of_soft_supports};
 use crate::excitation::PulseShape;
 use crate::records::ground::Ground;
 use crate::study::records_plot;
@@ -56,9 +56,11 @@ enum Over {
 #[derive(Args)]
 #[command(next_help_heading = "Blocks")]
 struct Blocks {
-    /// Slenderness angle alpha [rad]
+    /// Slenderness angle alpha [rad]; or --width and --height, whose ratio alone counts, since p is the size
     #[arg(long, value_name = "RAD", default_value_t = 0.25)]
     alpha: f64,
+    #[command(flatten)]
+    size: SizeOptions,
     /// Foundation as ETA,XI_V,EPSILON, or `rigid` (`rigid,EPSILON` for Housner's e of another epsilon than 0,
     /// `rigid,EPSILON,FACTOR` for a restitution that is FACTOR times that); once for each curve
     #[arg(long, value_name = "BASE", allow_hyphen_values = true, default_values = ["40,0.1,0", "rigid"])]
@@ -85,10 +87,11 @@ struct Blocks {
 
 /// A foundation from its option.
 fn base(text: &str) -> anyhow::Result<Base> {
-    let (rigid, numbers) = match text.strip_prefix("rigid") {
+    let lower = text.to_lowercase();
+    let (rigid, numbers) = match lower.strip_prefix("rigid") {
         Some("") => return Ok(Base::HOUSNER),
         Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
-        None => (false, text),
+        None => (false, lower.as_str()),
     };
     let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
     match (rigid, numbers.unwrap_or_default().as_slice()) {
@@ -150,7 +153,11 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
 impl Options {
     /// The spectrum, and what excites it.
     fn spectrum(&self, given: &Given) -> anyhow::Result<(Spectrum, String)> {
-        let Blocks { alpha, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
+        let Blocks { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
+        let alpha = match size.read(given, &["alpha"])? {
+            Some([width, height]) => libm::atan2(width, height),
+            None => alpha,
+        };
         let Motions { grounds, pulse, source } = self.excitation.read(given, g)?;
         let nothing = self.excitation.accelerograms.is_empty() && pulse.shape == PulseShape::None;
         anyhow::ensure!(!nothing, "nothing moves the ground; expected --record, --vertical or --pulse");
@@ -177,6 +184,10 @@ impl Options {
             step: self.run.step()?,
         };
         spectrum.check()?;
+        // The sizes of a foundation have the same eta, and thus fall over together.
+        for &base in &spectrum.bases {
+            warn_of_soft_supports(&spectrum.block(base, p_max)?);
+        }
         Ok((spectrum, source))
     }
 }

@@ -69,6 +69,15 @@ impl Settings {
     /// The tolerance of studies, whose runs tell whether a block overturns and how far it tilts: docs/performance.md has what that
     /// changes.
     pub const OF_STUDIES: f64 = 1e-6;
+
+    /// Whether a user may ask for this tolerance.
+    pub fn admits_tolerance(tolerance: f64) -> bool {
+        let [least, greatest] = Settings::TOLERANCES;
+        (least..=greatest).contains(&tolerance)
+    }
+
+    /// The tolerances of [`Settings::admits_tolerance`], for messages.
+    pub const EXPECTED_TOLERANCE: &'static str = "a number from 1e-14 to 0.1";
 }
 
 impl Default for Settings {

@@ -13,7 +13,7 @@ use crate::study::place::{Place, PlaceError};
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     /// There is one already.
-    #[error("{file}: is there already; expected --resume to go on with it, or another name")]
+    #[error("{file}: is there already; expected --resume to go on with it, --force to replace it, or another name")]
     Exists {
         /// The file.
         file: String,
@@ -118,6 +118,8 @@ enum Sink {
 pub struct Opening {
     /// Resume the table that is there.
     pub resume: bool,
+    /// Replace the table that is there.
+    pub force: bool,
     /// Let [`ResumableTable::read_back`] read the rows, also those that went into a device, a pipe or standard output.
     pub read_back: bool,
 }
@@ -150,7 +152,7 @@ impl ResumableTable {
     /// # Errors
     /// There is a file already, or none that can be resumed; or the operating system refuses.
     pub fn open(path: &Path, head: &Head, rows: u64, opening: Opening) -> Result<ResumableTable, TableError> {
-        let Opening { resume, read_back } = opening;
+        let Opening { resume, force, read_back } = opening;
         let place = Place::of(path)?;
         let name = place.name(path);
         let io = |what| {
@@ -168,11 +170,14 @@ impl ResumableTable {
             return Ok(table);
         };
         if target.exists() {
-            if !resume {
+            if !resume && !force {
                 return Err(TableError::Exists { file: name });
             }
             let mut file = OpenOptions::new().read(true).write(true).open(target).map_err(io("opened"))?;
             lock(&file, &name)?;
+            if force {
+                file.set_len(0).map_err(io("written"))?;
+            }
             let (length, done, failures) = complete_part(&file, &name, head, rows)?;
             file.set_len(length).map_err(io("written"))?;
             file.seek(SeekFrom::End(0)).map_err(io("written"))?;

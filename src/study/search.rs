@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::iter::ParallelIterator;
 use rayon::slice::ParallelSlice;
 
-use crate::block::{Block, BlockError, Common, Dimensionless};
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use crate::excitation::Pulse;
 use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
@@ -74,6 +74,60 @@ pub struct Found<K> {
     pub changes: Vec<Change<K>>,
     /// Distance of two values of the scan: an island of another outcome that is narrower may have been missed.
     pub spacing: f64,
+}
+
+/// The value at which a block first does something, as far as a scan can tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Threshold {
+    /// The upper end of the change, which is closed in to the resolution.
+    At(f64),
+    /// An upper bound: the block does it at the least value of the scan, or the runs below this value failed.
+    AtMost(f64),
+    /// A lower bound, the greatest value of the scan: the block does it nowhere.
+    Above(f64),
+}
+
+impl Threshold {
+    /// The value, unless it lies beyond the scan.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Threshold::At(value) | Threshold::AtMost(value) => Some(value),
+            Threshold::Above(_) => None,
+        }
+    }
+
+    /// How the scan bounds the threshold, as tables say it: `none` where it is found, else `upper` or `lower`.
+    pub fn bound(self) -> &'static str {
+        match self {
+            Threshold::At(_) => "none",
+            Threshold::AtMost(_) => "upper",
+            Threshold::Above(_) => "lower",
+        }
+    }
+}
+
+impl Found<End> {
+    /// The least strength that overturns the block.
+    pub fn overturning(&self) -> Threshold {
+        let stretches = self.stretches();
+        match stretches.iter().position(|stretch| stretch.2 == End::Overturned) {
+            // A block that stands or separates does not overturn there; of a failed run nobody knows.
+            Some(place) if place > 0 && matches!(stretches[place - 1].2, End::Completed | End::Separated) => {
+                Threshold::At(stretches[place].0)
+            }
+            Some(place) => Threshold::AtMost(stretches[place].0),
+            None => Threshold::Above(self.last.0),
+        }
+    }
+
+    /// The least damping ratio from which on the block does not separate within the scan. None lies below zero.
+    pub fn damping_against_separation(&self) -> Threshold {
+        match self.least_without(End::Separated) {
+            Some(least) if least > self.first.0 || least == 0.0 => Threshold::At(least),
+            Some(least) => Threshold::AtMost(least),
+            None => Threshold::Above(self.last.0),
+        }
+    }
 }
 
 impl<K: PartialEq + Copy> Found<K> {
@@ -190,7 +244,7 @@ fn changes_of_run(
 }
 
 /// Outcomes of free vibration from rest on the supports with θ̇(0) = `rate` α p over the damping ratio ξ_v, until the block
-/// has come down; the ξ_v of `block` is not read. [`Found::least_without`] of [`End::Separated`] is the damping needed
+/// has come down; the ξ_v of `block` is not read. [`Found::damping_against_separation`] is the damping needed
 /// against separation while the block may still stand.
 pub fn damping_against_separation(
     block: &Dimensionless,
@@ -226,15 +280,24 @@ pub enum Shaking {
     Records(Ground),
 }
 
-/// The strengths between which a block is likely to overturn first: those of a PGA of g tan α, which rocks no block on a
-/// rigid base, and of ten times as much. `pga` is that of strength 1 (m/s²).
-pub fn usual_strengths(block: &Block, pga: f64) -> [f64; 2] {
-    let least = block.gravity * libm::tan(block.alpha) / pga;
-    [least, 10.0 * least]
+/// The range of strengths in which a block is likely to overturn first, up to ten times a PGA of g tan α.
+///
+/// It begins at g tan α where the base is rigid and the ground moves horizontally, since no such block rocks below that, and
+/// at zero elsewhere: supports are excited by less, and a vertical motion takes weight away.
+pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
+    let (pga, is_horizontal) = match shaking {
+        Shaking::Pulse(_) => (1.0, true),
+        Shaking::Records(Ground { horizontal, vertical }) => {
+            (horizontal.as_ref().map_or(0.0, |record| record.peak().acceleration.abs()), vertical.is_none())
+        }
+    };
+    let static_limit = block.gravity * libm::tan(block.alpha) / pga;
+    let from = if block.foundation == Foundation::Rigid && is_horizontal { static_limit } else { 0.0 };
+    [from, 10.0 * static_limit]
 }
 
 /// Outcomes of a block over the strength of the ground motion, followed until it has come down.
-/// [`Found::least`] of [`End::Overturned`] is the minimum overturning amplitude, or factor.
+/// [`Found::overturning`] is the minimum overturning amplitude, or factor.
 pub fn overturning(
     block: &Block,
     shaking: &Shaking,

@@ -152,7 +152,8 @@ impl Spectrum {
         Place { motion, base, p: self.sizes.p(row % self.sizes.count) }
     }
 
-    fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
+    /// The block of this size on a foundation.
+    pub fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
         // The rigid base reads neither η nor ξ_v; any that make a block will do.
         let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
             Base::Rigid { epsilon, restitution_factor } => (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor),

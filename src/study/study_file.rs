@@ -122,6 +122,11 @@ impl<'a> Section<'a> {
         value.get_ref().as_str().map(Some).ok_or_else(|| self.wrong(key, value, "a text in quotes"))
     }
 
+    /// A word of a choice, in small letters with hyphens, whatever its spelling.
+    pub fn word(&self, key: &str) -> Result<Option<String>, StudyFileError> {
+        Ok(self.text(key)?.map(|text| text.to_lowercase().replace('_', "-")))
+    }
+
     /// A text that stands for something else.
     pub fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
         let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };

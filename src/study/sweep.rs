@@ -364,20 +364,21 @@ impl Sweep {
 }
 
 /// Names and units of the columns of a row that has the outcomes at all values of a measure.
-fn least_columns(measure: Measure) -> [String; 5] {
+fn least_columns(measure: Measure) -> [String; 6] {
     let unit = measure.unit();
     [
         "outcome".into(),
         format!("least.{measure} [{unit}]"),
+        "least.bound".into(),
         format!("always_from.{measure} [{unit}]"),
         "overturning_ranges [1]".into(),
         format!("overturning.{measure} [{unit}]"),
     ]
 }
 
-/// Whether the block overturns anywhere; the least value at which it does; the one from which on it always does; how many
-/// ranges there are in which it does, and what they are.
-fn least_fields(found: &Found<End>) -> [String; 5] {
+/// Whether the block overturns anywhere; the least value at which it does, and whether that is only a bound; the one from
+/// which on it always does; how many ranges there are in which it does, and what they are.
+fn least_fields(found: &Found<End>) -> [String; 6] {
     let stretches = found.stretches();
     let ranges: Vec<&(f64, f64, End)> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
     let any = |end: End| stretches.iter().any(|stretch| stretch.2 == end);
@@ -386,7 +387,8 @@ fn least_fields(found: &Found<End>) -> [String; 5] {
     let last = stretches.last().filter(|stretch| stretch.2 == End::Overturned);
     [
         outcome.to_string(),
-        shown(found.least(End::Overturned)),
+        shown(found.overturning().value()),
+        found.overturning().bound().into(),
         shown(last.map(|stretch| stretch.0)),
         ranges.len().to_string(),
         ranges.iter().map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; "),

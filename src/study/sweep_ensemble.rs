@@ -63,7 +63,7 @@ fn spread(source: Source, name: &str, of: Spreading, value: Placed) -> Result<Sp
         return Ok(Spread { of, distribution: Distribution::Lognormal, width: Width::Relative(relative) });
     };
     let section = Section::new(source, name, value.span(), table, &["distribution", "cov", "deviation"])?;
-    let distribution = match (section.text("distribution")?, section.get("distribution")) {
+    let distribution = match (section.word("distribution")?.as_deref(), section.get("distribution")) {
         (Some("lognormal"), _) | (_, None) => Distribution::Lognormal,
         (Some("normal"), _) => Distribution::Normal,
         (Some("uniform"), _) => Distribution::Uniform,
@@ -88,7 +88,7 @@ pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> 
         let mut values = values.clone();
         for (number, spread) in ensemble.spreads.iter().enumerate() {
             let Spreading::Parameter(parameter) = &spread.of else { continue };
-            let (name, variable) = (parameter.metadata.name, parameter.metadata.variable);
+            let (name, variable) = (parameter.name(), parameter.metadata.variable);
             let nominal = values[variable];
             if nominal == 0.0
                 && (matches!(spread.width, Width::Relative(_)) || spread.distribution == Distribution::Lognormal)
@@ -105,6 +105,7 @@ pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> 
         values.block().map_err(|error| format!("in a sample of the ensemble, {error}"))?;
         let unread = |(name, needed): (&str, &str)| {
             let is = |spread: &Spread| matches!(&spread.of, Spreading::Parameter(p) if p.metadata.name == name);
+            let name = Parameter::named(name).ok()?.name();
             let spread = ensemble.spreads.iter().find(|spread| is(spread));
             spread.map(|_| format!("{name} of the ensemble is not read; expected {needed}"))
         };

@@ -23,7 +23,6 @@ const MOST_ROWS: u64 = 1_000_000_000;
 
 /// A parameter of the file and where it stands there.
 struct Given<'a> {
-    name: String,
     value: Placed<'a>,
     parameter: Parameter,
     levels: Levels,
@@ -72,7 +71,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             return Err(study.wrong("ensemble", value, "none beside least, of which a row is many runs already"));
         }
     }
-    let tolerance = study.number("tolerance", |x| x > 0.0, "a number > 0")?;
+    let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let factors = given.iter().map(|g| Factor { parameter: g.parameter, levels: g.levels.clone() }).collect();
     let sweep = Sweep {
         // What a line says counts, not how it is set.
@@ -100,10 +99,10 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
 /// Samples and seed of a Latin hypercube; nothing for a grid.
 fn design(study: &Section) -> Result<Option<(u32, u64)>, StudyFileError> {
     const EXPECTED: &str = "\"grid\" or \"latin-hypercube\"";
-    let design = study.text("design")?.ok_or_else(|| study.lacks("design", EXPECTED))?;
+    let design = study.word("design")?.ok_or_else(|| study.lacks("design", EXPECTED))?;
     let samples = study.integer("samples", 1..10_000_001)?;
     let seed = study.integer("seed", 0..1 << 63)?;
-    match (design, study.get("design")) {
+    match (design.as_str(), study.get("design")) {
         ("grid", _) => {
             for key in ["samples", "seed"] {
                 if let Some(value) = study.get(key) {
@@ -136,13 +135,13 @@ fn parameters<'a>(root: &Section<'a>, source: Source, sampled: bool) -> Result<V
     let given = found.into_iter().map(|(name, value)| {
         let parameter = Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?;
         let levels = levels(source, &parameter, value, sampled)?;
-        Ok(Given { name, value, parameter, levels })
+        Ok(Given { value, parameter, levels })
     });
     given.collect()
 }
 
-/// The parameters of a table and its groups, but for keys that mean something else: `dimensionless.alpha` may stand in
-/// quotes, with a dot, or in a table of its group.
+/// The parameters of a table and its groups, except keys of another meaning. `alpha` may be called `dimensionless.alpha` too,
+/// in quotes, with a dot, or in a table of its group.
 pub(super) fn flatten<'a>(
     source: Source,
     prefix: &str,
@@ -158,8 +157,8 @@ pub(super) fn flatten<'a>(
         match value.get_ref().as_table() {
             Some(group) if Parameter::is_group(&name) => flatten(source, &format!("{name}."), group, &[], found)?,
             _ => {
-                Parameter::named(&name).map_err(|message| source.wrong(&key.span(), message))?;
-                if found.iter().any(|(known, _)| *known == name) {
+                let parameter = Parameter::named(&name).map_err(|message| source.wrong(&key.span(), message))?;
+                if found.iter().any(|(known, _)| Parameter::named(known) == Ok(parameter)) {
                     return Err(source.wrong(&key.span(), format!("{name} is there twice")));
                 }
                 found.push((name, value));
@@ -171,7 +170,7 @@ pub(super) fn flatten<'a>(
 
 /// The values of a parameter: one, a list, or a range.
 fn levels(source: Source, parameter: &Parameter, value: Placed, sampled: bool) -> Result<Levels, StudyFileError> {
-    let name = parameter.metadata.name;
+    let name = parameter.name();
     let of = |value: Placed| -> Result<f64, StudyFileError> {
         let at = |message: String| source.wrong(&value.span(), message);
         let found = match (parameter.metadata.kind, value.get_ref()) {
@@ -204,7 +203,7 @@ fn range(
     of: impl Fn(Placed) -> Result<f64, StudyFileError>,
     sampled: bool,
 ) -> Result<Levels, StudyFileError> {
-    let name = parameter.metadata.name;
+    let name = parameter.name();
     let section = Section::new(source, name, value.span(), table, &["from", "to", "count", "spacing"])?;
     if parameter.metadata.kind != Kind::Real {
         return Err(source.wrong(&value.span(), format!("{name} has no range; expected a list")));
@@ -214,7 +213,7 @@ fn range(
     if from >= to {
         return Err(section.wrong("to", end("to")?, &format!("more than from = {from}")));
     }
-    let logarithmic = match (section.text("spacing")?, section.get("spacing")) {
+    let logarithmic = match (section.word("spacing")?.as_deref(), section.get("spacing")) {
         (None | Some("linear"), _) => false,
         (Some("log"), _) if from > 0.0 => true,
         (Some("log"), _) => return Err(section.wrong("from", end("from")?, "a number > 0 for spacing = \"log\"")),
@@ -249,7 +248,12 @@ fn gravity(given: &[Given], source: Source) -> Result<f64, StudyFileError> {
 
 /// What only shows when all is put together: the number of rows, parameters that nothing reads, and blocks that are none.
 fn check(sweep: &Sweep, given: &[Given], study: &Section, source: Source) -> Result<(), StudyFileError> {
-    let line = |name: &str| given.iter().find(|given| given.name == name || given.name.ends_with(&format!(".{name}")));
+    let line = |name: &str| {
+        given.iter().find(|Given { parameter, .. }| {
+            let full = parameter.metadata.name;
+            full == name || full.ends_with(&format!(".{name}"))
+        })
+    };
     let place = |key: &str| study.get(key).map_or(0..0, |value| value.span());
     let per_combination = sweep.motions.len() as u64 * sweep.strengths.count();
     let combinations = sweep.combinations();
@@ -284,12 +288,14 @@ fn check(sweep: &Sweep, given: &[Given], study: &Section, source: Source) -> Res
             return Err(source.wrong(&line("amplitude").map_or(0..0, |given| given.value.span()), message));
         }
         for (given, needed) in given.iter().zip(&mut needed).filter(|(_, needed)| needed.is_some()) {
-            *needed = values.unread_by_motion().find(|(name, _)| *name == given.name).map(|(_, needed)| needed);
+            let unread = values.unread_by_motion().find(|(name, _)| *name == given.parameter.metadata.name);
+            *needed = unread.map(|(_, needed)| needed);
         }
     }
     match given.iter().zip(&needed).find_map(|(given, needed)| needed.map(|needed| (given, needed))) {
         Some((given, needed)) => {
-            let message = format!("{} is read by no block of the study; expected {needed}", given.name);
+            let name = given.parameter.name();
+            let message = format!("{name} is read by no block of the study; expected {needed}");
             Err(source.wrong(&given.value.span(), message))
         }
         None => Ok(()),

@@ -46,7 +46,7 @@ fn a_negative_number_gets_the_programs_own_words() {
         (&["simulate"], &["--duration", "-1e-3"], "--duration = -0.001; expected a time > 0 s"),
         (&["simulate"], &["--duration", "-1"], "--duration = -1; expected a time > 0 s"),
         (&["simulate"], &["--step", "-1"], "--step = -1; expected a time > 0 s"),
-        (&["simulate"], &["--tolerance", "-1"], "--tolerance = -1; expected a number > 0"),
+        (&["simulate"], &["--tolerance", "-1"], "--tolerance = -1; expected a number from 1e-14 to 0.1"),
         (&["simulate"], &["--alpha", "-0.2"], "alpha = -0.2 is not valid; expected 0 < alpha < pi/2 rad"),
         (&["simulate", "--record", "none"], &["--dt", "-1"], "--dt = -1; expected a time > 0 s"),
         (&["simulate", "--vertical", "none"], &["--vertical-dt", "-1"], "--vertical-dt = -1; expected a time > 0 s"),

@@ -68,12 +68,20 @@ fn options_of_supports_need_them() {
     }
     let spectrum = [&["spectrum"], &PULSE[..], &FEW, &["--foundation", "rigid"]].concat();
     for options in [["--eta", "40"], ["--xi-v", "0.1"]] {
-        has_no_effect(&["search", "overturning", "--period", "1", "--rigid"], &options, "with --rigid");
+        has_no_effect(
+            &["search", "overturning", "--period", "1", "--foundation", "rigid"],
+            &options,
+            "on a rigid base",
+        );
     }
     let factor = ["--restitution-factor", "0.9"];
     let expected = "on viscoelastic supports; expected --foundation rigid";
     has_no_effect(&[&["simulate"], &PULSE[..]].concat(), &factor, expected);
-    has_no_effect(&["search", "overturning", "--period", "1"], &factor, "without --rigid");
+    has_no_effect(
+        &["search", "overturning", "--period", "1"],
+        &factor,
+        "on viscoelastic supports; expected --foundation rigid",
+    );
     let folder = tempfile::tempdir().unwrap();
     let both = [&spectrum[..], &["--foundation", "40,0.1,0"]].concat();
     made(folder.path(), &both);
@@ -123,12 +131,12 @@ fn parameters_of_a_study_that_no_block_reads() {
         ("physical.width = 1", "parameterization = Physical"),
         ("initial.v = 0.1", "initial.settled = false"),
     ] {
-        let name = parameter.split_whitespace().next().unwrap();
+        let name = parameter.split_whitespace().next().unwrap().trim_start_matches("physical.");
         let told = format!("study.toml:5: {name} is read by no block of the study; expected {needed}");
         assert_eq!(study(parameter, ""), told);
     }
     for parameter in ["dimensionless.eta = 60", "initial.v_dot = 1"] {
-        let name = parameter.split_whitespace().next().unwrap();
+        let name = parameter.split_whitespace().next().unwrap().trim_start_matches("dimensionless.");
         let told = study(&format!("{parameter}\nfoundation = \"Rigid\""), "");
         let needed = "foundation = Viscoelastic";
         assert_eq!(told, format!("study.toml:5: {name} is read by no block of the study; expected {needed}"));

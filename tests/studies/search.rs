@@ -97,7 +97,7 @@ fn the_program_tells_what_the_library_finds() {
             .unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     // To 1e-4: 17 digits would claim more than was found.
-    assert!(one.contains(&format!("no separation from xi_v = {needed:.4} on\n")), "{one}");
+    assert!(one.contains(&format!("no separation from xi_v = {needed:.4} to 0.4\n")), "{one}");
     assert!(one.contains(&format!("xi_v = {needed:.4} to 0.4: ")), "{one}");
     assert!(one.contains("9 values, 0.05 apart") && one.contains("within 0.0001"), "{one}");
     let table = Table::read(&folder.path().join("d.csv"));
@@ -143,7 +143,7 @@ fn records_are_searched_over_their_scale() {
 fn simulate_and_search_agree() {
     let folder = tempfile::tempdir().unwrap();
     let pulse = ["--pulse", "one-sine", "--period", "1.2566"];
-    let range = ["--rigid", "--from", "6", "--to", "8", "--points", "3", "--csv", "o.csv"];
+    let range = ["--foundation", "rigid", "--from", "6", "--to", "8", "--points", "3", "--csv", "o.csv"];
     made(folder.path(), &[&["search", "overturning"], &pulse[..], &range].concat());
     let table = Table::read(&folder.path().join("o.csv"));
     let words =
@@ -177,6 +177,45 @@ fn progress_ends_with_all_runs_done() {
     assert!(told[..9].iter().all(|run| run.1 == 9) && told.iter().all(|(done, runs)| done <= runs));
     let (done, runs) = told[told.len() - 1];
     assert_eq!(done, runs, "one change, halved as often as is known from its width");
+}
+
+/// Blocks on supports overturn below g tan α, where only those on a rigid base stand: the search begins at zero there. A range
+/// that begins above the least amplitude gives a bound and says so.
+#[test]
+fn a_least_value_is_found_or_called_a_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let search = |arguments: &[&str]| {
+        let told = made(folder.path(), &[&["search"], arguments, &["--resolution", "1e-4", "--json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let [bound, answer] = ["bound", "answer"].map(|name| json[name].as_str().unwrap().to_string());
+        (json["least"].as_f64(), bound, answer)
+    };
+    let block = ["--alpha", "0.2", "--p", "4", "--eta", "30", "--xi-v", "0.3", "--period", "0.8"];
+    let overturning = |more: &[&str]| search(&[&["overturning"], &block[..], more].concat());
+    let static_limit = 9.81 * 0.2_f64.tan();
+    let (found, bound, _) = overturning(&["--points", "41"]);
+    assert!((found.unwrap() - 1.9153).abs() < 2e-4 && found.unwrap() < static_limit, "{found:?}");
+    assert_eq!(bound, "none");
+    let least = found.unwrap().to_string();
+    for (from, expected) in [("1.98", "upper"), ("0.5", "none")] {
+        let (value, bound, answer) = overturning(&["--from", from, "--to", "3", "--points", "11"]);
+        assert_eq!(bound, expected);
+        assert_eq!(answer.contains("at most"), expected == "upper", "{answer}");
+        assert!(value.unwrap() >= found.unwrap() - 1e-4, "{value:?} beside {least}");
+    }
+    let (value, bound, answer) = overturning(&["--to", "1", "--points", "5"]);
+    assert_eq!((value, bound.as_str()), (None, "lower"));
+    assert!(answer.starts_with("no overturning from a_p = 0"), "{answer}");
+    // No block on a rigid base rocks below g tan α, unless the vertical motion takes weight away.
+    let stretches = |more: &[&str]| {
+        let block =
+            ["overturning", "--record", RECORD, "--foundation", "rigid", "--points", "3", "--resolution", "0.1"];
+        made(folder.path(), &[&["search"], &block[..], more, &["--json"]].concat())
+    };
+    assert!(!stretches(&[]).contains("\"from\":0,") && stretches(&["--vertical", RECORD]).contains("\"from\":0.0,"));
+    let (value, bound, answer) = search(&["damping", "--from", "0.5", "--points", "3"]);
+    assert_eq!((value, bound.as_str()), (Some(0.5), "upper"));
+    assert!(answer.contains("at most"), "{answer}");
 }
 
 #[test]

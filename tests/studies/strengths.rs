@@ -13,8 +13,8 @@ use crate::{Table, made, refused, resumes_to_the_same_bytes};
 /// A study of two blocks under a record that overturns them at some strengths.
 fn study(strength: &str) -> String {
     format!(
-        "[study]\ndesign = \"grid\"\n{strength}\n[parameters]\ndimensionless.alpha = 0.2\ndimensionless.p = [1.5, 3]\n\
-         foundation = \"Rigid\"\n[[records]]\nhorizontal = \"h.csv\"\nunit = \"m/s2\"\ndt = 0.02\n"
+        "[study]\ndesign = \"grid\"\n{strength}\n[parameters]\nalpha = 0.2\np = [1.5, 3]\n\
+         foundation = \"rigid\"\n[[records]]\nhorizontal = \"h.csv\"\nunit = \"m/s2\"\ndt = 0.02\n"
     )
 }
 
@@ -100,10 +100,25 @@ fn least_levels_are_those_of_a_search_and_islands_are_told() {
         let exact: Vec<f64> = ranges.iter().flat_map(|stretch| [stretch.0 * pgv, stretch.1 * pgv]).collect();
         assert!(numbers.iter().zip(&exact).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{told}: {exact:?}");
         assert_eq!(numbers[0], level);
+        assert_eq!(table.get(row, "least.bound"), "none");
         assert_eq!(table.number(row, "always_from.PGV [m/s]"), numbers[numbers.len() - 2]);
         most = most.max(ranges.len());
     }
     assert!(most > 1, "no island");
+}
+
+/// A range that begins where the block overturns already, or ends where it still stands, bounds the least level.
+#[test]
+fn a_least_level_at_an_end_of_the_range_is_a_bound() {
+    for (from, to, outcome, bound) in [(3.9, 4.0, "overturned", "upper"), (0.01, 0.02, "completed", "lower")] {
+        let table = sweep(&study(&format!(
+            "least = {{ im = \"PGV\", from = {from}, to = {to}, points = 3, resolution = 1e-3 }}"
+        )));
+        for row in 0..2 {
+            assert_eq!((table.get(row, "outcome"), table.get(row, "least.bound")), (outcome, bound));
+            assert_eq!(table.get(row, "least.PGV [m/s]"), if bound == "upper" { "3.9" } else { "" });
+        }
+    }
 }
 
 /// The counts of an ensemble are those of the runs with the factors that its distribution says.
@@ -194,7 +209,7 @@ fn wrong_strengths_and_ensembles_are_refused_with_their_line() {
         ),
         ("ensemble = { foundation = 0.1, samples = 9 }", "3:", "foundation has no distribution"),
         ("ensemble = { size = 0.1, samples = 9 }", "3:", "there is no parameter size"),
-        ("ensemble = { dimensionless.eta = 0.1, samples = 9 }", "3:", "dimensionless.eta of the ensemble is not read"),
+        ("ensemble = { dimensionless.eta = 0.1, samples = 9 }", "3:", "eta of the ensemble is not read"),
         ("ensemble = { scale = { cov = 0.1, deviation = 0.1 }, samples = 9 }", "3:", "either cov or deviation"),
         (
             "ensemble = { scale = { distribution = \"gamma\", cov = 0.1 }, samples = 9 }",
