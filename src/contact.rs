@@ -140,19 +140,16 @@ impl Creep {
             Foundation::Rigid => Sample::default(),
             Foundation::Viscoelastic => {
                 let rate = block.creep_rate();
-                let sunk = if self.depth == 0.0 { 0.0 } else { self.depth * decay(rate * (time - self.since)) };
-                // Without damping `rate` is infinite and `sunk` zero: no rate is left then.
-                let rising = if sunk == 0.0 { 0.0 } else { rate * sunk };
-                Sample { value: block.static_deflection() - sunk, rate: rising }
+                // Without damping it is back at once.
+                if self.depth == 0.0 || rate.is_infinite() {
+                    return Sample { value: block.static_deflection(), rate: 0.0 };
+                }
+                // A clock that is set back by its rounding may show a time before lift-off.
+                let sunk = self.depth * libm::exp(-(rate * (time - self.since).max(0.0)));
+                Sample { value: block.static_deflection() - sunk, rate: rate * sunk }
             }
         }
     }
-}
-
-/// `exp(−x)` for x ≥ 0; 1 at the start of an infinitely fast decay would be wrong, so infinity gives 0 and so does
-/// `0 · ∞`.
-fn decay(x: f64) -> f64 {
-    if x >= 0.0 { libm::exp(-x) } else { 0.0 }
 }
 
 /// What a corner does.
@@ -160,8 +157,9 @@ fn decay(x: f64) -> f64 {
 pub enum Contact {
     /// It stands on its support, or on the rigid base.
     Bearing,
-    /// It bears nothing, and is held in contact since it would come down at once if it were let go: see docs/model.md.
-    Held,
+    /// It bears nothing and goes with its support, which creeps to its free height: full contact would lift it, and the other
+    /// corner alone would press it back. See docs/model.md.
+    Held(Creep),
     /// It has left its support, which creeps back to its free height.
     Lifted(Creep),
 }
@@ -196,7 +194,7 @@ impl Contacts {
     #[inline]
     pub fn touches(&self, corner: Corner) -> bool {
         match self.of(corner) {
-            Contact::Bearing | Contact::Held => true,
+            Contact::Bearing | Contact::Held(_) => true,
             Contact::Lifted(_) => false,
         }
     }
@@ -210,33 +208,33 @@ impl Contacts {
     /// The corner that is held, if one is.
     #[inline]
     pub fn held(&self) -> Option<Corner> {
-        Corner::BOTH.into_iter().find(|&corner| self.of(corner) == Contact::Held)
+        Corner::BOTH.into_iter().find(|&corner| matches!(self.of(corner), Contact::Held(_)))
     }
 
     /// A corner that was held bears from here on.
     pub fn let_bear(&mut self) {
-        for contact in &mut self.0 {
-            if *contact == Contact::Held {
-                *contact = Contact::Bearing;
-            }
+        if let Some(corner) = self.held() {
+            self.set(corner, Contact::Bearing);
         }
     }
 
-    /// Height of the support's top that a corner has left, above its place under the block at rest (m), and its rate (m/s);
-    /// zeros where the corner touches.
+    /// Height of the support's top under a corner that bears nothing, above its place under the block at rest (m), and its rate
+    /// (m/s); zeros where the corner bears.
     #[inline]
     pub fn top(&self, corner: Corner, block: &Block, time: f64) -> Sample {
         match self.of(corner) {
-            Contact::Bearing | Contact::Held => Sample::default(),
-            Contact::Lifted(creep) => creep.top(block, time),
+            Contact::Bearing => Sample::default(),
+            Contact::Held(creep) | Contact::Lifted(creep) => creep.top(block, time),
         }
     }
 
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.0.iter().all(|contact| match contact {
-            Contact::Bearing | Contact::Held => true,
-            Contact::Lifted(Creep { depth, since }) => depth.is_finite() && since.is_finite(),
+            Contact::Bearing => true,
+            Contact::Held(Creep { depth, since }) | Contact::Lifted(Creep { depth, since }) => {
+                depth.is_finite() && since.is_finite()
+            }
         })
     }
 }

@@ -30,8 +30,8 @@ fn transition(system: &System, pose: &Pose, a_gx: f64, surface: Surface) -> Tran
     system.transition(pose, &now, surface)
 }
 
-/// A support on its way back comes up to a corner that flies almost as fast as it does: closer than rounding lets two rates
-/// be told apart the two go on together, and otherwise the corner keeps its rate.
+/// A support on its way back and a corner that leaves it almost as fast: closer than rounding lets two rates be told apart the
+/// two go on together, and otherwise the corner keeps its rate. So it does where it is slower than the support, which presses.
 #[test]
 fn a_corner_goes_with_its_support_where_their_rates_are_the_same_to_rounding() {
     let block = block(&Common::default());
@@ -41,9 +41,9 @@ fn a_corner_goes_with_its_support_where_their_rates_are_the_same_to_rounding() {
     assert!(top.rate > 0.1, "{top:?}");
     // How much higher L is above its place at rest than the centre of mass is above its own.
     let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
-    for (slower, with_its_support) in [(1e-6, true), (1e-3, false)] {
+    for (faster, with_its_support) in [(1e-6, true), (-1e-6, false), (-1e-3, false)] {
         // It does not turn, nor move horizontally: to be held stops nothing.
-        let rate = top.rate - slower;
+        let rate = top.rate + faster;
         let pose = Pose {
             time: 0.0,
             state: State::from([theta, 0.0, top.value - corner, rate]),
@@ -61,11 +61,34 @@ fn a_corner_goes_with_its_support_where_their_rates_are_the_same_to_rounding() {
         let [_, _, height, found] = after.state.0;
         assert_eq!(height, top.value);
         if with_its_support {
-            assert_eq!(found, top.rate, "slower by {slower} m/s");
+            assert_eq!(found, top.rate, "faster by {faster} m/s");
         } else {
             assert!((found - rate).abs() < 1e-12, "{found} m/s, expected {rate}");
         }
     }
+}
+
+/// With ε = 0 a corner that comes down stands still, even on a support that creeps as slowly as rounding lets rates be told apart.
+#[test]
+fn a_corner_that_lands_without_rebound_stands_still() {
+    let block = block(&Common::default());
+    let theta = -0.2;
+    let slow = 1e-6;
+    let creep = Creep { depth: slow / block.creep_rate(), since: 0.0 };
+    let top = creep.top(&block, 0.0);
+    assert!((top.rate - slow).abs() < 1e-15, "{top:?}");
+    let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
+    let mut contacts = Contacts::touching([false; 2], 0.0);
+    contacts.set(Corner::Left, Contact::Lifted(creep));
+    let pose = Pose {
+        time: 0.0,
+        state: State::from([theta, 0.0, top.value - corner, -0.5]),
+        contacts,
+        footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
+    };
+    let Transition { pose: after, tally, .. } = transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+    assert_eq!((after.contacts.regime(), tally.impacts), (Regime::TiltingLeft, 1));
+    assert_eq!(after.state.0[2..], [top.value, 0.0]);
 }
 
 /// On the rigid base the block slides on R and comes down on L, which holds it: R leaves the base.

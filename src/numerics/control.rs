@@ -38,6 +38,11 @@ impl StepControl {
     /// Nothing is known yet: the first step is as long as it may be.
     pub const NEW: StepControl = StepControl { size: f64::INFINITY };
 
+    /// The next step has this size.
+    pub fn of_size(size: f64) -> StepControl {
+        StepControl { size }
+    }
+
     /// Whether a control that came from outside can be resumed.
     pub fn is_valid(&self) -> bool {
         self.size > 0.0

@@ -107,14 +107,15 @@ impl<R: Real> Step<R> {
 
     /// Estimated error of the step, in units of what is allowed: a step above 1 is to be repeated.
     ///
-    /// `weights` are the reciprocals of the errors allowed in each component of the state.
+    /// `weights` are the reciprocals of the errors allowed in each component of the state. Not a number if a stage is not:
+    /// such a step is to be repeated, too.
     #[inline(always)]
     pub fn error(&self, weights: State<R>) -> R {
         let fifth = difference!(self.stages, 5).weighted(weights).square();
         let third = difference!(self.stages, 3).weighted(weights).square();
         let denominator = fifth + third * 0.01;
-        let zero = R::from(0.0);
-        R::where_less(zero, denominator, self.size * fifth / denominator.sqrt(), zero)
+        // Zero where both are; a sum that is no number is not positive either, and stays none.
+        R::where_less(R::from(0.0), denominator, self.size * fifth / denominator.sqrt(), denominator)
     }
 }
 
@@ -228,4 +229,23 @@ impl DenseOutput {
 fn evaluate<const N: usize>(f: &Polynomial<N>, x: f64) -> Numbers<f64, N> {
     let y = 1.0 - x;
     f[0] + (f[1] + (f[2] + (f[3] + (f[4] + (f[5] + (f[6] + f[7] * x) * y) * x) * y) * x) * y) * x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a stage overflows the error is no number, and not small; where nothing happens it is zero.
+    #[test]
+    fn a_step_that_overflows_is_not_accepted() {
+        let error = |far: f64| {
+            let rate = |x: f64| Rate { state: State::from([0.0, x, 0.0, 0.0]), quadratures: Quadratures::zeros() };
+            let equations = |_: f64, state: &State| rate(state[1] * state[1] * state[1]);
+            let start = State::from([0.0, far, 0.0, 0.0]);
+            Step::attempt(0.0, 1.0, start, equations(0.0, &start), &equations).error(State::from([1.0; 4]))
+        };
+        assert_eq!(error(0.0), 0.0);
+        assert!(error(1e100).is_nan());
+        assert!(error(1.0) > 1.0);
+    }
 }

@@ -15,7 +15,7 @@ use crate::numerics::roots::Sample;
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::{Energies, Simulation, SimulationError};
-use crate::system::dynamics::{Footing, Powers, State, energy, height_of_what_stands, instant};
+use crate::system::dynamics::{Footing, Held, Powers, State, energy, height_of_what_stands, instant, instant_held};
 use crate::system::law::{AnyLaw, Law};
 use crate::system::now::{Motion, Now, Pose};
 use crate::system::surfaces::{Event, Surface};
@@ -241,7 +241,13 @@ impl Simulation {
             Footing::Free { u, u_dot } => Footing::Free { u: dual(u, 4), u_dot: dual(u_dot, 5) },
         };
         let forcing = now.forcing.with_derivative(direction);
-        let x = instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing);
+        let x = match now.held {
+            Some(Held { corner, top }) => {
+                let held = Held { corner, top: top.map(Dual64::from) };
+                instant_held(block, [motion[0], motion[1]], held, footing, forcing)
+            }
+            None => instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing),
+        };
         let time = self.ending.map_or(self.pose.time, |(_, ended)| ended);
         let tops = Motion::from_pose(block, &self.pose, &excitation).tops(time);
         let seen = observe(block, now.regime, &x, tops.map(|top| Dual64::from(top.value)), forcing);
@@ -282,10 +288,9 @@ fn indicator_of(surface: Surface, now: &Now, offset: f64) -> f64 {
     let value = sample.value + offset;
     let falling = |rate: f64| value.max(rate / now.block.p);
     match (surface, now.block.foundation) {
-        // A corner that is held leaves if its gap opens and it bears nothing.
-        (Surface::Held(corner), _) => value.max(now.instant.reaction[corner.index()]),
         // The rate depends on those of the inputs, which are not known.
-        (Surface::Reaction(_), Foundation::Rigid) | (Surface::QuarterTurn, _) => value,
+        (Surface::Reaction(_), Foundation::Rigid)
+        | (Surface::Held(_) | Surface::Unloaded(_) | Surface::QuarterTurn, _) => value,
         (Surface::Reaction(_), Foundation::Viscoelastic) | (Surface::Gap(_) | Surface::Slide, _) => {
             falling(sample.rate)
         }

@@ -41,10 +41,22 @@ pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
     law.surfaces().into_iter().flatten().any(may_fall)
 }
 
-/// The first surface through which the motion falls between two instants, and when, in seconds after the first.
+/// A fall through a surface between two instants.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fall {
+    /// When, in seconds after the first of them.
+    pub(super) elapsed: f64,
+    /// The surface.
+    pub(super) surface: Surface,
+    /// Whether it begins at zero and seems to fall at once, where a law has just begun that lets it rise: it does so for a time
+    /// that is too short for the step.
+    pub(super) rise_unseen: bool,
+}
+
+/// The first surface through which the motion falls between two instants.
 #[inline(always)]
-pub(super) fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<(f64, Surface)> {
-    let mut first: Option<(f64, Surface)> = None;
+pub(super) fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<Fall> {
+    let mut first: Option<Fall> = None;
     let duration = there.time - here.time;
     let law = inside.motion.law();
     let turns_far = turn_in_flight(law, &here.state, &there.state, duration) > SMALL_TURN;
@@ -59,15 +71,13 @@ pub(super) fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L
         // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
         // support one may, where the angular momentum is kept.
         let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
-        let fall = if on_base && roots::leaves_downwards(start, rounding, duration, &mut sample) {
-            Some(0.0)
-        } else {
-            roots::first_fall(start, end, rounding, duration, sample)
-        };
+        let down = on_base && roots::leaves_downwards(start, rounding, duration, &mut sample);
+        let fall = if down { Some(0.0) } else { roots::first_fall(start, end, rounding, duration, sample) };
         if let Some(elapsed) = fall
-            && first.is_none_or(|(earliest, _)| elapsed < earliest)
+            && first.is_none_or(|earliest| elapsed < earliest.elapsed)
         {
-            first = Some((elapsed, surface));
+            let rise_unseen = elapsed == 0.0 && !down && start.value >= -rounding;
+            first = Some(Fall { elapsed, surface, rise_unseen });
         }
     }
     first

@@ -310,9 +310,7 @@ impl Simulation {
         let block = self.system.block;
         let excitation = Excitation::from_time(piece, inputs, &self.pulse, &block);
         let now = self.now(&block, &excitation);
-        let after = self.apply(surface, &now, observer)?;
-        self.let_bear(&after);
-        Ok(())
+        self.apply(surface, &now, observer).map(|_| ())
     }
 
     /// Whether the motion has stopped at an event that has not been applied.

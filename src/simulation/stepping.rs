@@ -3,9 +3,12 @@
 use crate::block::{Block, Foundation};
 use crate::contact::Regime;
 use crate::excitation::Excitation;
+use crate::numerics::control::StepControl;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::{ShortPair, ShortStep};
-use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, first_event, may_hold_event, turn_in_flight};
+use crate::simulation::inside::{
+    Between, Fall, Inside, MOST_TURN, SMALL_TURN, first_event, may_hold_event, turn_in_flight,
+};
 use crate::simulation::peaks::{Channels, Peaks};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Powers, State};
@@ -71,6 +74,15 @@ pub(super) const SHORT_GROWTH: f64 = 1.1;
 
 /// The least part of the size of a short step that failed by its error which the next one has.
 pub(super) const LEAST_SHORT_FACTOR: f64 = 0.1;
+
+/// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
+const SHORTENED: f64 = 0.125;
+
+/// The part of the longest step below which such a rise is taken for none: what falls has done so when the step ends.
+const SHORTEST_RISE: f64 = 1e-10;
+
+/// The part of a step that the clock resolves where a shorter one is tried.
+const LEAST_SHORTENED: f64 = 1e-2;
 
 /// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a short step may make
 /// a tenth of the error of others, in the motion and in the works, where the tolerance is not a loose one.
@@ -161,6 +173,7 @@ impl Simulation {
         }
         let steady = excitation.is_constant();
         let limits = self.limits(law, excitation.frequency());
+        let mut short_failed = beginning.short_failed;
         loop {
             if steady && here.rests() {
                 // Loads may have come at this instant.
@@ -170,7 +183,7 @@ impl Simulation {
             }
             self.spend(budget, stop, limits.longest)?;
             let motion = Motion::under(law, block, &self.pose, excitation);
-            let short = match beginning.short_failed {
+            let short = match std::mem::take(&mut short_failed) {
                 true => Short::None,
                 false => self.short_step(stop, &motion, &here, &limits),
             };
@@ -195,32 +208,43 @@ impl Simulation {
                 }
             };
             let mut inside = Inside { motion, between, evaluations: 0 };
-            let event = first_event(&here, &there, &mut inside);
-            if let Some((elapsed, _)) = event {
+            let size = there.time - here.time;
+            let mut event = first_event(&here, &there, &mut inside);
+            if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
+                if size > SHORTEST_RISE * limits.longest && self.pose.time + LEAST_SHORTENED * size > self.pose.time {
+                    self.counts.evaluations += inside.evaluations;
+                    self.counts.steps -= 1;
+                    self.counts.rejected += 1;
+                    self.control = StepControl::of_size(SHORTENED * size);
+                    short_failed = true;
+                    continue;
+                }
+                *elapsed = size;
+            }
+            if let Some(Fall { elapsed, .. }) = event
+                && elapsed < size
+            {
                 there = inside.at(elapsed);
                 work = inside.dense().work(elapsed);
             }
-            let elapsed = event.map_or(there.time - here.time, |(elapsed, _)| elapsed);
+            let elapsed = event.map_or(size, |fall| fall.elapsed);
             self.update_peaks(&here, &there, limits.near_a_peak(elapsed), &mut inside);
             self.counts.evaluations += inside.evaluations;
             self.go_to(&there, work);
-            if let Some((_, surface)) = event {
+            if law.held().is_some() {
+                // The corner lifts and lands so often that only the energy tells.
+                let made = there.energy() - here.energy() - work[0] + work[1];
+                self.sums.constraint += made;
+                self.sums.impacts -= made;
+            }
+            if let Some(Fall { surface, .. }) = event {
                 return self.apply_or_stop(surface, &there, piece, observer);
             }
-            if self.let_bear(&there) || self.pose.time >= stop || piece.single {
+            if self.pose.time >= stop || piece.single {
                 return Ok(());
             }
             here = there;
         }
-    }
-
-    /// Lets a corner that is held bear weight again, if it does, which is another law; whether it did.
-    pub(super) fn let_bear(&mut self, here: &Now) -> bool {
-        let bears = self.pose.contacts.held().is_some_and(|corner| here.bears(corner));
-        if bears {
-            self.pose.contacts.let_bear();
-        }
-        bears
     }
 
     /// Applies an event, or leaves it pending where the motion is to stop.
@@ -235,9 +259,7 @@ impl Simulation {
             self.pending = Some(Pending { surface, piece: piece.since });
             return Ok(());
         }
-        let after = self.apply(surface, now, observer)?;
-        self.let_bear(&after);
-        Ok(())
+        self.apply(surface, now, observer).map(|_| ())
     }
 
     /// A block at rest stays so while the excitation does not change; what is left of its motion goes.
@@ -364,7 +386,7 @@ impl Simulation {
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
     pub(super) fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
-        let Block { alpha, p, b, h, i0, r0, omega_v, gravity, .. } = self.system.block;
+        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.
         let turning = if law.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
@@ -373,15 +395,21 @@ impl Simulation {
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
         };
+        // What the dashpots slow down dies away at this rate at most.
+        let decay = match (law.foundation(), law.regime()) {
+            (Foundation::Rigid, _) | (_, Regime::Separated) => 0.0,
+            (_, Regime::FullContact) => 2.0 * xi_v * omega_v * turning.max(1.0),
+            (_, Regime::TiltingLeft | Regime::TiltingRight) => xi_v * omega_v * (1.0 + turning),
+        };
         let allowed = 1.0 / (self.settings.tolerance * alpha * p);
         let most = match law.foundation() {
             Foundation::Rigid => r0 * alpha * p,
-            // The reaction of one support changes by ω_v ẇ/2 or so, per mass.
-            Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / omega_v),
+            // The reaction of one support changes by ω_v ẇ/2 or ξ_v ω_v ẇ, whichever is more, per mass.
+            Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / (omega_v * (2.0 * xi_v).max(1.0))),
         };
         let upright = 1.0 / (self.settings.tolerance * most);
         let weights = State::from([rocking * allowed, allowed, vertical * upright, upright]);
-        let longest = LONGEST / rocking.max(vertical).max(pulse_frequency);
+        let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency);
         let loosely = if self.settings.tolerance >= LOOSE { self.settings.tolerance } else { 0.0 };
         Limits {
             weights,

@@ -39,7 +39,7 @@ pub trait Law: Copy {
     fn surfaces(self) -> [Option<Surface>; 4] {
         let slide = (!self.grips() && self.regime() != Regime::Separated).then_some(Surface::Slide);
         let [left, right] = Corner::each(|corner| self.surface(corner));
-        [Some(left), Some(right), Some(Surface::QuarterTurn), slide]
+        [Some(left), Some(right), Some(Surface::QuarterTurn), slide.or(self.held().map(Surface::Unloaded))]
     }
 }
 

@@ -10,7 +10,7 @@ use crate::dual::Dual64;
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::roots::Sample;
 use crate::numerics::{Equations, Rate};
-use crate::system::dynamics::{Footing, Instant, State, along, energy, instant_of};
+use crate::system::dynamics::{Footing, Held, Instant, State, along, along_held, energy, instant_held, instant_of};
 use crate::system::law::{AnyLaw, Law};
 use crate::system::surfaces::Surface;
 
@@ -58,6 +58,8 @@ pub struct Now<'a> {
     pub rate: Rate,
     /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
     pub tops: [Sample; 2],
+    /// The corner that is held, if one is.
+    pub held: Option<Held<f64>>,
 }
 
 /// The motion from a pose on, while the block stands on the same corners.
@@ -96,6 +98,9 @@ impl<'a, L: Law> Motion<'a, L> {
     /// All that follows from a state at a time.
     #[inline(always)]
     pub fn at(&self, time: f64, state: State) -> Now<'a> {
+        if let Some(held) = self.held_at(time) {
+            return self.at_held(time, state, held);
+        }
         let (foundation, regime) = (self.law.foundation(), self.law.regime());
         let forcing = self.excitation.at(time);
         let footing = self.footing_at(time);
@@ -110,7 +115,35 @@ impl<'a, L: Law> Motion<'a, L> {
             instant,
             rate: self.rate_of(&instant, forcing),
             tops: self.tops(time),
+            held: None,
         })
+    }
+
+    /// The corner that is held, with its support at a time.
+    #[inline(always)]
+    fn held_at(&self, time: f64) -> Option<Held<f64>> {
+        self.law.held().map(|corner| Held::on(self.block, corner, self.contacts.top(corner, self.block, time)))
+    }
+
+    /// [`Motion::at`] where a corner is held: height and rate of the middle of the base follow from θ and θ̇.
+    #[inline(never)]
+    fn at_held(&self, time: f64, State { 0: [theta, theta_dot, ..] }: State, held: Held<f64>) -> Now<'a> {
+        let (forcing, footing) = (self.excitation.at(time), self.footing_at(time));
+        let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
+        let [left, right] = instant.corner;
+        Now {
+            block: self.block,
+            excitation: self.excitation,
+            time,
+            regime: self.law.regime(),
+            state: State::from([theta, theta_dot, 0.5 * (left + right), instant.w_dot]),
+            footing,
+            forcing,
+            instant,
+            rate: self.rate_of(&instant, forcing),
+            tops: self.tops(time),
+            held: Some(held),
+        }
     }
 
     /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
@@ -160,6 +193,9 @@ impl<L: Law> Motion<'_, L> {
 
     #[inline(always)]
     fn rate_inlined(&self, time: f64, state: &State) -> Rate {
+        if let Some(held) = self.held_at(time) {
+            return self.at_held(time, *state, held).rate;
+        }
         let (foundation, regime) = (self.law.foundation(), self.law.regime());
         let forcing = self.excitation.at(time);
         let footing = self.footing_at(time);
@@ -177,6 +213,9 @@ impl Now<'_> {
     /// this rate.
     pub fn along(&self, forcing_rate: Forcing<f64>) -> Instant<Dual64> {
         let forcing = self.forcing.with_derivative(forcing_rate);
+        if let Some(held) = &self.held {
+            return along_held(self.block, held, self.footing, &self.instant, forcing);
+        }
         along(self.block, self.regime, &self.state, self.footing, &self.instant, forcing)
     }
 
@@ -197,10 +236,5 @@ impl Now<'_> {
             && self.footing.grips()
             && below(theta_ddot, w_ddot)
             && below(omega_v * theta_dot, omega_v * w_dot)
-    }
-
-    /// Whether a corner that was held bears weight again.
-    pub fn bears(&self, corner: Corner) -> bool {
-        self.instant.reaction[corner.index()] > Surface::Reaction(corner).rounding(self.block)
     }
 }

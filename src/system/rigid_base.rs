@@ -39,8 +39,17 @@ impl<P: Scalar, T: Beside<P>> Posture<'_, P, T> {
             Footing::Grips { offset } => (offset, zero, zero, forcing.x),
             Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, zero),
         };
-        let half = (forcing.z + gravity) * 0.5;
+        let weight = forcing.z + gravity;
+        let half = weight * 0.5;
         let couple = (horizontal * h - forcing.moment) * (P::from(0.5) / b);
+        // A corner bears what keeps the block from turning about the other one. Where rounding may decide whether that is above
+        // zero, it is the moment of `on_rigid_base` to the last bit: a corner that cannot stay is never pressed back at once.
+        let bears = |s: f64| {
+            let moment = (weight * b * s - horizontal * h + forcing.moment) * s;
+            let (n, exact) = (half - couple * s, moment * (P::from(0.5) / b));
+            let n = T::select_less(n.value(), zero.value(), exact, n);
+            T::select_less(moment.value(), zero.value(), exact, n)
+        };
         Instant {
             theta: self.theta,
             theta_dot: self.theta_dot,
@@ -56,7 +65,7 @@ impl<P: Scalar, T: Beside<P>> Posture<'_, P, T> {
             corner: [zero; 2],
             corner_dot: [zero; 2],
             corner_ddot: [zero; 2],
-            reaction: [half + couple, half - couple],
+            reaction: [bears(-1.0), bears(1.0)],
             horizontal,
         }
     }

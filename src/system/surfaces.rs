@@ -62,8 +62,10 @@ pub enum Surface {
     Reaction(Corner),
     /// The gap `v_I − y_I` between a lifted corner and its support (m).
     Gap(Corner),
-    /// How fast a corner that is held down would be pressed on if it were let go (m/s²); see [`gap_opening`].
+    /// How fast a corner that is held would be pressed on if it were let go (m/s²); see [`gap_opening`].
     Held(Corner),
+    /// How fast full contact would lift a corner that is held (m/s²).
+    Unloaded(Corner),
     /// How far what slides is from being pressed on if it gripped (m/s²): on supports see [`pressure_if_gripped`], on the
     /// rigid base p times the vertical rate with which gripping would throw the corner up.
     Slide,
@@ -94,6 +96,7 @@ impl Surface {
             Surface::Held(corner) => {
                 Sample { value: -gap_opening(at, corner, instant.corner_dot[corner.index()]), rate: 0.0 }
             }
+            Surface::Unloaded(corner) => Sample { value: unloading(at, corner), rate: 0.0 },
             Surface::Slide => slide(at),
             Surface::QuarterTurn => Sample {
                 value: FRAC_PI_2 - instant.theta.abs(),
@@ -107,7 +110,7 @@ impl Surface {
     pub fn rounding(self, block: &Block) -> f64 {
         ROUNDING
             * match self {
-                Surface::Reaction(_) | Surface::Held(_) | Surface::Slide => block.gravity,
+                Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => block.gravity,
                 Surface::Gap(_) => match block.foundation {
                     Foundation::Viscoelastic => block.static_deflection().max(block.b),
                     Foundation::Rigid => block.r0,
@@ -194,6 +197,12 @@ pub fn gap_opening(at: &Now, corner: Corner, corner_dot: f64) -> f64 {
     // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
     let creep = if corner_dot == 0.0 { 0.0 } else { block.creep_rate() * corner_dot };
     after.corner_ddot[i] + creep
+}
+
+/// Acceleration (m/s²) at which full contact would take a corner that is held away from its support.
+fn unloading(at: &Now, corner: Corner) -> f64 {
+    let x = instant(at.block, Regime::FullContact, at.state.0, at.footing, at.forcing);
+    x.corner_ddot[corner.index()] - at.instant.corner_ddot[corner.index()]
 }
 
 /// What presses the corners that touch on their supports if they grip now, per mass (m/s²), the least of them: the

@@ -203,7 +203,9 @@ impl<V: Simd, L: Law> Motion<V, L> {
                 value: Wide::from(FRAC_PI_2) - x.theta.abs(),
                 rate: Wide::where_less(x.theta, Wide::default(), x.theta_dot, -x.theta_dot),
             },
-            Surface::Held(_) | Surface::Slide => unreachable!("what is held or slides is not stepped in a lane"),
+            Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => {
+                unreachable!("what is held or slides is not stepped in a lane")
+            }
         }
     }
 
@@ -227,7 +229,7 @@ impl<V: Simd, L: Law> Motion<V, L> {
         let rounding = match surface {
             Surface::Gap(_) => rounding.gap,
             Surface::QuarterTurn => rounding.quarter_turn,
-            Surface::Reaction(_) | Surface::Held(_) | Surface::Slide => rounding.reaction,
+            Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => rounding.reaction,
         };
         let (start, end) = (self.sample(surface, here), self.sample(surface, there));
         Ends { start, end, duration }.may_fall(rounding)

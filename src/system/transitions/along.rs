@@ -5,7 +5,7 @@ use crate::contact::{Contact, Corner, Creep, Regime};
 use crate::excitation::{Excitation, Forcing};
 use crate::scalar::Elementary;
 use crate::system::System;
-use crate::system::dynamics::{Footing, Instant, instant};
+use crate::system::dynamics::{Footing, Held, Instant, instant, instant_held};
 use crate::system::impact::Velocities;
 use crate::system::now::{Motion, Pose};
 use crate::system::transitions::beginning::{Initial, beginning_on_rigid_base};
@@ -56,6 +56,7 @@ impl System {
                     walk.enter(regime);
                 }
                 walk.slide_like(&pose);
+                walk.hold_like(&pose);
                 let here = (walk.regime, walk.instant);
                 Along { begins: here, goes_on: here, tops: walk.tops(&pose) }
             }
@@ -118,6 +119,24 @@ impl<'a, T: Elementary> Walk<'a, T> {
         }
     }
 
+    /// A corner is held from here on, if one is in this pose.
+    fn hold_like(&mut self, pose: &Pose) {
+        let Some(corner) = pose.contacts.held() else { return };
+        let Walk { start, placement, footing, .. } = self;
+        let (block, zero) = (&start.block, T::from(0.0));
+        let free = block.static_deflection();
+        let top = if block.damping.value() == 0.0 {
+            [free, zero, zero]
+        } else {
+            let (height, creep) = (placement.corners[corner.index()].0, block.creep_rate());
+            let rate = creep * (free - height);
+            [height, rate, -(creep * rate)]
+        };
+        let state = [placement.theta, placement.velocities.theta_dot];
+        self.instant = instant_held(block, state, Held { corner, top }, *footing, start.forcing);
+        self.take_along();
+    }
+
     fn look(&mut self) {
         let Walk { start, placement, footing, regime, .. } = self;
         self.instant = instant(&start.block, *regime, placement.state(*regime), *footing, start.forcing);
@@ -133,7 +152,7 @@ impl<'a, T: Elementary> Walk<'a, T> {
     fn tops(&self, pose: &Pose) -> [T; 2] {
         let block = &self.start.block;
         Corner::each(|corner| match pose.contacts.of(corner) {
-            Contact::Bearing | Contact::Held => T::from(0.0),
+            Contact::Bearing | Contact::Held(_) => T::from(0.0),
             Contact::Lifted(Creep { depth, .. }) if depth == 0.0 || block.damping.value() == 0.0 => {
                 block.static_deflection()
             }

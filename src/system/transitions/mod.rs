@@ -28,7 +28,7 @@ pub use beginning::Initial;
 pub struct Transition {
     /// The pose right after.
     pub pose: Pose,
-    /// What happened; nothing that a user would see where a corner is held from here on.
+    /// What happened; nothing that a user would see where a corner is held from here on, or bears again.
     pub happened: Option<EventKind>,
     /// What it comes to.
     pub tally: Tally,
@@ -91,6 +91,10 @@ impl System {
                 }
                 Some(EventKind::Grip)
             }
+            (Surface::Unloaded(_), _) => {
+                change.pose.contacts.let_bear();
+                None
+            }
             (Surface::QuarterTurn, _) => Some(EventKind::Overturning),
         };
         let Change { pose, tally, .. } = change;
@@ -136,7 +140,7 @@ struct Change<'a> {
     path: Path,
 }
 
-/// The first regimes through which a pose passes in one instant: no block has more than three at its beginning.
+/// The regimes through which a pose passes in one instant, as corners leave: with both corners, with one, with none.
 type Path = [Option<Regime>; 3];
 
 impl<'a> Change<'a> {
@@ -163,9 +167,8 @@ impl<'a> Change<'a> {
     fn place(&mut self, placement: &Placement) {
         let regime = self.regime();
         self.pose.state = placement.state(regime).into();
-        if let Some(place) = self.path.iter_mut().find(|place| place.is_none()) {
-            *place = Some(regime);
-        }
+        let left = Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)).count();
+        self.path[left] = Some(regime);
     }
 
     /// What touches is held from here on where it is, with velocities that agree with that.
@@ -181,12 +184,12 @@ impl<'a> Change<'a> {
         self.pose.contacts.top(corner, &self.system.block, self.pose.time)
     }
 
-    /// A corner's rate after a landing (m/s), or that of its support if the two are near. So a sequence of ever lower
-    /// flights ends: none is begun that would not rise ten times as high as what rounding leaves of a gap.
+    /// A corner's rate after a landing (m/s), or that of its support if the corner would leave it by little more. So a sequence
+    /// of ever lower flights ends: none is begun that would not rise ten times as high as what rounding leaves of a gap.
     fn or_rest(&self, corner: Corner, rate: f64, support_rate: f64) -> f64 {
         let block = &self.system.block;
         let slowest = (20.0 * block.gravity * Surface::Gap(corner).rounding(block)).sqrt();
-        if (rate - support_rate).abs() < slowest { support_rate } else { rate }
+        if rate > support_rate && rate - support_rate < slowest { support_rate } else { rate }
     }
 
     fn set(&mut self, corner: Corner, contact: Contact) {

@@ -111,7 +111,9 @@ impl Change<'_> {
         // The energy after the landing grows with the square of the rate.
         let [energy, held, rebound] = [before, land(0.0), land(rate)].map(|velocities| velocities.kinetic(block));
         if rebound > energy {
-            rate *= ((energy - held).max(0.0) / (rebound - held)).sqrt();
+            // None is left where rounding hides what the rate adds to the energy.
+            let part = if rebound > held { (energy - held).max(0.0) / (rebound - held) } else { 0.0 };
+            rate = self.or_rest(corner, rate * part.sqrt(), 0.0);
         }
         if land(rate).v_dot < before.v_dot {
             let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);

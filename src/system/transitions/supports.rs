@@ -2,7 +2,7 @@
 
 use crate::contact::{Contact, Creep};
 use crate::contact::{Corner, Regime};
-use crate::system::dynamics::Footing;
+use crate::system::dynamics::{Footing, Instant};
 use crate::system::impact::{self, Velocities};
 use crate::system::now::Now;
 use crate::system::surfaces::{Surface, gap_opening, pressure_if_gripped, reaction_rate};
@@ -17,9 +17,13 @@ impl Change<'_> {
         let opens = !self.pose.footing.grips() || self.lets_go(corner, x.corner_dot[corner.index()], now);
         match self.regime() {
             Regime::FullContact => {
+                let other_is_held = self.contacts().held() == Some(corner.other());
                 self.pose.contacts.let_bear();
+                if !opens && other_is_held {
+                    return self.bear_nothing(x);
+                }
                 if !opens && matches!(surface, Surface::Reaction(_)) {
-                    self.set(corner, Contact::Held);
+                    self.keep(corner, x.corner[corner.index()]);
                     return Leaving::Held;
                 }
             }
@@ -33,6 +37,20 @@ impl Change<'_> {
         self.take_off(corner, &placement);
         self.settle(before, placement);
         Leaving::Lifts
+    }
+
+    /// Neither corner bears anything, so that nothing holds the block horizontally. The paper's analysis ends here.
+    fn bear_nothing(&mut self, x: &Instant<f64>) -> Leaving {
+        let placement = Placement::of(x);
+        if self.system.flies {
+            self.release(x);
+        } else {
+            for corner in Corner::BOTH {
+                self.take_off(corner, &placement);
+            }
+        }
+        self.settle(Regime::FullContact, placement);
+        if self.regime() == Regime::FullContact { Leaving::Slides } else { Leaving::Lifts }
     }
 
     /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. The paper's analysis ends
@@ -70,9 +88,18 @@ impl Change<'_> {
 
     /// `corner` has left its support, which creeps back from here on.
     fn take_off(&mut self, corner: Corner, placement: &Placement) {
-        let depth = self.system.block.static_deflection() - placement.corners[corner.index()].0;
-        self.set(corner, Contact::Lifted(Creep { depth, since: self.pose.time }));
+        self.set(corner, Contact::Lifted(self.creep_from(placement.corners[corner.index()].0)));
         self.tally.liftoffs += 1;
+    }
+
+    /// `corner` is held on its support at this height (m).
+    fn keep(&mut self, corner: Corner, height: f64) {
+        self.set(corner, Contact::Held(self.creep_from(height)));
+    }
+
+    /// A support that bears nothing from here on creeps back from this height (m).
+    fn creep_from(&self, height: f64) -> Creep {
+        Creep { depth: self.system.block.static_deflection() - height, since: self.pose.time }
     }
 
     /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
@@ -113,7 +140,7 @@ impl Change<'_> {
                     Some(Leaving::Lifts) | None => {}
                     Some(Leaving::Held) => {
                         self.pose.contacts.let_bear();
-                        self.set(corner, Contact::Held);
+                        self.keep(corner, height);
                     }
                     Some(Leaving::Slides) => self.release(&now.instant),
                 }

@@ -215,6 +215,29 @@ impl Run<'_> {
         matrix.lu().solve(&right).expect("forces that balance")
     }
 
+    /// The same while corner `i` is held: it bears nothing and goes with its support, and the middle of the base stands still.
+    fn forces_held(&self, time: f64, state: &State, i: usize) -> Forces {
+        let [a_gx, a_gz] = (self.ground)(time);
+        let n = self.support(self.height(state, 1 - i));
+        let (arm, foothold) = (Self::arm(state, self.corner(i)), Self::arm(state, self.middle()));
+        let turning = state[5].powi(2);
+        #[rustfmt::skip]
+        let matrix = Matrix4::new(
+            1.0, 0.0, 0.0, -1.0,
+            0.0, 1.0, 0.0, 0.0,
+            0.0, 1.0, -arm.x, 0.0,
+            1.0, 0.0, foothold.y, 0.0,
+        );
+        let rises = arm.y * turning + self.top_acceleration(self.top_rate(state, i));
+        let right = Forces::new(-a_gx, n - self.block.gravity - a_gz, rises, foothold.x * turning);
+        matrix.lu().solve(&right).expect("forces that balance")
+    }
+
+    /// Acceleration of the top of a support that creeps at this rate.
+    fn top_acceleration(&self, rate: f64) -> f64 {
+        if rate == 0.0 { 0.0 } else { -self.creep() * rate }
+    }
+
     /// Vertical acceleration of a corner.
     fn corner_acceleration(&self, state: &State, forces: &Forces, i: usize) -> f64 {
         let arm = Self::arm(state, self.corner(i));
@@ -222,12 +245,16 @@ impl Run<'_> {
     }
 
     fn rate(&self, time: f64, state: &State) -> State {
-        let forces = self.forces(time, state, self.touching, self.foot.is_some());
+        let forces = match self.held {
+            Some(i) => self.forces_held(time, state, i),
+            None => self.forces(time, state, self.touching, self.foot.is_some()),
+        };
         let mut rate = State::zeros();
         for i in 0..3 {
             (rate[i], rate[3 + i]) = (state[3 + i], forces[i]);
         }
-        for i in BOTH.into_iter().filter(|&i| !self.touching[i] && self.block.damping > 0.0) {
+        let creeps = |i: usize| !self.touching[i] || self.held == Some(i);
+        for i in BOTH.into_iter().filter(|&i| creeps(i) && self.block.damping > 0.0) {
             rate[6 + i] = self.top_rate(state, i);
         }
         rate
@@ -265,8 +292,7 @@ impl Run<'_> {
         let grips = touching != [false; 2] && self.foot.is_some();
         let state = if grips { self.held_by(state, touching) } else { *state };
         let forces = self.forces(time, &state, touching, grips);
-        let top = if rate == 0.0 { 0.0 } else { -self.creep() * rate };
-        self.corner_acceleration(&state, &forces, i) - top
+        self.corner_acceleration(&state, &forces, i) - self.top_acceleration(rate)
     }
 
     /// With the horizontal velocity at which the foothold of these corners stands still.

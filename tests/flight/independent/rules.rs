@@ -11,6 +11,8 @@ enum Watched {
     Gap(usize),
     /// The corner that is held would lift.
     Held(usize),
+    /// Full contact would not lift the corner that is held.
+    Unloaded(usize),
     /// What slides would be pressed on if it gripped.
     Slide,
 }
@@ -37,13 +39,8 @@ impl Run<'_> {
                     self.state = end;
                     self.time = if size == remaining { until } else { self.time + size };
                     // What touches moves with its support.
-                    for i in BOTH.into_iter().filter(|&i| self.touching[i]) {
+                    for i in BOTH.into_iter().filter(|&i| self.touching[i] && self.held != Some(i)) {
                         self.state[6 + i] = self.height(&self.state, i)[0];
-                    }
-                    if let Some(held) = self.held
-                        && self.support(self.height(&self.state, held)) > self.rounding(Watched::Reaction(held))
-                    {
-                        self.held = None;
                     }
                 }
             }
@@ -57,14 +54,19 @@ impl Run<'_> {
             (false, _) => Watched::Gap(i),
         };
         let slides = self.foot.is_none() && self.touching != [false; 2];
-        BOTH.map(of).into_iter().chain(slides.then_some(Watched::Slide)).collect()
+        let held = self.held.map(Watched::Unloaded);
+        BOTH.map(of).into_iter().chain(slides.then_some(Watched::Slide)).chain(held).collect()
     }
 
     fn value(&self, watched: Watched, time: f64, state: &State) -> f64 {
         match watched {
             Watched::Reaction(i) => self.support(self.height(state, i)),
             Watched::Gap(i) => self.gap(state, i),
-            Watched::Held(i) => -self.opening(time, state, i, self.height(state, i)[1]),
+            Watched::Held(i) => -self.opening(time, state, i, self.top_rate(state, i)),
+            Watched::Unloaded(i) => {
+                let forces = self.forces(time, state, [true; 2], true);
+                self.corner_acceleration(state, &forces, i) - self.top_acceleration(self.top_rate(state, i))
+            }
             Watched::Slide => -self.pressure(state),
         }
     }
@@ -73,7 +75,9 @@ impl Run<'_> {
     fn rounding(&self, watched: Watched) -> f64 {
         match watched {
             Watched::Gap(_) => 1e-13 * self.block.static_deflection().max(self.block.b),
-            Watched::Reaction(_) | Watched::Held(_) | Watched::Slide => 1e-13 * self.block.gravity,
+            Watched::Reaction(_) | Watched::Held(_) | Watched::Unloaded(_) | Watched::Slide => {
+                1e-13 * self.block.gravity
+            }
         }
     }
 
@@ -108,7 +112,7 @@ impl Run<'_> {
                 -self.support_rate(self.height(state, i)[1], self.corner_acceleration(state, &forces, i))
             }
             Watched::Gap(i) => self.top_rate(state, i) - self.height(state, i)[1],
-            Watched::Held(_) | Watched::Slide => 0.0,
+            Watched::Held(_) | Watched::Unloaded(_) | Watched::Slide => 0.0,
         });
         if !(slopes[0] > 0.0 && slopes[1] < 0.0) {
             return None;
@@ -131,7 +135,10 @@ impl Run<'_> {
         let mut exact = [None; 2];
         let what = match watched {
             Watched::Reaction(i) | Watched::Held(i) => {
-                let rate = self.height(&self.state, i)[1];
+                let rate = match watched {
+                    Watched::Held(_) => self.top_rate(&self.state, i),
+                    _ => self.height(&self.state, i)[1],
+                };
                 let opens = self.foot.is_none() || self.opening(self.time, &self.state, i, rate) >= 0.0;
                 if opens {
                     self.held = None;
@@ -150,6 +157,10 @@ impl Run<'_> {
                     self.used.insert(Rule::Slip);
                     return;
                 }
+            }
+            Watched::Unloaded(_) => {
+                self.held = None;
+                return;
             }
             Watched::Gap(i) => {
                 self.land(i, &mut exact);
@@ -267,7 +278,7 @@ impl Run<'_> {
     fn or_rest(&self, i: usize, rate: f64) -> f64 {
         let top = self.top_rate(&self.state, i);
         let rise = (rate - top).powi(2) / (2.0 * self.block.gravity);
-        if rise < 10.0 * self.rounding(Watched::Gap(i)) { top } else { rate }
+        if rate > top && rise < 10.0 * self.rounding(Watched::Gap(i)) { top } else { rate }
     }
 
     /// What touches is held where it is.
