@@ -148,6 +148,17 @@ def test_a_sweep_is_that_of_the_program(rocking, path, tmp_path):
     assert made["Sa(0.5 s)"].min() > 0 and made.units["Sa(0.5 s)"] == "m/s2"
 
 
+def test_columns_have_one_name_and_words_one_spelling(path):
+    """A study of the parameters of blocks has the columns of outcomes, besides those that outcomes derive."""
+    parameters = {"alpha": [0.2], "p": [2.0], "eta": [50], "xi_v": [0.1], "epsilon": [0.1], "foundation": ["viscoelastic"]}
+    made = rb.sweep({"study": {"design": "grid"}, "parameters": parameters, "records": [{"horizontal": path, "vertical": path}]})
+    outcomes = rb.outcomes(rb.blocks(alpha=0.2, p=[2.0], eta=50, xi_v=0.1, epsilon=0.1), path, vertical=path)
+    assert set(outcomes) - set(made) == {"2pi/p", "restitution_factor"} and set(made) <= set(outcomes)
+    assert made.units.items() <= outcomes.units.items()
+    for name in set(made) - {"record", "vertical"}:
+        assert np.array_equal(made[name], outcomes[name], equal_nan=made[name].dtype.kind == "f"), name
+
+
 def test_a_search_is_that_of_the_program(rocking, record, path, tmp_path):
     block = rb.Block(alpha=0.2, p=2.0, foundation="rigid")
     found = rb.search_overturning(block, pulse=rb.Pulse("one-sine", period=1.0), points=41)
