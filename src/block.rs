@@ -166,7 +166,7 @@ impl Block {
     }
 
     /// Each parameter may be fine and their product still overflow or vanish.
-    fn checked(self) -> Result<Block, BlockError> {
+    fn checked(mut self) -> Result<Block, BlockError> {
         for (name, value) in [
             ("R0", self.r0),
             ("b = R0 sin(alpha)", self.b),
@@ -190,10 +190,14 @@ impl Block {
         }
         // A factor of at most 1 is fine whatever rounding made of an e near 1.
         if self.restitution_factor > 1.0 && self.restitution() > 1.0 {
-            return Err(BlockError::Restitution {
-                factor: self.restitution_factor,
-                housner: self.housner_restitution(),
-            });
+            const ROUNDING: f64 = 1e-12;
+            let (factor, housner) = (self.restitution_factor, self.housner_restitution());
+            if factor * housner > 1.0 + ROUNDING {
+                return Err(BlockError::Restitution { factor, housner });
+            }
+            // A factor 1/e that was rounded: the product is brought back to at most 1.
+            let inverse = 1.0 / housner;
+            self.restitution_factor = if inverse * housner > 1.0 { inverse.next_down() } else { inverse };
         }
         Ok(self)
     }

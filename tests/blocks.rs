@@ -108,3 +108,20 @@ fn what_follows_from_the_parameters_is_checked_too() {
     let light = Block::from_dimensionless(&Dimensionless { p: 1e60, ..PAPER }, &Common { mass: 1e-200, ..common() });
     assert_eq!(light.expect_err("an inertia that vanishes").name(), "I0");
 }
+
+/// A factor of 1/e makes impacts that take no energy, however 1/e was rounded; what is clearly more is refused.
+#[test]
+fn a_factor_of_one_over_e_is_elastic() {
+    for number in 1..2000_u32 {
+        let (alpha, epsilon) = (0.5 * f64::from(number) / 2000.0, f64::from(number % 7) / 7.0);
+        let d = Dimensionless { alpha, p: 1.0, eta: 40.0, xi_v: 0.1 };
+        let rigid = Common { epsilon, foundation: Foundation::Rigid, ..Common::default() };
+        let e = Block::from_dimensionless(&d, &rigid).unwrap().restitution();
+        for restitution_factor in [1.0 / e, (1.0 / e).next_up(), (1.0 / e).next_down()] {
+            let elastic = Block::from_dimensionless(&d, &Common { restitution_factor, ..rigid }).unwrap();
+            assert!((1.0 - 1e-15..=1.0).contains(&elastic.restitution()), "{alpha} {}", elastic.restitution());
+        }
+        let more = Common { restitution_factor: (1.0 + 1e-9) / e, ..rigid };
+        assert!(Block::from_dimensionless(&d, &more).is_err());
+    }
+}
