@@ -72,15 +72,19 @@ impl<V: Version> Instance<V> {
     /// The values become a block, or the call is refused and they can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Answer {
         let unread = self.unit.exit_initialization_mode()?;
-        if unread.is_empty() {
-            return Ok(Status::Ok);
-        }
+        let unset = self.unit.unset_sizes();
         let unread: Vec<String> = unread.iter().map(|(name, needed)| format!("{name} needs {needed}")).collect();
-        self.log.status(
-            Status::Warning,
-            &format!("set, but not read with the other parameters as they are: {}", unread.join(", ")),
-        );
-        Ok(Status::Warning)
+        let unset: Vec<String> = unset.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let warnings = [
+            ("set, but not read with the other parameters as they are", unread),
+            ("not set, but read with parameterization = Physical", unset),
+        ];
+        let mut status = Status::Ok;
+        for (why, parameters) in warnings.into_iter().filter(|(_, parameters)| !parameters.is_empty()) {
+            status = Status::Warning;
+            self.log.status(status, &format!("{why}: {}", parameters.join(", ")));
+        }
+        Ok(status)
     }
 
     /// The run ends.

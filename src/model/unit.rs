@@ -183,6 +183,11 @@ impl Unit {
         Ok(self.values.unread().collect())
     }
 
+    /// Sizes of the block that were not set but are read, each with the start value in its place.
+    pub fn unset_sizes(&self) -> Vec<(&'static str, f64)> {
+        self.values.unset_sizes().map(|variable| (variable.name(), self.values[variable])).collect()
+    }
+
     /// The run ends.
     pub fn terminate(&mut self) {
         self.phase = Phase::Terminated;

@@ -144,6 +144,24 @@ impl Values {
         }
     }
 
+    /// Parameters of a physical parameterization of which no default fits a real block; none of a dimensionless one. The mass
+    /// matters beside a stiffness only.
+    pub fn sizes(&self) -> &'static [Variable] {
+        use Variable::{Mass, PhysicalC, PhysicalHeight, PhysicalK, PhysicalWidth};
+        match (self.is_physical(), self.foundation()) {
+            (false, _) => &[],
+            (true, Foundation::Rigid) => &[PhysicalWidth, PhysicalHeight],
+            (true, Foundation::Viscoelastic) => &[PhysicalWidth, PhysicalHeight, PhysicalK, PhysicalC, Mass],
+        }
+    }
+
+    /// The [`Values::sizes`] that have their start values, except the mass.
+    pub fn unset_sizes(&self) -> impl Iterator<Item = Variable> {
+        let is_unset = |variable: Variable| Some(self[variable]) == VARIABLES[variable as usize].start;
+        let sizes = self.sizes().iter().copied().filter(|&variable| variable != Variable::Mass);
+        sizes.filter(move |&variable| is_unset(variable))
+    }
+
     /// What a parameter needs to be read, if it is not there with the other parameters as they are.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);

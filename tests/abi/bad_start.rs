@@ -89,6 +89,7 @@ fn geometry_that_makes_no_block_is_refused_until_it_is_mended() {
     for (name, value) in fine {
         let instance = Instance::new("block");
         instance.set("parameterization", 2.0);
+        SIZES.iter().for_each(|&(size, value)| instance.set(size, value));
         instance.set(name, 0.0);
         assert_eq!(instance.setup(None, 0.0, None), OK);
         assert_eq!(call!(instance, enter_initialization_mode), OK);
@@ -129,6 +130,9 @@ fn parameters_that_are_not_read_are_warned_of() {
         let instance = Instance::new("block");
         instance.set(other, value);
         instance.set(name, unread);
+        for size in if other == "parameterization" && value == 2.0 { &SIZES[..] } else { &[] } {
+            instance.set(size.0, size.1);
+        }
         assert_eq!(instance.setup(None, 0.0, None), OK);
         assert_eq!(call!(instance, enter_initialization_mode), OK);
         assert_eq!(call!(instance, exit_initialization_mode), WARNING);
@@ -137,6 +141,42 @@ fn parameters_that_are_not_read_are_warned_of() {
         assert!(category == "logStatusWarning" && text.ends_with(&format!(": {name} needs {needed}")), "{text}");
         instance.step(0.0, 0.1);
     }
+}
+
+/// Sizes of a block, none of them a start value.
+const SIZES: [(&str, f64); 4] =
+    [("physical.width", 0.6), ("physical.height", 2.0), ("physical.K", 4e5), ("physical.C", 3e3)];
+
+/// The foundation of a block that is given by its sizes is never invented in silence.
+#[test]
+fn sizes_that_were_not_set_are_warned_of() {
+    let warned = |foundation: f64, sizes: &[(&str, f64)]| {
+        let instance = Instance::new("block");
+        instance.set("parameterization", 2.0);
+        instance.set("foundation", foundation);
+        sizes.iter().for_each(|&(name, value)| instance.set(name, value));
+        assert_eq!(instance.setup(None, 0.0, None), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        let status = call!(instance, exit_initialization_mode);
+        let messages = instance.messages();
+        instance.step(0.0, 0.1);
+        match messages.as_slice() {
+            [] => {
+                assert_eq!(status, OK);
+                String::new()
+            }
+            [Message { status: WARNING, category, text, .. }] => {
+                assert_eq!((status, category.as_str()), (WARNING, "logStatusWarning"));
+                text.rsplit(": ").next().unwrap_or_default().to_string()
+            }
+            _ => panic!("{messages:?}"),
+        }
+    };
+    assert_eq!(warned(1.0, &SIZES[..2]), "physical.K = 800000, physical.C = 4000");
+    assert_eq!(warned(1.0, &SIZES[..3]), "physical.C = 4000");
+    assert_eq!(warned(1.0, &SIZES), "");
+    assert_eq!(warned(2.0, &SIZES[..2]), "");
+    assert_eq!(warned(2.0, &SIZES[..1]), "physical.height = 14.257546285472138");
 }
 
 #[test]

@@ -156,7 +156,9 @@ fn what_is_declared_nowhere_is_refused() {
     instance.set("physical.width", 0.0);
     refuses(theta, alpha, 1.0, &["width = 0"]);
     // Once there is a block only inputs and states are directions.
-    instance.set("physical.width", 3.0);
+    for (name, value) in [("physical.width", 3.0), ("physical.height", 9.0), ("physical.K", 1e6), ("physical.C", 5e3)] {
+        instance.set(name, value);
+    }
     assert_eq!(call!(instance, exit_initialization_mode), OK);
     refuses(reference("theta_ddot"), alpha, 1.0, &["dimensionless.alpha is a parameter", "only an input"]);
     refuses(reference("derived.p"), a_gx, 1.0, &["derived.p is a calculated parameter", "only an output"]);
