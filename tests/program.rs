@@ -51,6 +51,76 @@ fn without_arguments_a_real_record_makes_a_block_rock() {
     assert_eq!(picture[16..24], [0, 0, 0x07, 0x80, 0, 0, 0x05, 0xf0], "1920 by 1520 pixels");
 }
 
+/// Durations of a whole number of steps, of which a product of decimals is off by rounding.
+#[test]
+fn runs_of_a_tidy_duration_end() {
+    let folder = tempfile::tempdir().unwrap();
+    for (duration, step, rows) in [("0.9", "0.015", 61), ("0.7", "0.1", 8), ("2.1", "0.3", 8)] {
+        let run = ["simulate", "--theta", "0.1", "--csv", "run.csv", "--duration", duration, "--step", step];
+        let output = rocking(folder.path(), &run);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let times = column(&folder.path().join("run.csv"), "t");
+        assert_eq!((times.len(), times.last()), (rows, Some(&duration.parse().unwrap())));
+    }
+    let spectrum = "spectrum --pulse one-sine --amplitude 5 --period 1 --points 3 --foundation rigid --duration 0.9 \
+                    --step 0.015 --csv x.csv";
+    let output = rocking(folder.path(), &spectrum.split_whitespace().collect::<Vec<_>>());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let table = std::fs::read_to_string(folder.path().join("x.csv")).unwrap();
+    // The smallest block has overturned by then.
+    assert_eq!(table.lines().filter(|line| line.contains(",undecided,0.9,")).count(), 2, "{table}");
+}
+
+/// Free motion goes on until the block is at rest, and the summary says what will become of one that is not.
+#[test]
+fn summaries_say_what_becomes_of_the_block() {
+    let folder = tempfile::tempdir().unwrap();
+    for (options, end) in [
+        ("--theta 0.2 --eta 80", "the block is at rest"),
+        ("--theta 0.2 --foundation rigid", "the block is at rest"),
+        ("--theta 0.2 --eta 80 --duration 9", "completed at t = 9.0000 s: the block will come to rest"),
+        ("--theta 0.1 --xi-v 0", "completed at t = 100.0000 s: the block will not overturn"),
+        (
+            "--pulse one-sine --amplitude 5 --period 2 --duration 1",
+            "undecided at t = 1.0000 s: the duration is too short to tell whether the block overturns",
+        ),
+    ] {
+        let arguments: Vec<&str> = "simulate --csv run.csv".split(' ').chain(options.split(' ')).collect();
+        let told = text(&rocking(folder.path(), &arguments).stdout);
+        let line = |name: &str| told.lines().find(|line| line.starts_with(name)).unwrap().to_string();
+        assert!(line("end").ends_with(end), "{told}");
+        assert_eq!(line("events").contains(" so far"), !end.ends_with("at rest"), "{told}");
+        let impacts: u32 = line("events").split_whitespace().nth(1).unwrap().parse().unwrap();
+        assert!(!end.starts_with("the block is at rest") || impacts > 20, "{told}");
+    }
+}
+
+/// The column of the friction is an addition: all others have the bytes that they have without it.
+#[test]
+fn the_time_above_a_friction_is_one_more_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |options: &str, lanes: &str| {
+        let spectrum = "spectrum --pulse one-sine --amplitude 5 --period 1 --points 20 --csv x.csv --lanes";
+        let _ = std::fs::remove_file(folder.path().join("x.csv"));
+        let arguments: Vec<&str> = spectrum.split(' ').chain([lanes]).chain(options.split_whitespace()).collect();
+        let output = rocking(folder.path(), &arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let table = std::fs::read_to_string(folder.path().join("x.csv")).unwrap();
+        table.lines().filter(|line| !line.starts_with('#')).map(String::from).collect::<Vec<_>>()
+    };
+    let (without, with) = (rows("", "8"), rows("--friction 0.3", "8"));
+    assert_eq!(with, rows("--friction 0.3", "1"));
+    assert!(with[0].ends_with(",friction_demand>0.3 [s]"), "{}", with[0]);
+    for (with, without) in with.iter().zip(&without) {
+        assert_eq!(with.rsplit_once(',').unwrap().0, without);
+    }
+    let times = with[1..].iter().map(|row| row.rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
+    assert!(times.clone().all(|time| (0.0..0.5).contains(&time)) && times.clone().any(|time| time > 0.1));
+    let told =
+        text(&rocking(folder.path(), &["simulate", "--theta", "0.2", "--friction", "0.2", "--csv", "y.csv"]).stdout);
+    assert!(told.contains("|H|/(N_L + N_R) exceeds 0.2 for at most 0."), "{told}");
+}
+
 #[test]
 fn the_table_holds_the_solvers_numbers() {
     let folder = tempfile::tempdir().unwrap();

@@ -96,6 +96,7 @@ pub fn spectrum(ground: Ground, count: u64) -> Spectrum {
         pulse: Pulse::NONE,
         settings: Settings::default(),
         duration: None,
+        friction: None,
         step: None,
     }
 }

@@ -32,8 +32,8 @@ class Block(_engine.Block):
         Width of the base, and twice the height of the centre of mass over it [m], instead of `alpha` and `p`.
     K, C : float
         Stiffness [N/m] and damping [N s/m] of one support, instead of `eta` and `xi_v`.
-    mass : float
-        Mass M [kg].
+    mass : float, default 1000
+        Mass M [kg]; needed with `K` and `C`, since η and ξ_v then depend on it.
     gamma : float
         Shape factor γ = M R0²/I0 [1]; 3 for a homogeneous rectangle.
     epsilon : float

@@ -71,6 +71,8 @@ class Fragility(_engine.Fragility):
     """The part of its runs that exceeded the limit, 0 or 1 for a single run, shape (n,)."""
     failed: int
     """Rows that were left out because their runs failed."""
+    undecided: int
+    """Rows that were left out because their duration was too short to tell."""
     separated: int
     """Rows that were left out because their runs ended at complete separation, which does not tell."""
     _given: tuple[Any, ...]
@@ -79,13 +81,13 @@ class Fragility(_engine.Fragility):
         cls,
         rows: tuple[Floats, Floats, Floats, npt.NDArray[np.int64]],
         how: tuple[str, float, int | None, int],
-        what: tuple[str, str, str | float, int, int],
+        what: tuple[str, str, str | float, int, int, int],
         tick: Any = lambda done, total: None,
     ) -> "Self":
         fit = super().__new__(cls, *rows, *how, tick)
         fit.measures, fit.fractions = rows[:2]
         fit.ci = how[1]
-        fit.im, fit.unit, fit.limit, fit.failed, fit.separated = what
+        fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided = what
         fit._given = (rows, how, what)
         return fit
 
@@ -132,7 +134,7 @@ class Fragility(_engine.Fragility):
             ("median", f"{self.median:.4g}{unit}", f"[{', '.join(ends[0])}]"),
             ("β", f"{self.beta:.3g}", f"[{', '.join(ends[1])}]"),
             ("exceeded", f"{np.sum(self.fractions):.4g} of {len(self.fractions)} runs", ""),
-            ("left out", f"{self.failed} failed, {self.separated} separated", ""),
+            ("left out", f"{self.failed} failed, {self.separated} separated, {self.undecided} undecided", ""),
             ("AUC, Brier score", f"{self.auc:.3f}, {self.brier:.3f}", ""),
         ]
         return html_table(f"{self._limit()} over {self.im}, {100 * self.ci:g} % intervals", (), rows)
@@ -224,13 +226,15 @@ def fragility(
         exceeded |= peak > limit
     fraction = exceeded.astype(np.float64)
     separated = (outcome == "separated") & ~exceeded
+    undecided = (outcome == "undecided") & ~exceeded
     failed = outcome == "failed"
     if "ensemble.samples" in table:
         # Of an ensemble the samples count, not the run in its middle; there is nothing where all of them failed.
         exceeds = limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
         fraction = _numbers(table, f"P({exceeds})")
-        separated, failed = np.zeros_like(exceeded), np.isnan(fraction)
-    tells = ~separated & ~failed
+        separated, unknown = np.zeros_like(exceeded), np.isnan(fraction)
+        undecided, failed = unknown & (outcome == "undecided"), unknown & (outcome != "undecided")
+    tells = ~separated & ~undecided & ~failed
     rocked = (outcome == "completed") & (peak > 0.0)
     if "events.liftoffs" in table:
         rocked &= np.asarray(table["events.liftoffs"]) > 0
@@ -248,7 +252,7 @@ def fragility(
         column.setflags(write=False)
     units = table.units if isinstance(table, Table) else getattr(table, "attrs", {}).get("units", {})
     unit = units.get(im, "")
-    what = (im, unit, limit, int(failed.sum()), int(separated.sum()))
+    what = (im, unit, limit, int(failed.sum()), int(separated.sum()), int(undecided.sum()))
     how = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         return Fragility(rows, how, what, tick)

@@ -102,11 +102,13 @@ class Run:
     counts: Counts
     """What was counted."""
     outcome: Outcome
-    """"completed", "overturned" or "separated". A block that leaves its supports with |θ| ≥ α and growing overturned."""
+    """"completed", "overturned", "separated" or "undecided" where the duration was too short to tell.
+
+    A block that leaves its supports with |θ| ≥ α and growing overturned."""
     end_time: float
     """When the run ended [s]."""
     has_come_down: bool
-    """Whether, at the end, the ground has come to rest and the block is bound to."""
+    """Whether, at the end, the ground is at rest and the block is, too, or is bound to come to rest."""
 
     @staticmethod
     def of(block: _engine.Block, made: dict[str, Any]) -> "Run":

@@ -65,6 +65,7 @@ def spectrum(
     on_overturning: OnOverturning = "terminate",
     duration: float | None = None,
     step: float | None = None,
+    friction: float | None = None,
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
@@ -101,6 +102,10 @@ def spectrum(
         Duration of each run [s]; without it, until the ground has come to rest and the block has come down.
     step : float, optional
         Longest time between two stops of a run [s]; without it only the records' samples and the pulse's ends are.
+    friction : float, optional
+        Coefficient of friction [1]: adds the column `friction_demand>0.5` (for 0.5) of the longest time [s] in one piece for
+        which |H|/(N_L + N_R) exceeds it, looked at each millisecond. That tells whether a block would slide, unlike
+        `peak.friction_demand`, which has no bound where the reactions vanish for an instant.
     threads : int, optional
         Threads; without it one for each core. Their number changes no bit.
     progress : bool, optional
@@ -162,7 +167,8 @@ def spectrum(
         g,
     )
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
-    return _outcomes(many, (*shape, *sizes.shape), records, vertical, scale, periods, pulse, g, options, threads, progress)
+    shape = (*shape, *sizes.shape)
+    return _outcomes(many, shape, records, vertical, scale, periods, pulse, g, friction, options, threads, progress)
 
 
 def blocks(**parameters: npt.ArrayLike) -> list[Block]:
@@ -198,6 +204,7 @@ def outcomes(
     on_overturning: OnOverturning = "terminate",
     duration: float | None = None,
     step: float | None = None,
+    friction: float | None = None,
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
@@ -207,8 +214,8 @@ def outcomes(
     ----------
     blocks : Block or sequence of Block
         The blocks.
-    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step, threads,
-    progress
+    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step, friction,
+    threads, progress
         As in `spectrum`; a file in g is read by 9.81 m/s².
 
     Returns
@@ -238,7 +245,7 @@ def outcomes(
     many = _engine.Blocks.of(listed)
     shape = () if single else (len(many),)
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
-    return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, options, threads, progress)
+    return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, friction, options, threads, progress)
 
 
 def sweep(
@@ -337,6 +344,7 @@ def _outcomes(
     periods: npt.ArrayLike,
     pulse: Pulse | None,
     g: float,
+    friction: float | None,
     options: dict[str, Any],
     threads: int | None,
     progress: bool | None,
@@ -362,7 +370,9 @@ def _outcomes(
         raise ValueError("periods has no effect without horizontal records")
     factors = scales.ravel().tolist()
     with ticking(progress) as tick:
-        made, units, failure = _engine.outcomes(many, pairs, factors, of_spectra, g, pulse, options, threads, tick)
+        made, units, failure = _engine.outcomes(
+            many, pairs, factors, of_spectra, g, pulse, friction, options, threads, tick
+        )
 
     def of_motion(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
         """A column of values of the records, or of the scales, the latter in turn for each record."""
@@ -390,7 +400,8 @@ def _outcomes(
     _warn(made["outcome"], failure)
     one = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
     axes = (*(() if one else (number,)), *scales.shape, *shape)
-    return Table(columns, {name: unit for name, unit in (_UNITS | dict(units)).items() if name in columns}, axes)
+    above = {name: "s" for name in columns if name.startswith("friction_demand>")}
+    return Table(columns, {name: unit for name, unit in (_UNITS | dict(units) | above).items() if name in columns}, axes)
 
 
 def _read(name: str, records: Records | None, g: float) -> list[Record]:

@@ -15,7 +15,7 @@ Foundation = Literal["viscoelastic", "rigid"]
 Shape = Literal["one-sine", "one-cosine", "c1", "c2"]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
-Outcome = Literal["completed", "overturned", "separated", "failed"]
+Outcome = Literal["completed", "overturned", "separated", "undecided", "failed"]
 
 
 def chosen(name: str, found: object, words: tuple[str, ...]) -> str:

@@ -76,7 +76,7 @@ impl Given {
         let (stiffness, damping) = match (common.foundation, self.stiffness, self.damping) {
             (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
             (Foundation::Viscoelastic, ..) => {
-                return Err(missing("K and C; expected both, or foundation=\"rigid\""));
+                return Err(missing("K and C; expected both and mass, or foundation=\"rigid\""));
             }
             // The rigid base reads neither; any that make a block will do.
             (Foundation::Rigid, ..) => (common.mass * common.gravity / height, 0.0),
@@ -115,7 +115,7 @@ impl Hash for Block {
 impl Block {
     #[new]
     #[pyo3(signature = (
-        *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=1000.0, gamma=3.0,
+        *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=3.0,
         epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None,
     ))]
     #[allow(non_snake_case, clippy::too_many_arguments)]
@@ -129,7 +129,7 @@ impl Block {
         height: Option<f64>,
         K: Option<f64>,
         C: Option<f64>,
-        mass: f64,
+        mass: Option<f64>,
         gamma: f64,
         epsilon: f64,
         g: f64,
@@ -139,8 +139,12 @@ impl Block {
         let foundation = word("foundation", foundation, &FOUNDATIONS)?;
         let given = Given { alpha, p, eta, xi_v, width, height, stiffness: K, damping: C, restitution_factor };
         let restitution_factor = restitution_factor.unwrap_or(1.0);
-        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
+        let common =
+            Common { mass: mass.unwrap_or(1000.0), gamma, epsilon, gravity: g, foundation, restitution_factor };
         let block = given.block(&common)?;
+        if K.is_some() && mass.is_none() {
+            return Err(PyValueError::new_err("K without mass; expected both, since eta and xi_v depend on the mass"));
+        }
         warn_of_soft_supports(py, &[block], 1)?;
         Ok(Block { block, given })
     }

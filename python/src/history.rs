@@ -97,7 +97,7 @@ pub fn history<'py>(
 }
 
 fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>> {
-    let History { rows, events, peaks, counts, ending, has_come_down } = history;
+    let History { rows, events, peaks, counts, ending, end, .. } = history;
     let columns = PyDict::new(py);
     for (name, value) in COLUMNS {
         columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
@@ -116,11 +116,6 @@ fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>
         });
         (event.time, name, corner, event.before.to_string(), event.after.to_string())
     });
-    let end = match ending {
-        None => End::Completed,
-        Some((ending, _)) if ending.is_overturning() => End::Overturned,
-        Some(_) => End::Separated,
-    };
     let last = rows.last().map_or(0.0, |row| row.time);
     let result = PyDict::new(py);
     result.set_item("columns", columns)?;
@@ -129,6 +124,6 @@ fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>
     result.set_item("counts", (counts.impacts, counts.liftoffs, counts.steps, counts.rejected, counts.evaluations))?;
     result.set_item("outcome", end.word())?;
     result.set_item("end_time", ending.map_or(last, |(_, time)| time))?;
-    result.set_item("has_come_down", has_come_down)?;
+    result.set_item("has_come_down", *end == End::Completed)?;
     Ok(result)
 }

@@ -13,6 +13,7 @@ use rocking_block::model::variables::Variable;
 use rocking_block::numerics::wide::Width;
 use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation};
+use rocking_block::study::friction;
 use rocking_block::study::history::Run;
 use rocking_block::study::intensity::Measure;
 use rocking_block::study::outcome::Outcome;
@@ -71,10 +72,14 @@ pub fn outcomes<'py>(
     periods: Vec<f64>,
     g: f64,
     pulse: Option<PulseOptions>,
+    friction: Option<f64>,
     options: RunOptions,
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Outcomes<'py>> {
+    if let Some(friction) = friction {
+        finite("friction", friction, |x| x > 0.0, "a coefficient > 0")?;
+    }
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let pool = pool(threads)?;
     let settings = options.settings()?;
@@ -116,7 +121,8 @@ pub fn outcomes<'py>(
         let row = |(number, outcome): (u64, Outcome)| {
             let (motion, scale, block) = case(number);
             let of = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
-            (outcome, block.alpha, shown.iter().map(of).collect())
+            let above = friction.map(|friction| run(number).longest_above(friction));
+            (outcome, block.alpha, shown.iter().map(of).chain(above).collect())
         };
         let width = Width::widest();
         rows(&pool, count, 1, progress, |numbers| {
@@ -129,6 +135,10 @@ pub fn outcomes<'py>(
     let columns = columns(py, &made)?;
     for (place, measure) in columns_of.iter().enumerate() {
         columns.set_item(measure.to_string(), PyArray1::from_iter(py, made.iter().map(|row| row.2[place])))?;
+    }
+    if let Some(friction) = friction {
+        let above = PyArray1::from_iter(py, made.iter().map(|row| row.2[columns_of.len()]));
+        columns.set_item(friction::name(friction), above)?;
     }
     let units = columns_of.iter().map(|measure| (measure.to_string(), measure.unit()));
     Ok((columns, units.collect(), failure))

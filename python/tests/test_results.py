@@ -174,3 +174,40 @@ def test_pyright_finds_the_package_and_its_use_well_typed():
 def test_the_compiled_part_is_as_its_types_say(tmp_path):
     pytest.importorskip("mypy")
     check("mypy.stubtest", "--ignore-missing-stub", "rocking_block._engine", cwd=tmp_path)
+
+
+def test_a_duration_that_is_too_short_leaves_a_run_undecided(record):
+    block = rb.Block(alpha=0.1, p=2)
+    table = rb.outcomes([block], [record], scale=[0.1, 4.0], duration=9.0, progress=False)
+    assert table["outcome"].tolist() == ["undecided", "undecided"] and table["peak.theta/alpha"][1] > 3
+    assert rb.outcomes(block, record, scale=4.0, progress=False)["outcome"].tolist() == ["overturned"]
+    run = block.run(record, scale=4.0, duration=9.0, progress=False)
+    assert (run.outcome, run.has_come_down) == ("undecided", False)
+    words = ["completed"] * 3 + ["overturned", "completed", "overturned", "overturned", "undecided", "undecided"]
+    rows = {"PGV": np.linspace(0.1, 0.9, 9), "outcome": words, "peak.theta/alpha": [0.5] * 8 + [3.0]}
+    fit = rb.fragility(rows, im="PGV")
+    assert (fit.undecided, len(fit.measures)) == (2, 7)
+    # The last row has exceeded the limit already.
+    rotated = rb.fragility(rows, im="PGV", limit=2.0)
+    assert (rotated.undecided, len(rotated.measures)) == (1, 8)
+
+
+def test_the_time_above_a_friction_is_a_column(record):
+    block = rb.Block(alpha=0.2, p=2, eta=60)
+    plain = rb.outcomes(block, record, scale=[1.0, 3.0], progress=False)
+    table = rb.outcomes(block, record, scale=[1.0, 3.0], friction=0.3, progress=False)
+    assert table.units["friction_demand>0.3"] == "s" and set(table) - set(plain) == {"friction_demand>0.3"}
+    assert all(np.array_equal(table[name], plain[name], equal_nan=plain[name].dtype.kind == "f") for name in plain)
+    for scale, above in zip([1.0, 3.0], table["friction_demand>0.3"], strict=True):
+        demand = block.run(record, scale=scale, step=1e-3, tolerance=1e-6, progress=False).friction_demand
+        ends = np.flatnonzero(np.diff(np.concatenate([[0], (demand > 0.3).astype(int), [0]])))
+        assert abs(above - 1e-3 * max(ends[1::2] - ends[::2], default=0)) < 5e-3
+    with pytest.raises(ValueError, match="friction = -1"):
+        rb.outcomes(block, record, friction=-1.0, progress=False)
+
+
+def test_stiffness_needs_a_mass():
+    sizes = {"width": 0.8, "height": 3.2, "K": 1e7, "C": 4e4}
+    with pytest.raises(ValueError, match="K without mass; expected both"):
+        rb.Block(**sizes)
+    assert rb.Block(**sizes, mass=4000).mass == 4000

@@ -74,7 +74,8 @@ def test_a_block_amounts_to_what_the_paper_says():
     assert np.isclose(block.e_max, 1 - 1.5 * np.sin(0.25) ** 2, rtol=1e-15)
     assert np.isclose(block.e, (1 + 3 * 0.4 + 0.6 * 3 * np.cos(0.5)) / 4, rtol=1e-15)
     assert np.isclose(block.theta_separation, np.arcsin(4 / (3 * 40**2 * np.sin(0.25))), rtol=1e-14)
-    same = rb.Block(width=block.width, height=block.height, K=block.K, C=block.C, epsilon=0.4)
+    sizes = {"width": block.width, "height": block.height, "K": block.K, "C": block.C}
+    same = rb.Block(**sizes, mass=block.mass, epsilon=0.4)
     assert np.allclose([same.alpha, same.p, same.eta, same.xi_v], [0.25, 1.0, 40, 0.1], rtol=1e-14)
     rigid = block.replace(foundation="rigid")
     assert np.isnan([rigid.eta, rigid.xi_v, rigid.K, rigid.C]).all() and rigid.e == block.e
@@ -90,7 +91,7 @@ def test_a_block_amounts_to_what_the_paper_says():
         ({"foundation": "rigid", "eta": 40}, "eta has no effect on a rigid base"),
         ({"restitution_factor": 1}, 'restitution_factor has no effect on viscoelastic supports; expected foundation="rigid"'),
         ({"width": 1}, "width without height; expected both"),
-        ({"width": 1, "height": 2}, 'width without K and C; expected both, or foundation="rigid"'),
+        ({"width": 1, "height": 2}, 'width without K and C; expected both and mass, or foundation="rigid"'),
         ({"width": 1, "alpha": 0.2}, "alpha has no effect with width"),
         ({"K": 1e6}, "K has no effect without width"),
     ],

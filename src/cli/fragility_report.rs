@@ -34,13 +34,22 @@ pub struct Rows {
     failed: usize,
     /// Those whose runs ended at complete separation before the limit was exceeded.
     separated: usize,
+    /// Those whose duration was too short.
+    undecided: usize,
 }
 
 impl Rows {
     /// Those of a table.
-    pub fn of(table: &Table, Cases { cases, failed, separated }: &Cases) -> Rows {
+    pub fn of(table: &Table, Cases { cases, failed, separated, undecided }: &Cases) -> Rows {
         let exceeded = cases.iter().map(|case| case.fraction).sum();
-        Rows { all: table.rows(), told: cases.len(), exceeded, failed: *failed, separated: *separated }
+        Rows {
+            all: table.rows(),
+            told: cases.len(),
+            exceeded,
+            failed: *failed,
+            separated: *separated,
+            undecided: *undecided,
+        }
     }
 }
 
@@ -163,8 +172,8 @@ impl SurfaceResult {
 impl Curves {
     /// For a person.
     pub fn words(&self) -> String {
-        let Rows { all, told, exceeded, failed, separated } = self.rows;
-        let left_out = [(failed, "failed"), (separated, "ended at separation")];
+        let Rows { all, told, exceeded, failed, separated, undecided } = self.rows;
+        let left_out = [(failed, "failed"), (separated, "ended at separation"), (undecided, "undecided")];
         let left_out = left_out.iter().filter(|(count, _)| *count > 0);
         let left_out: String = left_out.map(|(count, why)| format!(", {count} {why}")).collect();
         let mut words = format!(

@@ -16,7 +16,9 @@ use crate::cli::run_options::{AtSeparation, Base, check_tolerance, warn_of_soft_
 use crate::cli::summary::Summary;
 use crate::records::{self, ReadOptions, Record};
 use crate::simulation::{Ending, Initial, Settings};
+use crate::study::coming_down::loses_energy;
 use crate::study::history::{History, Run};
+use crate::study::outcome::End;
 use crate::study::picture::PictureFormat;
 use crate::study::{plot, table};
 
@@ -49,6 +51,9 @@ pub struct Options {
     csv: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureOptions,
+    /// Coefficient of friction: reports the longest time for which |H|/(N_L + N_R) exceeds it, looked at each ms
+    #[arg(long, value_name = "MU", help_heading = "Results")]
+    friction: Option<f64>,
     /// List each event in the summary
     #[arg(long, help_heading = "Results")]
     events: bool,
@@ -74,7 +79,7 @@ struct BlockOptions {
     /// Vertical damping ratio xi_v
     #[arg(long, default_value_t = 0.1)]
     xi_v: f64,
-    /// Width of the base, with --height, --stiffness and --damping instead of alpha, p, eta and xi_v [m]
+    /// Width of the base, with --height, --stiffness, --damping and --mass instead of alpha, p, eta and xi_v [m]
     #[arg(long, value_name = "M")]
     width: Option<f64>,
     /// Twice the height of the centre of mass over the base [m]
@@ -86,7 +91,7 @@ struct BlockOptions {
     /// Damping C of one support; none on a rigid base [N.s/m]
     #[arg(long, value_name = "N.S/M")]
     damping: Option<f64>,
-    /// Mass M [kg]
+    /// Mass M; with --stiffness the motion depends on it, too [kg]
     #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
     mass: f64,
     /// Shape factor gamma = M R0²/I0
@@ -156,9 +161,10 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
         return Ok(());
     }
     let written = Written::new([("csv", csv.as_deref()), ("plot", plot.as_deref())]);
-    let text = summary(&run, &history, &source, options.events) + &written.lines();
+    let sliding = options.friction.map(|friction| (friction, run.longest_above(friction)));
+    let text = summary(&run, &history, &source, sliding, options.events) + &written.lines();
     let warnings = is_embedded(given).then(|| format!("no excitation was named: the embedded {} was run", EMBEDDED.0));
-    let json = Summary::new(&run, &history, &source, options.events);
+    let json = Summary::new(&run, &history, &source, sliding, options.events);
     options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
 }
 
@@ -186,12 +192,14 @@ impl Options {
         given.only_if(self.block.width.is_none(), &["alpha", "p", "eta", "xi-v"], "with --width")?;
         given.only_if(self.block.width.is_some(), &["height", "stiffness", "damping"], "without --width")?;
         given.only_if(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
-        given.only_if(!self.quiet, &["events"], "with --quiet")
+        given.only_if(!self.quiet, &["events", "friction"], "with --quiet")
     }
 
     /// The run, and what excites it.
     fn run(&self, given: &Given) -> anyhow::Result<(Run, String)> {
         let block = self.block()?;
+        let has_mass = self.block.stiffness.is_none() || given.has("mass");
+        anyhow::ensure!(has_mass, "--stiffness without --mass; expected both, since eta and xi_v depend on the mass");
         warn_of_soft_supports(&block);
         let Motion { ground, pulse, mut source } = self.excitation.read(given, self.block.g, self.embedded(given)?)?;
         if source.is_empty() {
@@ -199,6 +207,7 @@ impl Options {
         }
         finite("theta", self.beginning.theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
         finite("theta-dot", self.beginning.theta_dot, |_| true, "a finite rate")?;
+        self.friction.map_or(Ok(()), |friction| finite("friction", friction, |x| x > 0.0, "a coefficient > 0"))?;
         check_tolerance(self.tolerance)?;
         let Beginning { theta, theta_dot, v, v_dot } = self.beginning;
         let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
@@ -245,7 +254,9 @@ impl Options {
         let (stiffness, damping) = match (foundation, stiffness, damping) {
             (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
             (Foundation::Viscoelastic, ..) => {
-                anyhow::bail!("--width without --stiffness and --damping; expected both, or --foundation rigid")
+                anyhow::bail!(
+                    "--width without --stiffness and --damping; expected both and --mass, or --foundation rigid"
+                )
             }
             // The rigid base reads neither; any that make a block will do.
             (Foundation::Rigid, ..) => (mass * g / height, 0.0),
@@ -260,8 +271,19 @@ fn is_embedded(given: &Given) -> bool {
     !MOVES.iter().any(|option| given.has(option))
 }
 
+/// Future of a block whose run ended neither at overturning nor at separation.
+fn prospect(run: &Run, history: &History) -> &'static str {
+    match (history.end, run.duration) {
+        (End::Completed, _) if history.is_at_rest => "the block is at rest",
+        (End::Completed, _) if loses_energy(&run.block) => "the block will come to rest",
+        (End::Completed, _) => "the block will not overturn",
+        (_, Some(_)) => "the duration is too short to tell whether the block overturns",
+        (_, None) => "the block may still overturn",
+    }
+}
+
 /// What happened, for a person.
-fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> String {
+fn summary(run: &Run, history: &History, source: &str, sliding: Option<(f64, f64)>, with_events: bool) -> String {
     let block = &run.block;
     let History { events, peaks, counts, ending, .. } = history;
     let weight = block.mass * block.gravity;
@@ -271,8 +293,7 @@ fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> Str
             format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
         }
         Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
-        None if history.has_come_down => format!("completed at t = {last:.4} s: the block stands"),
-        None => format!("completed at t = {last:.4} s, before the block has come down"),
+        None => format!("{} at t = {last:.4} s: {}", history.end, prospect(run, history)),
     };
     let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
     let largest = history.greatest_energy();
@@ -280,7 +301,7 @@ fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> Str
     let mut text = String::new();
     let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
     line("excitation", source.into());
-    line("block", plot::block_line(block));
+    line("block", format!("{}, M = {} kg", plot::block_line(block), block.mass));
     line("end", end);
     line(
         "peak",
@@ -292,10 +313,14 @@ fn summary(run: &Run, history: &History, source: &str, with_events: bool) -> Str
             peaks.horizontal / weight
         ),
     );
+    if let Some((friction, time)) = sliding {
+        line("friction", format!("|H|/(N_L + N_R) exceeds {friction} for at most {time:.4} s in one piece"));
+    }
     let last_event = events.last().map(|event| format!(", the last at t = {:.4} s", event.time));
+    let so_far = if ending.is_some() || history.is_at_rest { "" } else { " so far" };
     line(
         "events",
-        format!("{} impacts, {} lift-offs{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
+        format!("{} impacts, {} lift-offs{so_far}{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
     );
     line(
         "energy",

@@ -31,6 +31,9 @@ pub struct Options {
     blocks: Blocks,
     #[command(flatten)]
     run: RunOptions,
+    /// Coefficient of friction: adds a column of the longest time for which |H|/(N_L + N_R) exceeds it, looked at each ms
+    #[arg(long, value_name = "MU", help_heading = "Results")]
+    friction: Option<f64>,
     #[command(flatten)]
     study: StudyOptions,
     #[command(flatten)]
@@ -161,6 +164,7 @@ impl Options {
         let Motions { grounds, pulse, source } = self.excitation.read(given, g)?;
         let nothing = self.excitation.accelerograms.is_empty() && pulse.shape == PulseShape::None;
         anyhow::ensure!(!nothing, "nothing moves the ground; expected --record, --vertical or --pulse");
+        self.friction.map_or(Ok(()), |friction| finite("friction", friction, |x| x > 0.0, "a coefficient > 0"))?;
         finite("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;
         finite("p-max", p_max, |x| x > p_min, "a frequency above --p-min")?;
         let mut motions = Vec::new();
@@ -182,6 +186,7 @@ impl Options {
             settings: self.run.settings()?,
             duration: self.run.duration()?,
             step: self.run.step()?,
+            friction: self.friction,
         };
         spectrum.check()?;
         // The sizes of a foundation have the same eta, and thus fall over together.

@@ -14,12 +14,17 @@ use crate::system::surfaces::{Event, EventKind};
 pub struct Summary<'a> {
     excitation: &'a str,
     block: Parameters,
-    /// `completed`, `overturned` or `separated`.
+    /// `completed`, `overturned`, `separated` or `undecided`.
     outcome: &'static str,
     end_time: f64,
-    /// Whether the block stands and nothing more would happen to it.
+    /// Whether the block is at rest or bound to come to rest.
     has_come_down: bool,
+    /// Whether it is at rest.
+    is_at_rest: bool,
     peak: Peak,
+    /// With `--friction`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction: Option<Friction>,
     events: Events,
     /// At the end of the run.
     energy: Energy,
@@ -62,6 +67,12 @@ struct Peak {
 }
 
 #[derive(Serialize)]
+struct Friction {
+    coefficient: f64,
+    longest_time_above: f64,
+}
+
+#[derive(Serialize)]
 struct Events {
     impacts: u32,
     liftoffs: u32,
@@ -97,21 +108,24 @@ struct Steps {
 }
 
 impl<'a> Summary<'a> {
-    /// The summary of a run; `source` says what excites the block.
-    pub fn new(run: &Run, history: &History, source: &'a str, with_events: bool) -> Summary<'a> {
-        let History { rows, events, peaks, counts, ending, has_come_down } = history;
+    /// The summary of a run; `source` says what excites the block, `sliding` has a coefficient of friction and the longest time
+    /// above it (s).
+    pub fn new(
+        run: &Run,
+        history: &History,
+        source: &'a str,
+        sliding: Option<(f64, f64)>,
+        with_events: bool,
+    ) -> Summary<'a> {
+        let History { rows, events, peaks, counts, ending, end, is_at_rest } = history;
         let last = rows.last();
-        let end = match ending {
-            None => End::Completed,
-            Some((ending, _)) if ending.is_overturning() => End::Overturned,
-            Some(_) => End::Separated,
-        };
         Summary {
             excitation: source,
             block: Parameters::of(&run.block),
             outcome: end.word(),
             end_time: ending.map_or(last.map_or(0.0, |row| row.time), |(_, time)| time),
-            has_come_down: *has_come_down,
+            has_come_down: *end == End::Completed,
+            is_at_rest: *is_at_rest,
             peak: Peak {
                 theta: peaks.theta,
                 theta_over_alpha: peaks.theta / run.block.alpha,
@@ -120,6 +134,7 @@ impl<'a> Summary<'a> {
                 horizontal: peaks.horizontal,
                 friction_demand: peaks.friction_demand,
             },
+            friction: sliding.map(|(coefficient, longest_time_above)| Friction { coefficient, longest_time_above }),
             events: Events {
                 impacts: counts.impacts,
                 liftoffs: counts.liftoffs,

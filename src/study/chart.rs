@@ -149,6 +149,8 @@ pub enum Fill {
     Separated,
     /// Overturning: black.
     Overturned,
+    /// A run that ended before its outcome was known: light grey.
+    Undecided,
     /// A run that failed: a cross.
     Failed,
 }
@@ -159,6 +161,7 @@ impl Fill {
         match self {
             Fill::Separated => "complete separation",
             Fill::Overturned => "overturning",
+            Fill::Undecided => "undecided",
             Fill::Failed => "run failed",
         }
     }
@@ -167,6 +170,7 @@ impl Fill {
         let style = match self {
             Fill::Separated => RGBColor(165, 165, 165).filled(),
             Fill::Overturned => INK.filled(),
+            Fill::Undecided => RGBColor(220, 220, 220).filled(),
             Fill::Failed => INK.stroke_width(3),
         };
         area.draw(&Rectangle::new([from, to], style))?;

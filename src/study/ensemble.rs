@@ -100,7 +100,7 @@ impl Ensemble {
     /// Names and units of the columns that [`Tally::fields`] fills.
     pub fn columns(&self) -> Vec<String> {
         let mut columns: Vec<String> =
-            ["samples", "failed", "overturned"].map(|name| format!("ensemble.{name} [1]")).into();
+            ["samples", "failed", "undecided", "overturned"].map(|name| format!("ensemble.{name} [1]")).into();
         columns.extend(self.limits.iter().map(|limit| format!("ensemble.theta/alpha>{limit} [1]")));
         columns.push("P(overturned) [1]".into());
         columns.extend(self.limits.iter().map(|limit| format!("P(theta/alpha>{limit}) [1]")));
@@ -113,39 +113,47 @@ impl Ensemble {
 pub struct Tally {
     samples: u32,
     failed: u32,
-    overturned: u32,
-    /// For each limit.
+    undecided: u32,
+    /// Samples that overturned, and those that exceeded each limit.
     exceeded: Vec<u32>,
+    /// Samples of which that is known.
+    known: Vec<u32>,
 }
 
 impl Tally {
     /// Nothing yet, for so many limits.
     pub fn new(limits: usize) -> Tally {
-        Tally { exceeded: vec![0; limits], ..Tally::default() }
+        Tally { exceeded: vec![0; 1 + limits], known: vec![0; 1 + limits], ..Tally::default() }
     }
 
-    /// Counts a sample of a block of slenderness α (rad). One that overturns exceeds every limit, one that fails none.
+    /// Counts a sample of a block of slenderness α (rad). One that overturns exceeds every limit. One that fails tells nothing,
+    /// one that is undecided only of the limits that it has exceeded.
     pub fn add(&mut self, outcome: &Outcome, alpha: f64, limits: &[f64]) {
         self.samples += 1;
+        self.failed += u32::from(outcome.end == End::Failed);
+        self.undecided += u32::from(outcome.end == End::Undecided);
         let overturned = outcome.end == End::Overturned;
-        match outcome.end {
-            End::Failed => self.failed += 1,
-            End::Completed | End::Separated | End::Overturned => {
-                self.overturned += u32::from(overturned);
-                for (count, limit) in self.exceeded.iter_mut().zip(limits) {
-                    *count += u32::from(overturned || outcome.peaks.theta / alpha > *limit);
-                }
-            }
+        let rotated = limits.iter().map(|limit| overturned || outcome.peaks.theta / alpha > *limit);
+        for (place, exceeds) in std::iter::once(overturned).chain(rotated).enumerate() {
+            let is_known = match outcome.end {
+                End::Failed => false,
+                End::Undecided => exceeds,
+                End::Completed | End::Separated | End::Overturned => true,
+            };
+            self.known[place] += u32::from(is_known);
+            self.exceeded[place] += u32::from(is_known && exceeds);
         }
     }
 
-    /// The counts, and their parts of the samples that did not fail, as they stand in tables.
+    /// The counts, and their parts of the samples that tell, as they stand in tables.
     pub fn fields(&self) -> Vec<String> {
-        let counts = || std::iter::once(self.overturned).chain(self.exceeded.iter().copied());
-        let made = self.samples - self.failed;
-        let part = |count| if made > 0 { (f64::from(count) / f64::from(made)).to_string() } else { String::new() };
-        let all = [self.samples, self.failed].into_iter().chain(counts()).map(|count| count.to_string());
-        all.chain(counts().map(part)).collect()
+        let part = |(&count, &known): (&u32, &u32)| match known {
+            0 => String::new(),
+            _ => (f64::from(count) / f64::from(known)).to_string(),
+        };
+        let counts = [self.samples, self.failed, self.undecided].into_iter().chain(self.exceeded.iter().copied());
+        let parts = self.exceeded.iter().zip(&self.known).map(part);
+        counts.map(|count| count.to_string()).chain(parts).collect()
     }
 }
 

@@ -7,8 +7,9 @@ use crate::records::ground::Ground;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError};
-use crate::study::coming_down::{ComingDown, part_of_barrier};
-use crate::study::outcome::{Flights, Outcome};
+use crate::study::coming_down::{ComingDown, is_at_rest, part_of_barrier};
+use crate::study::friction::Sliding;
+use crate::study::outcome::{End, Flights, Outcome};
 use crate::system::surfaces::Event;
 
 /// A run to be made.
@@ -24,8 +25,8 @@ pub struct Run {
     pub pulse: Pulse,
     /// Records.
     pub ground: Ground,
-    /// Duration (s); without one the run goes on until the ground has come to rest and the block has come down, see
-    /// [`coming_down`](crate::study::coming_down).
+    /// Duration (s); without one the run goes on until the ground has come to rest and the block has come down, and in free
+    /// motion until the block is at rest, see [`coming_down`](crate::study::coming_down).
     pub duration: Option<f64>,
     /// Time between two rows of the history (s), and so the longest between two stops; infinite for rows at the beginning
     /// and the end alone.
@@ -60,8 +61,10 @@ pub struct History {
     pub counts: Counts,
     /// Why and when the run ended, if before its time.
     pub ending: Option<(Ending, f64)>,
-    /// Whether, at the end of the run, the ground has come to rest and the block is bound to.
-    pub has_come_down: bool,
+    /// How the run ended.
+    pub end: End,
+    /// Whether ground and block are at rest at the end of the run.
+    pub is_at_rest: bool,
 }
 
 /// Longest duration of a run of a study (s), and shortest time between two of its stops (s): what lies outside is a slip
@@ -80,9 +83,9 @@ impl Run {
             progress(part);
         })?;
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
-        let at_rest = simulation.time() >= self.ground_at_rest();
-        let has_come_down = at_rest && ending.is_none() && part_of_barrier(&simulation).is_some();
-        Ok(History { rows, events, peaks, counts, ending, has_come_down })
+        let end = self.end(&simulation);
+        let is_at_rest = end == End::Completed && is_at_rest(&simulation);
+        Ok(History { rows, events, peaks, counts, ending, end, is_at_rest })
     }
 
     /// Makes the run without keeping its rows. Its stops are those of [`Run::history`], so that its numbers are the same
@@ -95,7 +98,48 @@ impl Run {
         if let Err(error) = self.drive(&mut simulation, &mut |event| flights.see(event), |_, _, _| ()) {
             failure = Some(error);
         }
-        Outcome::new(&simulation, flights, failure)
+        self.outcome_of(&simulation, flights, failure)
+    }
+
+    /// The outcome of the run where it ends with this simulation.
+    pub(super) fn outcome_of(
+        &self,
+        simulation: &Simulation,
+        flights: Flights,
+        failure: Option<SimulationError>,
+    ) -> Outcome {
+        let end = if failure.is_some() { End::Failed } else { self.end(simulation) };
+        let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
+        Outcome { end, end_time, peaks: simulation.peaks(), counts: simulation.counts(), flights, failure }
+    }
+
+    /// How the run ends if it ends with this simulation, without a failure.
+    fn end(&self, simulation: &Simulation) -> End {
+        let (time, start) = (simulation.time(), self.ground.start());
+        // A duration up to the last sample may miss it by rounding.
+        let ground_is_at_rest = self.ground_at_rest() - time <= 1e-12 * (time - start);
+        match simulation.ending() {
+            Some((ending, _)) if ending.is_overturning() => End::Overturned,
+            Some(_) => End::Separated,
+            None if ground_is_at_rest && part_of_barrier(simulation).is_some() => End::Completed,
+            None => End::Undecided,
+        }
+    }
+
+    /// The longest time in one piece (s) for which |H|/(N_L + N_R) exceeds a coefficient of friction (1) in this run.
+    pub fn longest_above(&self, friction: f64) -> f64 {
+        let mut sliding = Sliding::new(friction);
+        let mut simulation = self.begin();
+        let mut course = self.course(&simulation);
+        course.look(&simulation);
+        while let Some(stop) = course.next_stop(&simulation) {
+            sliding.follow(&simulation, stop, &course.inputs);
+            if simulation.advance(stop, &course.inputs, &mut |_| ()).is_err() {
+                break;
+            }
+            course.stopped(self, &simulation);
+        }
+        sliding.longest
     }
 
     pub(super) fn begin(&self) -> Simulation {
@@ -113,8 +157,12 @@ impl Run {
 
     /// Longest duration that the run may have (s).
     pub fn longest_duration(&self) -> f64 {
-        let coming_down = || ComingDown::new(self.ground_at_rest()).end(&self.block) - self.ground.start();
-        self.duration.unwrap_or_else(coming_down)
+        self.duration.unwrap_or_else(|| self.coming_down().end(&self.block) - self.ground.start())
+    }
+
+    fn coming_down(&self) -> ComingDown {
+        let is_free = self.ground.is_empty() && self.pulse.shape == PulseShape::None;
+        ComingDown::new(self.ground_at_rest(), is_free)
     }
 
     /// Makes the run, and shows each event and, at the beginning and at each row, the part that is done, the block and
@@ -142,7 +190,7 @@ impl Run {
         let start = simulation.time();
         let (inputs, until) = self.ground.inputs_from(start);
         let Run { duration, output_step, ref block, .. } = *self;
-        let coming_down = duration.is_none().then(|| ComingDown::new(self.ground_at_rest()));
+        let coming_down = duration.is_none().then(|| self.coming_down());
         let next_look = coming_down.map_or(f64::INFINITY, |coming_down| coming_down.next_look(block));
         let end = match (duration, &coming_down) {
             (Some(duration), _) => start + duration,
@@ -152,7 +200,7 @@ impl Run {
         Course {
             start,
             duration,
-            output_step,
+            output_step: if output_step > 0.0 { output_step } else { f64::INFINITY },
             inputs,
             until,
             coming_down,
@@ -179,6 +227,9 @@ impl Run {
 }
 
 /// Where a run under way stops next, and what drives the block until then.
+///
+/// A run makes finitely many stops: each stop takes the next sample of a record, the next row, the next look or the end, all
+/// of which are counted by integers.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     start: f64,
@@ -218,15 +269,16 @@ impl Course {
 
     /// Where the run has to stop next (s), if it is not over.
     pub(super) fn next_stop(&mut self, simulation: &Simulation) -> Option<f64> {
-        if simulation.time() >= self.end || self.is_over(simulation) {
-            return None;
-        }
-        self.stop = self.until.min(self.next_row()).min(self.next_look).min(self.end);
-        Some(self.stop)
+        let goes_on = simulation.time() < self.end && !self.is_over(simulation);
+        self.stop = self.until.min(self.next_row()).min(self.next_look);
+        goes_on.then_some(self.stop)
     }
 
+    /// Time of the next row (s), the last at the end of the run. A row that rounding alone separates from the end is the last.
     fn next_row(&self) -> f64 {
-        self.start + (self.rows + 1) as f64 * self.output_step
+        let Course { start, end, output_step, rows, .. } = *self;
+        let time = start + (rows + 1) as f64 * output_step;
+        if time < end - 1e-12 * (end - start) { time } else { end }
     }
 
     /// Takes note that the run has come to the stop, or to its end before; the part that is done if a row belongs there.
@@ -237,9 +289,7 @@ impl Course {
         }
         self.look(simulation);
         let Course { start, end, .. } = *self;
-        // The last row is at the end of the run, however short or long the step before it.
-        let is_row = self.stop == self.next_row() && self.stop < end - 1e-12 * (end - start);
-        if !(is_row || ended || self.stop >= end) {
+        if self.stop < self.next_row() && !ended {
             return None;
         }
         self.rows += 1;
@@ -256,5 +306,83 @@ impl History {
     /// Greatest |residual| of the energy sum in the rows (J).
     pub fn greatest_residual(&self) -> f64 {
         self.rows.iter().map(|row| row.energies.residual.abs()).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::block::{Common, Dimensionless, Foundation};
+    use crate::records::{ReadOptions, Record, Unit, parse};
+
+    /// Times of the rows of a block at rest, and the number of stops; more stops than `most` are a failure.
+    fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f64>, usize) {
+        let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, eta: 40.0, xi_v: 0.1 };
+        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let (settings, initial, pulse) = (Settings::default(), Initial::default(), Pulse::NONE);
+        let ground = ground.clone();
+        let run = Run { block, settings, initial, pulse, ground, duration: Some(duration), output_step };
+        let mut simulation = run.begin();
+        let mut course = run.course(&simulation);
+        let (mut rows, mut stops) = (vec![simulation.time()], 0);
+        while let Some(stop) = course.next_stop(&simulation) {
+            stops += 1;
+            assert!(
+                stops <= most,
+                "{duration} s in rows of {output_step} s do not end: {stops} stops, the last at {stop} s"
+            );
+            simulation.advance(stop, &course.inputs, &mut |_| ()).unwrap();
+            if course.stopped(&run, &simulation).is_some() {
+                rows.push(simulation.time());
+            }
+        }
+        (rows, stops)
+    }
+
+    /// Durations that are a whole number of steps in decimals, a unit of rounding beside one, and anything else.
+    #[test]
+    fn every_run_ends_with_one_row_at_its_end() {
+        let still = |start_time: f64, time_step: f64| {
+            let unit = Some(Unit::MetrePerSecondSquared);
+            let options = ReadOptions { unit, time_step: Some(time_step), ..ReadOptions::default() };
+            let record = parse("still", "0\n".repeat(40).as_bytes(), &options).unwrap();
+            Ground { horizontal: Some(Record { start_time, ..record }), vertical: None }
+        };
+        let grounds = [Ground::default(), still(0.0, 0.015), still(-0.3, 0.01), still(1e5, 0.007)];
+        let steps = [0.0001, 0.001, 0.0025, 0.007, 0.01, 0.015, 0.02, 0.03, 0.1, 1.0 / 3.0, 0.7];
+        let mut pairs: Vec<(f64, f64, usize)> = Vec::new();
+        for step in steps {
+            for count in 1..=160_usize {
+                // As a user writes it: 60 steps of 0.015 are 0.9.
+                let tidy: f64 = format!("{:.10}", count as f64 * step).parse().unwrap();
+                pairs.extend([tidy, tidy.next_up(), tidy.next_down()].map(|duration| (duration, step, count)));
+                pairs.push(((count as f64 - 0.37) * step, step, count));
+            }
+        }
+        for (number, (duration, step, count)) in pairs.into_iter().enumerate() {
+            let ground = &grounds[number % grounds.len()];
+            let (times, stops) = rows(ground, duration, step, count + 41);
+            let start = ground.start();
+            // A clock at 1e5 s does not resolve what separates a tidy duration from its rows.
+            let end = start + duration;
+            assert_eq!(times.last(), Some(&end), "{duration} s, {step} s");
+            assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{duration} s, {step} s: {times:?}");
+            assert!(stops < times.len() + 40);
+            if start < 1e5 && step != 1.0 / 3.0 {
+                assert_eq!(times.len(), count + 1, "{duration} s, {step} s");
+            }
+        }
+    }
+
+    /// Steps that are none leave the rows at the beginning and at the end.
+    #[test]
+    fn a_step_of_nothing_makes_no_rows() {
+        for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+            assert_eq!(rows(&Ground::default(), 1.0, step, 1).0, [0.0, 1.0], "{step}");
+        }
+        for duration in [0.0, -1.0, f64::NAN] {
+            assert_eq!(rows(&Ground::default(), duration, 0.1, 1).0, [0.0], "{duration}");
+        }
     }
 }

@@ -11,6 +11,7 @@ mod formula;
 pub mod fragility;
 #[cfg(feature = "program")]
 pub mod fragility_plot;
+pub mod friction;
 pub mod ground_files;
 pub mod history;
 pub mod intensity;

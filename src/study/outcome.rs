@@ -25,13 +25,15 @@ pub struct Outcome {
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The block stands, and nothing more will happen to it; or the duration that was asked for is over.
+    /// The block stands: it is at rest, or bound to come to rest without overturning.
     Completed,
     /// The block overturned: it lies on its side, or it left its supports on the way over (see
     /// [`Ending::at_separation`](crate::simulation::Ending::at_separation)).
     Overturned,
     /// At complete separation, where the run ends there.
     Separated,
+    /// The duration was over while the ground still moved or the block might still overturn.
+    Undecided,
     /// The integration failed.
     Failed,
 }
@@ -45,7 +47,7 @@ impl std::fmt::Display for End {
 
 impl End {
     /// All of them.
-    pub const ALL: [End; 4] = [End::Completed, End::Overturned, End::Separated, End::Failed];
+    pub const ALL: [End; 5] = [End::Completed, End::Overturned, End::Separated, End::Undecided, End::Failed];
 
     /// The word that stands in tables.
     pub fn word(self) -> &'static str {
@@ -53,6 +55,7 @@ impl End {
             End::Completed => "completed",
             End::Overturned => "overturned",
             End::Separated => "separated",
+            End::Undecided => "undecided",
             End::Failed => "failed",
         }
     }
@@ -107,24 +110,6 @@ impl Flights {
 }
 
 impl Outcome {
-    pub(super) fn new(simulation: &Simulation, flights: Flights, failure: Option<SimulationError>) -> Outcome {
-        let ending = simulation.ending();
-        let end = match (&failure, ending) {
-            (Some(_), _) => End::Failed,
-            (None, None) => End::Completed,
-            (None, Some((ending, _))) if ending.is_overturning() => End::Overturned,
-            (None, Some(_)) => End::Separated,
-        };
-        Outcome {
-            end,
-            end_time: ending.map_or(simulation.time(), |(_, time)| time),
-            peaks: simulation.peaks(),
-            counts: simulation.counts(),
-            flights,
-            failure,
-        }
-    }
-
     /// Names and units of the columns that [`Outcome::fields`] fills.
     pub const COLUMNS: [&'static str; 11] = [
         "outcome",

@@ -8,6 +8,7 @@ use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::{Initial, Settings};
+use crate::study::friction;
 use crate::study::history::Run;
 use crate::study::outcome::Outcome;
 use crate::study::resumable::Head;
@@ -98,6 +99,8 @@ pub struct Spectrum {
     pub duration: Option<f64>,
     /// Longest time between two stops (s); without it only the records' samples and the pulse's ends are.
     pub step: Option<f64>,
+    /// Coefficient of friction (1) for a column of the longest time above it, if there is to be one.
+    pub friction: Option<f64>,
 }
 
 /// A row's place: its ground motion, foundation and p (rad/s).
@@ -204,7 +207,8 @@ impl Study for Spectrum {
             self.duration.map_or("until the block has come down".into(), |value| value.to_string()),
             self.step.map_or("none".into(), |value| value.to_string())
         ));
-        Head { study, columns: Spectrum::columns().map(String::from).collect() }
+        let columns = Spectrum::columns().map(String::from).chain(self.friction.map(friction::heading)).collect();
+        Head { study, columns }
     }
 
     fn rows(&self) -> u64 {
@@ -262,6 +266,7 @@ impl Spectrum {
             ratio,
         ];
         fields.extend(outcome.fields(self.alpha));
+        fields.extend(self.friction.map(|friction| self.valid_run(number).longest_above(friction).to_string()));
         StudyRow { fields, failure: outcome.failure.clone() }
     }
 }

@@ -38,6 +38,7 @@ struct Stretch {
     /// Of these, some runs ended there, and have no peak rotation.
     without: bool,
     overturned: bool,
+    undecided: bool,
     failed: bool,
 }
 
@@ -103,6 +104,7 @@ impl Stretch {
             End::Completed => self.points.push((x, peak)),
             End::Separated => self.without = true,
             End::Overturned => self.overturned = true,
+            End::Undecided => self.undecided = true,
             End::Failed => self.failed = true,
         }
         if let &[first, a, b, c, last] = self.points.as_slice() {
@@ -115,7 +117,7 @@ impl Stretch {
     }
 
     fn is_whole(&self) -> bool {
-        !(self.without || self.overturned || self.failed)
+        !(self.without || self.overturned || self.undecided || self.failed)
     }
 }
 
@@ -209,6 +211,7 @@ impl Curves {
         let there = [
             (Fill::Separated, all().any(|s| s.separated)),
             (Fill::Overturned, all().any(|s| s.overturned)),
+            (Fill::Undecided, all().any(|s| s.undecided)),
             (Fill::Failed, all().any(|s| s.failed)),
         ];
         there.into_iter().filter(|(_, is)| *is).map(|(fill, _)| (Sample::Fill(fill), fill.name().into())).collect()
@@ -254,6 +257,7 @@ fn lane(stretches: &[Stretch], look: Look, range: Range<f64>) -> Lane {
         let fills = [
             (stretch.separated, Fill::Separated),
             (stretch.overturned, Fill::Overturned),
+            (stretch.undecided, Fill::Undecided),
             (stretch.failed, Fill::Failed),
         ];
         parts.extend(fills.into_iter().filter(|(is, _)| *is).map(|(_, fill)| (from..to, fill)));

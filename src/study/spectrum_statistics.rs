@@ -1,7 +1,7 @@
 //! The table of a spectrum → what became of the blocks of each curve, and statistics over the ground motions.
 //!
 //! Peak rotations are taken to be lognormal among the blocks that rock and stand: their statistics are those of
-//! `ln(|θ|max/α)`. A block that overturns has no peak rotation, nor has one whose run ends at complete separation, or
+//! `ln(|θ|max/α)`. A block that overturns has no peak rotation, nor has one whose run ends at complete separation or undecided, or
 //! fails; one that stays at rest has none above zero. All these are left out and counted: where some overturn, the mean of
 //! the others is a mean under the condition that the block stands, and says less than it seems to.
 
@@ -23,12 +23,14 @@ pub struct CurveSummary {
     pub motion: String,
     /// The foundation, as it is given.
     pub foundation: String,
-    /// Blocks that stand, or whose duration was over.
+    /// Blocks that stand.
     pub completed: u64,
     /// Blocks that overturned.
     pub overturned: u64,
     /// Blocks whose runs ended at complete separation.
     pub separated: u64,
+    /// Blocks whose duration was over before their outcome was known.
+    pub undecided: u64,
     /// Blocks whose runs failed.
     pub failed: u64,
     /// Blocks that left the ground completely at some time, whatever became of them.
@@ -60,6 +62,8 @@ pub struct Cell {
     pub overturned: u64,
     /// Blocks whose runs ended at complete separation.
     pub separated: u64,
+    /// Blocks whose duration was over before their outcome was known.
+    pub undecided: u64,
     /// Blocks whose runs failed.
     pub failed: u64,
     /// Mean of ln(|θ|max/α) of those that rocked.
@@ -81,13 +85,14 @@ impl Cell {
             End::Completed => self.at_rest += 1,
             End::Overturned => self.overturned += 1,
             End::Separated => self.separated += 1,
+            End::Undecided => self.undecided += 1,
             End::Failed => self.failed += 1,
         }
     }
 
     /// How many ground motions there were.
     pub fn motions(&self) -> u64 {
-        self.rocked + self.at_rest + self.overturned + self.separated + self.failed
+        self.rocked + self.at_rest + self.overturned + self.separated + self.undecided + self.failed
     }
 
     /// Geometric mean of |θ|max/α of the blocks that rocked (1); nothing if none did.
@@ -163,6 +168,7 @@ impl Statistics {
                     completed: 0,
                     overturned: 0,
                     separated: 0,
+                    undecided: 0,
                     failed: 0,
                     flew: 0,
                     flights: 0,
@@ -200,6 +206,7 @@ impl Statistics {
             "at_rest [1]",
             "overturned [1]",
             "separated [1]",
+            "undecided [1]",
             "failed [1]",
             "geometric_mean.theta/alpha [1]",
             "deviation_ln.theta/alpha [1]",
@@ -209,7 +216,8 @@ impl Statistics {
             for (number, cell) in (0..).zip(&group.cells) {
                 let p = spectrum.sizes.p(number);
                 let ratio = (spectrum.pulse.shape != PulseShape::None).then(|| TAU / spectrum.pulse.period / p);
-                let counts = [cell.motions(), cell.rocked, cell.at_rest, cell.overturned, cell.separated, cell.failed];
+                let Cell { rocked, at_rest, overturned, separated, undecided, failed, .. } = *cell;
+                let counts = [cell.motions(), rocked, at_rest, overturned, separated, undecided, failed];
                 let mut fields = vec![group.direction().to_string(), spectrum.bases[group.base].to_string()];
                 fields.extend([p, TAU / p].map(|value| value.to_string()));
                 fields.push(or_nothing(ratio));
@@ -225,12 +233,13 @@ impl Statistics {
 impl CurveSummary {
     /// A line for each of them under one that says what is in it, for a person.
     pub fn lines(curves: &[CurveSummary]) -> String {
-        let head = ["foundation", "motion", "completed", "overturned", "separated", "failed", "flew", "flights"];
+        let head =
+            ["foundation", "motion", "completed", "overturned", "separated", "undecided", "failed", "flew", "flights"];
         let mut rows = vec![head.map(String::from).to_vec()];
         rows[0].push("greatest |θ|/α of those that completed".into());
         for curve in curves {
-            let CurveSummary { completed, overturned, separated, failed, flew, flights, .. } = curve;
-            let counts = [completed, overturned, separated, failed, flew, flights].map(ToString::to_string);
+            let CurveSummary { completed, overturned, separated, undecided, failed, flew, flights, .. } = curve;
+            let counts = [completed, overturned, separated, undecided, failed, flew, flights].map(ToString::to_string);
             let greatest = curve.greatest.map(|Greatest { peak, p }| format!("{peak:.4} at p = {p:.4} rad/s"));
             let mut row = vec![curve.foundation.clone(), curve.motion.clone()];
             row.extend(counts);
@@ -264,6 +273,7 @@ impl CurveSummary {
             }
             End::Overturned => self.overturned += 1,
             End::Separated => self.separated += 1,
+            End::Undecided => self.undecided += 1,
             End::Failed => self.failed += 1,
         }
     }

@@ -10,6 +10,7 @@ use crate::numerics::wide::Width;
 use crate::records::ground::Ground;
 use crate::simulation::OnSeparation;
 use crate::study::ensemble::{Ensemble, Spreading, Tally};
+use crate::study::friction;
 use crate::study::history::Run;
 use crate::study::intensity::{Measure, pga};
 use crate::study::outcome::{End, Outcome};
@@ -124,6 +125,8 @@ pub struct Sweep {
     pub duration: Option<f64>,
     /// Longest time between two stops (s); without it only the records' samples and the pulse's ends are.
     pub step: Option<f64>,
+    /// Coefficient of friction (1) for a column of the longest time above it, if there is to be one.
+    pub friction: Option<f64>,
 }
 
 impl Sweep {
@@ -294,6 +297,7 @@ impl Study for Sweep {
             Strengths::Scales(_) | Strengths::Levels(..) => columns.extend(Outcome::COLUMNS.map(String::from)),
             Strengths::Least(measure, _) => columns.extend(least_columns(*measure)),
         }
+        columns.extend(self.friction.map(friction::heading));
         columns.extend(self.ensemble.iter().flat_map(Ensemble::columns));
         Head { study, columns }
     }
@@ -354,6 +358,8 @@ impl Sweep {
         let mut fields = self.fields_of(place);
         let (_, outcome) = &made[0];
         fields.extend(outcome.fields(place.block.alpha));
+        let run = || self.run_of(&place.values, place.motion, place.scale);
+        fields.extend(self.friction.map(|friction| run().longest_above(friction).to_string()));
         if let Some(Ensemble { limits, .. }) = &self.ensemble {
             let mut tally = Tally::new(limits.len());
             made[1..].iter().for_each(|(alpha, outcome)| tally.add(outcome, *alpha, limits));
@@ -382,7 +388,8 @@ fn least_fields(found: &Found<End>) -> [String; 6] {
     let stretches = found.stretches();
     let ranges: Vec<&(f64, f64, End)> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
     let any = |end: End| stretches.iter().any(|stretch| stretch.2 == end);
-    let outcome = [End::Failed, End::Overturned].into_iter().find(|&end| any(end)).unwrap_or(End::Completed);
+    let outcome =
+        [End::Failed, End::Overturned, End::Undecided].into_iter().find(|&end| any(end)).unwrap_or(End::Completed);
     let shown = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     let last = stretches.last().filter(|stretch| stretch.2 == End::Overturned);
     [

@@ -34,7 +34,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let document = source.parse()?;
     let (table, place) = (document.get_ref(), document.span());
     let root = Section::new(source, "the file", place, table, &["study", "parameters", "records"])?;
-    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "ensemble"];
+    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction", "ensemble"];
     let keys = [&keys[..], &sweep_strength::KEYS].concat();
     let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
     let samples = design(&study)?;
@@ -71,6 +71,10 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             return Err(study.wrong("ensemble", value, "none beside least, of which a row is many runs already"));
         }
     }
+    let friction = study.number("friction", |x| x > 0.0, "a coefficient > 0")?;
+    if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction, study.get("friction")) {
+        return Err(study.wrong("friction", value, "none beside least, of which a row is many runs"));
+    }
     let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let factors = given.iter().map(|g| Factor { parameter: g.parameter, levels: g.levels.clone() }).collect();
     let sweep = Sweep {
@@ -91,6 +95,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         on_separation: OnSeparation::Fly,
         duration: study.number("duration", |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= SHORTEST, "a time of at least 1e-6 s")?,
+        friction,
     };
     check(&sweep, &given, &study, source)?;
     Ok(sweep)
@@ -271,6 +276,14 @@ fn check(sweep: &Sweep, given: &[Given], study: &Section, source: Source) -> Res
             let place = line(error.name()).map_or(0..0, |given| given.value.span());
             source.wrong(&place, error.to_string())
         })?;
+        let is_given = |variable: &&Variable| given.iter().any(|given| given.parameter.metadata.variable == **variable);
+        if let Some(missing) = values.sizes().iter().find(|variable| !is_given(variable)) {
+            let sizes: Vec<&str> = values.sizes().iter().map(|variable| variable.name()).collect();
+            let place = line("parameterization").map_or(0..0, |given| given.value.span());
+            let message =
+                format!("parameterization = \"Physical\" without {}; expected {}", missing.name(), sizes.join(", "));
+            return Err(source.wrong(&place, message));
+        }
         if let Some(measure) = sweep.strengths.measure() {
             let has_none = |motion: &&Motion| motion.intensity(measure, 1.0, &block).is_none_or(|value| value <= 0.0);
             if let Some(motion) = sweep.motions.iter().find(has_none) {

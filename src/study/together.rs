@@ -92,7 +92,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Work<R, E> {
             let mut course = run.course(&simulation);
             course.look(&simulation);
             let Some(stop) = course.next_stop(&simulation) else {
-                self.outcomes.push(Some(Outcome::new(&simulation, flights, None)));
+                self.outcomes.push(Some(run.outcome_of(&simulation, flights, None)));
                 (self.ended)();
                 continue;
             };
@@ -153,8 +153,8 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Work<R, E> {
     }
 
     fn end(&mut self, lane: &Lane, failure: Option<SimulationError>) {
-        let UnderWay { number, flights, .. } = self.under_way[lane.tag];
-        self.outcomes[number] = Some(Outcome::new(lane.simulation(), flights, failure));
+        let UnderWay { number, flights, ref run, .. } = self.under_way[lane.tag];
+        self.outcomes[number] = Some(run.outcome_of(lane.simulation(), flights, failure));
         (self.ended)();
     }
 

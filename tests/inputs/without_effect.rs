@@ -108,7 +108,11 @@ fn a_rigid_base_needs_no_stiffness() {
         (&["--width", "1"][..], "--width without --height; expected both"),
         (
             &["--width", "1", "--height", "4", "--stiffness", "1e6"],
-            "--width without --stiffness and --damping; expected both, or --foundation rigid",
+            "--width without --stiffness and --damping; expected both and --mass, or --foundation rigid",
+        ),
+        (
+            &["--width", "1", "--height", "4", "--stiffness", "1e6", "--damping", "1e3"],
+            "--stiffness without --mass; expected both, since eta and xi_v depend on the mass",
         ),
     ] {
         assert_eq!(refusal(folder.path(), &[&["simulate"], options].concat()), told);
@@ -134,6 +138,22 @@ fn parameters_of_a_study_that_no_block_reads() {
         let name = parameter.split_whitespace().next().unwrap().trim_start_matches("physical.");
         let told = format!("study.toml:5: {name} is read by no block of the study; expected {needed}");
         assert_eq!(study(parameter, ""), told);
+    }
+    // No foundation is invented for sizes.
+    let on_supports = "physical.width, physical.height, physical.K, physical.C, mass";
+    for (sizes, missing, expected) in [
+        ("physical.width = 1\nphysical.height = 4", "physical.K", on_supports),
+        ("physical.width = 1\nphysical.height = 4\nphysical.K = 1e6", "physical.C", on_supports),
+        ("physical.width = 1\nphysical.height = 4\nphysical.K = 1e6\nphysical.C = 0", "mass", on_supports),
+        ("foundation = \"Rigid\"\nphysical.width = 1", "physical.height", "physical.width, physical.height"),
+        (
+            "foundation = [\"Rigid\", \"Viscoelastic\"]\nphysical.width = 1\nphysical.height = 4",
+            "physical.K",
+            on_supports,
+        ),
+    ] {
+        let told = format!("study.toml:5: parameterization = \"Physical\" without {missing}; expected {expected}");
+        assert_eq!(study(&format!("parameterization = \"Physical\"\n{sizes}"), ""), told);
     }
     for parameter in ["dimensionless.eta = 60", "initial.v_dot = 1"] {
         let name = parameter.split_whitespace().next().unwrap().trim_start_matches("dimensionless.");

@@ -6,7 +6,7 @@ use rocking_block::excitation::{Forcing, Pulse, PulseShape};
 use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
 use rocking_block::study::coming_down::overturning_barrier;
-use rocking_block::study::history::Run;
+use rocking_block::study::history::{History, Run};
 use rocking_block::study::outcome::{End, Flights};
 use rocking_block::study::sampling::LatinHypercube;
 use rocking_block::system::dynamics::{Footing, energy, instant};
@@ -70,8 +70,68 @@ fn the_shortest_and_the_longest_run() {
     let elastic = block(0.25, 40.0, 1.0, Foundation::Rigid);
     let high = Initial { theta: 0.24, ..Initial::default() };
     let outcome = run(elastic, high, Pulse::NONE, OnSeparation::Terminate).outcome();
-    assert_eq!((outcome.end, outcome.end_time), (End::Completed, 100.0 / 1.3));
+    // Above 95 % of the barrier nothing bounds it.
+    assert_eq!((outcome.end, outcome.end_time), (End::Undecided, 100.0 / 1.3));
     assert!(outcome.counts.impacts > 10);
+    let lower = Initial { theta: 0.1, ..Initial::default() };
+    let history = run(elastic, lower, Pulse::NONE, OnSeparation::Terminate).history(|_| ()).unwrap();
+    assert_eq!((history.end, history.is_at_rest), (End::Completed, false));
+    assert_eq!(history.rows.last().map(|row| row.time), Some(100.0 / 1.3));
+}
+
+/// A block that is let go is followed until no corner lifts any more, and 100/p longer nothing else happens.
+#[test]
+fn free_motion_is_followed_until_the_block_is_at_rest() {
+    for (alpha, eta, theta, foundation) in [
+        (0.25, 80.0, 0.2, Foundation::Viscoelastic),
+        (0.25, 40.0, -0.2, Foundation::Viscoelastic),
+        (0.1, 40.0, 0.09, Foundation::Viscoelastic),
+        (0.3, 20.0, 0.28, Foundation::Viscoelastic),
+        (0.25, 40.0, 0.2, Foundation::Rigid),
+        (0.08, 40.0, 0.07, Foundation::Rigid),
+    ] {
+        let block = block(alpha, eta, 0.0, foundation);
+        let run = run(block, Initial { theta, ..Initial::default() }, Pulse::NONE, OnSeparation::Terminate);
+        let history = run.history(|_| ()).unwrap();
+        assert!(history.end == End::Completed && history.is_at_rest, "{alpha} {eta} {:?}", history.end);
+        let last = history.rows.last().unwrap();
+        let lifts = if foundation == Foundation::Rigid { 0.0 } else { block.separation_angle() };
+        assert!(last.seen.theta.abs() <= 0.011 * lifts && last.regime == Regime::FullContact, "{last:?}");
+        let longer = Run { duration: Some(last.time + 100.0 / block.p), ..run.clone() }.history(|_| ()).unwrap();
+        // Stops at other times change the last digits.
+        let kinds = |history: &History| history.events.iter().map(|event| event.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&history), kinds(&longer));
+        assert!(history.counts.impacts > 3);
+        let outcome = run.outcome();
+        assert_eq!((outcome.end, outcome.end_time, outcome.counts), (history.end, last.time, history.counts));
+    }
+}
+
+/// Whatever the duration, a block that is said to stand or to have overturned does so in a run without a duration.
+#[test]
+fn a_duration_that_is_too_short_leaves_the_outcome_undecided() {
+    let cube = LatinHypercube::new(120, 4, 7);
+    let (mut undecided, mut decided, mut beyond) = (0, 0, 0.0_f64);
+    for number in 0..120 {
+        let [alpha, strength, period, part] = [0, 1, 2, 3].map(|direction| cube.coordinate(number, direction));
+        let foundation = if number % 3 == 0 { Foundation::Rigid } else { Foundation::Viscoelastic };
+        let block = block(0.06 + 0.2 * alpha, 40.0, 0.1, foundation);
+        let amplitude = (1.2 + 4.0 * strength) * block.gravity * block.alpha.tan();
+        let pulse = Pulse { shape: PulseShape::OneCosine, amplitude, period: 0.3 + 2.0 * period, start: 0.0 };
+        let run = run(block, Initial::default(), pulse, OnSeparation::Fly);
+        let end = run.outcome().end;
+        let short = Run { duration: Some(8.0 * part), ..run };
+        let outcome = short.outcome();
+        assert_eq!(short.history(|_| ()).unwrap().end, outcome.end);
+        if outcome.end == End::Undecided {
+            undecided += 1;
+            beyond = beyond.max(outcome.peaks.theta / block.alpha);
+        } else {
+            decided += 1;
+            assert_eq!(outcome.end, end, "block {number} after {} s", 8.0 * part);
+        }
+    }
+    assert!(undecided > 20 && decided > 20 && beyond > 2.0, "{undecided}, {decided}, {beyond}");
 }
 
 /// A small part of `examples/separations.rs`: what is bound to come to rest does, with the rotation that it had.

@@ -6,6 +6,7 @@ mod coming_down;
 mod figures;
 mod findings;
 mod fragility;
+mod friction;
 mod lanes;
 mod search;
 #[path = "../common/skipped.rs"]

@@ -125,7 +125,7 @@ fn draw(root: &Area, area: &Area, sources: &[Source], groups: &[&[Outcome]]) -> 
                     root.draw_text(&format!("{value:.3}"), &style, (x, y - 16))?;
                 }
                 // No peak rotation: the word stands where the bar would.
-                End::Overturned | End::Separated | End::Failed => {
+                End::Overturned | End::Separated | End::Undecided | End::Failed => {
                     let (x, y) = chart.backend_coord(&(middle, 0.0));
                     let upright = text(TEXT).transform(FontTransform::Rotate270);
                     root.draw_text(outcome.end.word(), &upright, (x - 20, y - 20))?;

@@ -21,7 +21,7 @@ pub enum Response {
     Stands(f64),
     /// It overturns: more than any peak.
     Overturns,
-    /// Its run failed, or ended at separation.
+    /// Its run failed, or ended at separation or undecided.
     Unknown,
 }
 
@@ -40,7 +40,7 @@ impl Ida {
             let response = match (end, peak) {
                 (End::Completed, Some(peak)) => Response::Stands(peak),
                 (End::Overturned, _) => Response::Overturns,
-                (End::Completed | End::Separated | End::Failed, _) => Response::Unknown,
+                (End::Completed | End::Separated | End::Undecided | End::Failed, _) => Response::Unknown,
             };
             found.entry(keys[row].clone()).or_default().push((level, response));
         }

@@ -128,6 +128,8 @@ pub struct Cases {
     pub failed: usize,
     /// Rows whose runs ended at complete separation before they had exceeded the limit.
     pub separated: usize,
+    /// Rows whose duration was over before they had exceeded the limit or stood for good.
+    pub undecided: usize,
 }
 
 impl Table {
@@ -221,9 +223,10 @@ impl Table {
                 Limit::Rotation(limit) => end == End::Overturned || peak.is_some_and(|peak| peak > limit),
             };
             let fraction = match (is_ensemble, end) {
-                // Nothing, where all samples failed.
+                // Nothing, where no sample tells.
                 (true, _) => probability,
                 (false, End::Failed) => None,
+                (false, End::Undecided) if !exceeds => None,
                 (false, End::Separated) if !exceeds => {
                     found.separated += 1;
                     continue;
@@ -236,6 +239,7 @@ impl Table {
                     let peak = peak.filter(|peak| rocked && *peak > 0.0);
                     found.cases.push(Case { row, fraction, peak, motion });
                 }
+                None if end == End::Undecided => found.undecided += 1,
                 None => found.failed += 1,
             }
         }
@@ -294,7 +298,7 @@ mod tests {
 
     const TABLE: &str = "# a study\nrow,p [rad/s],record,PGV [m/s],outcome,peak.theta/alpha [1]\n0,1,a,0.5,completed,0.3\n\
                          1,1,b,0.7,overturned,7\n2,2,a,,completed,0.6\n3,2,b,0.9,separated,0.2\n4,2,b,0.9,separated,0.8\n\
-                         5,2,a,0.2,failed,0.1\n6,2,a,0.2,completed,0\n";
+                         5,2,a,0.2,failed,0.1\n6,2,a,0.2,completed,0\n7,2,a,0.2,undecided,0.4\n8,2,b,0.2,undecided,3.3\n";
 
     fn table(text: &str) -> Table {
         Table::read("t.csv", text.as_bytes()).unwrap()
@@ -305,11 +309,11 @@ mod tests {
         let fractions = |limit: &str| {
             let found = table(TABLE).cases(limit.parse().unwrap()).unwrap();
             let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction, case.motion)).collect();
-            (cases, found.failed, found.separated)
+            (cases, found.failed, found.separated, found.undecided)
         };
-        assert_eq!(fractions("overturned"), (vec![(0, 0.0, 0), (1, 1.0, 1), (2, 0.0, 0), (6, 0.0, 0)], 1, 2));
-        let rotated = vec![(0, 0.0, 0), (1, 1.0, 1), (2, 1.0, 0), (4, 1.0, 1), (6, 0.0, 0)];
-        assert_eq!(fractions("theta/alpha>0.5"), (rotated, 1, 1));
+        assert_eq!(fractions("overturned"), (vec![(0, 0.0, 0), (1, 1.0, 1), (2, 0.0, 0), (6, 0.0, 0)], 1, 2, 2));
+        let rotated = vec![(0, 0.0, 0), (1, 1.0, 1), (2, 1.0, 0), (4, 1.0, 1), (6, 0.0, 0), (8, 1.0, 1)];
+        assert_eq!(fractions("theta/alpha>0.5"), (rotated, 1, 1, 1));
         let peaks: Vec<_> = table(TABLE).cases(Limit::Overturned).unwrap().cases.iter().map(|case| case.peak).collect();
         assert_eq!(peaks, [Some(0.3), None, Some(0.6), None]);
     }
