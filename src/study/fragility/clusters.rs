@@ -178,25 +178,32 @@ mod tests {
         assert_eq!(Independence::of(&[4, 4, 4]), Independence::OneRecord);
     }
 
-    /// A row that stands there ten times tells no more than once: the covariance is that of the jackknife of single rows.
+    /// Rows that stand there ten times tell no more than once: the covariance is that of the jackknife of single rows, fitted
+    /// anew without each.
     #[test]
-    fn copies_of_a_row_add_nothing() {
-        let rows = [(1.0, false), (1.5, true), (2.0, false), (2.5, true), (3.0, true), (1.2, false), (2.2, true)];
-        let once: Vec<Observation> = rows.map(|(x, y)| Observation::of(&[x], y)).to_vec();
-        let ten: Vec<Observation> = once.iter().flat_map(|row| std::iter::repeat_n(row.clone(), 10)).collect();
-        let counted: Vec<Observation> = once.iter().map(|row| Observation { weight: 10.0, ..row.clone() }).collect();
-        let of = |rows: Vec<Observation>, records: Vec<usize>| {
-            let data = Data::new(rows).unwrap();
-            let fit = data.fit(Link::Probit).unwrap();
-            (covariance(&data, &fit, &records).unwrap(), fit.covariance[1][1])
+    fn copies_of_rows_add_nothing() {
+        let once: Vec<Observation> =
+            (0..24).map(|i| Observation::of(&[1.0 + 0.1 * f64::from(i)], i * 5 % 7 < i / 4)).collect();
+        let coefficients = |rows: &[Observation]| {
+            let fit = Data::new(rows.to_vec()).unwrap().fit(Link::Probit).unwrap();
+            [fit.coefficients[0], fit.coefficients[1]]
         };
-        let (clustered, naive) = of(ten, (0..70).map(|row| row / 10).collect());
-        let (_, alone) = of(once, (0..7).collect());
-        assert!((naive * 10.0 / alone - 1.0).abs() < 1e-9);
-        assert!(clustered[(1, 1)] > 0.9 * alone, "{clustered} beside {alone}");
-        // Pairs of half rows are clusters of two.
-        let halves = counted.iter().flat_map(|row| std::iter::repeat_n(Observation { weight: 5.0, ..row.clone() }, 2));
-        let (halves, _) = of(halves.collect(), (0..14).map(|row| row / 2).collect());
-        assert!((&halves - &clustered).norm() < 1e-9 * clustered.norm());
+        let whole = coefficients(&once);
+        let mut exact = [0.0; 3];
+        for left_out in 0..once.len() {
+            let others: Vec<Observation> = [&once[..left_out], &once[left_out + 1..]].concat();
+            let [a, b] = [0, 1].map(|i| coefficients(&others)[i] - whole[i]);
+            exact = [exact[0] + a * a, exact[1] + a * b, exact[2] + b * b];
+        }
+        let ten: Vec<Observation> = once.iter().flat_map(|row| std::iter::repeat_n(row.clone(), 10)).collect();
+        let records: Vec<usize> = (0..ten.len()).map(|row| row / 10).collect();
+        let data = Data::new(ten).unwrap();
+        let fit = data.fit(Link::Probit).unwrap();
+        let found = covariance(&data, &fit, &records).unwrap();
+        for (found, exact) in [found[(0, 0)], found[(0, 1)], found[(1, 1)]].into_iter().zip(exact) {
+            assert!((found / (exact * 23.0 / 24.0) - 1.0).abs() < 1e-9, "{found} beside {exact}");
+        }
+        // Rows taken for independent would know the slope √10 times as well.
+        assert!(found[(1, 1)] > 5.0 * fit.covariance[1][1]);
     }
 }
