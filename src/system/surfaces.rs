@@ -110,7 +110,9 @@ impl Surface {
     pub fn rounding(self, block: &Block) -> f64 {
         ROUNDING
             * match self {
-                Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => block.gravity,
+                Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => block.gravity,
+                // What slides may be as fast as it wants, and dashpots make forces of what rounding leaves of its rates.
+                Surface::Slide => block.gravity.max(block.xi_v * block.omega_v * block.p * block.r0),
                 Surface::Gap(_) => match block.foundation {
                     Foundation::Viscoelastic => block.static_deflection().max(block.b),
                     Foundation::Rigid => block.r0,
