@@ -85,11 +85,14 @@ pub fn observe<P: Scalar, T: Beside<P>>(
     }
 }
 
+/// The gap of a corner, not below zero. Its rate is that of the gap even where round-off leaves it below zero, as at a landing:
+/// the peaks bound the motion inside a step by the rates at its ends.
 #[inline(always)]
 fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, tops: [T; 2], corner: Corner) -> T {
-    let (i, zero) = (corner.index(), T::from(0.0));
+    let (i, zero) = (corner.index(), T::Real::from(0.0));
     let gap = x.corner[i] - tops[i];
-    if regime.touches(corner) { zero } else { T::select_less(gap.value(), zero.value(), zero, gap) }
+    let below = T::Real::select_less(gap.value(), zero, gap.value(), zero);
+    if regime.touches(corner) { T::constant(zero) } else { gap - T::constant(below) }
 }
 
 #[inline(always)]
