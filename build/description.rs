@@ -167,7 +167,10 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
 /// which some importers leave out.
 fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
     let mut edits = vec![(child(root, "Fmi3")?.range(), String::new())];
-    let unknowns = child(child(root, "ModelStructure")?, "InitialUnknowns")?.children();
+    // What is said here of the file itself is not true of the packed one.
+    let comments = root.document().root().children().filter(Node::is_comment);
+    edits.extend(comments.map(|comment| (comment.range().start..comment.range().end + 1, String::new())));
+    let unknowns = child(root, "ModelStructure")?.descendants();
     for attribute in unknowns.filter_map(|unknown| unknown.attribute_node(fmi3::DEPENDENCIES)) {
         // With the blank before it.
         edits.push((attribute.range().start - 1..attribute.range().end, String::new()));

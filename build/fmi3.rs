@@ -187,7 +187,11 @@ impl File {
         if node.has_attribute("dependencies") {
             attributes.push(("dependencies", &references));
         }
-        attributes.extend(node.attribute("dependenciesKind").map(|kinds| ("dependenciesKind", kinds)));
+        let kinds = node.attribute("dependenciesKind").map(|kinds| {
+            let own = indices[1].split_whitespace().map(|_| "dependent");
+            kinds.split_whitespace().chain(own).collect::<Vec<_>>().join(" ")
+        });
+        attributes.extend(kinds.iter().map(|kinds| ("dependenciesKind", kinds.as_str())));
         self.leaf(element, &attributes)
     }
 

@@ -104,7 +104,7 @@ impl<M: Messenger> Log<M> {
     }
 }
 
-/// A text on the stack that ends with 0 and has none inside.
+/// A line of text on the stack that ends with 0 and has no control characters inside.
 struct Line {
     bytes: [u8; 1024],
     length: usize,
@@ -123,13 +123,16 @@ impl Line {
 impl Write for Line {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
         for character in text.chars() {
-            let character = if character == '\0' { '\u{fffd}' } else { character };
-            let end = self.length + character.len_utf8();
-            if end >= self.bytes.len() {
-                return Err(std::fmt::Error);
+            let character = if character.is_control() { '\u{fffd}' } else { character };
+            // A single # would begin the number of a variable (standard, 2.1.3).
+            for _ in 0..if character == '#' { 2 } else { 1 } {
+                let end = self.length + character.len_utf8();
+                if end >= self.bytes.len() {
+                    return Err(std::fmt::Error);
+                }
+                character.encode_utf8(&mut self.bytes[self.length..end]);
+                self.length = end;
             }
-            character.encode_utf8(&mut self.bytes[self.length..end]);
-            self.length = end;
         }
         Ok(())
     }

@@ -57,7 +57,7 @@ pub unsafe fn instantiate(
 }
 
 fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Interface, String> {
-    if name.is_none_or(CStr::is_empty) {
+    if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
         return Err("instanceName is missing; expected a name".into());
     }
     let interface = match kind {

@@ -12,7 +12,7 @@ use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::model::fault::Fault;
 use crate::model::life_cycle::Phase;
-use crate::model::outputs::source;
+use crate::model::outputs::{source, state};
 use crate::model::parts::Part;
 use crate::model::values::{DerivedSource, PerInput, Values, derived};
 use crate::model::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
@@ -144,17 +144,17 @@ impl Unit {
     /// The run as it is planned. Gives the tolerance that is followed where it is not the one that was asked for.
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
         if !start.is_finite() {
-            return Err(Fault::new(format!("startTime = {start}; expected a finite time")));
+            return Err(Fault::new(format!("startTime = {start:?}; expected a finite time")));
         }
         if let Some(stop) = stop
             && !(stop.is_finite() && stop > start)
         {
-            return Err(Fault::new(format!("stopTime = {stop}; expected a finite time after startTime = {start}")));
+            return Err(Fault::new(format!("stopTime = {stop:?}; expected a finite time after startTime = {start:?}")));
         }
         if let Some(tolerance) = tolerance
             && !(tolerance.is_finite() && tolerance > 0.0)
         {
-            return Err(Fault::new(format!("tolerance = {tolerance}; expected a finite number > 0")));
+            return Err(Fault::new(format!("tolerance = {tolerance:?}; expected a finite number > 0")));
         }
         self.experiment = Experiment { tolerance, start, stop };
         self.forget();
@@ -218,7 +218,7 @@ impl Unit {
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
         let present = simulation.time();
         if !(step.is_finite() && step > 0.0) {
-            return Err(Fault::new(format!("communicationStepSize = {step} at t = {present} s; expected > 0 s")));
+            return Err(Fault::new(format!("communicationStepSize = {step:?} at t = {present:?} s; expected > 0 s")));
         }
         let slack = clock_slack(step, present);
         // A time that is no number is off by no number.
@@ -321,19 +321,34 @@ impl Unit {
             self.settable(metadata)?;
             metadata.admits(real(value)).map_err(Fault::new)?;
         }
+        let mut states = self.states;
         for (&reference, &value) in references.iter().zip(values) {
-            let variable = VARIABLES[reference as usize].variable;
+            let Metadata { variable, role, .. } = VARIABLES[reference as usize];
+            if let Role::Output(output) = role {
+                // A continuous state: nothing else that is put out can be set.
+                state(output).into_iter().for_each(|i| states[i] = real(value));
+                continue;
+            }
             self.values[variable] = real(value);
             if Values::is_of_ground(variable) {
                 self.ground = None;
             }
+        }
+        if states != self.states {
+            self.set_states(&states)?;
         }
         self.take_up_values();
         Ok(())
     }
 
     fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
-        let Metadata { name, causality, variability, .. } = metadata;
+        let Metadata { name, causality, variability, role, .. } = metadata;
+        if let Role::Output(output) = *role
+            && state(output).is_some()
+            && self.phase == Phase::ContinuousTimeMode
+        {
+            return Ok(());
+        }
         if !metadata.is_settable() {
             return Err(Fault::new(format!("{name} is {}, which cannot be set", causality.one())));
         }

@@ -8,7 +8,7 @@ use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::model::own::OwnValues;
 use crate::model::variables::{Causality, Choice, Derived, Input, Parameter, Text, VARIABLES, Variable, choices};
 use crate::records::ground::Ground;
-use crate::records::{self, ReadOptions, Record, Setting};
+use crate::records::{self, LARGEST_FILE, ReadOptions, Record, Setting};
 use crate::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 
@@ -262,6 +262,13 @@ impl Values {
         let &RecordSettings { path, unit, channel } = settings;
         if self[path].is_empty() {
             return Ok(None);
+        }
+        // To open a pipe without a writer would wait for one, and a device may never end.
+        if std::fs::metadata(&self[path]).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            let (name, found) = (path.variable().name(), &self[path]);
+            return Err(format!(
+                "{name}: {found} is a pipe or a device; expected a file of at most {LARGEST_FILE} MiB"
+            ));
         }
         let time_step = self[Variable::RecordDt];
         let given = (!self[unit].is_empty()).then(|| self[unit].parse());

@@ -164,6 +164,9 @@ fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> 
     if value.is_finite() && min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max) {
         return Ok(());
     }
+    // All digits of 1e300 are no help.
+    let plain = value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite();
+    let value = if plain { format!("{value}") } else { format!("{value:e}") };
     Err(match (min, max) {
         (Some(min), Some(max)) => format!("{name} = {value}; expected {min} to {max}"),
         (Some(min), None) => format!("{name} = {value}; expected at least {min}"),

@@ -18,7 +18,7 @@ use crate::simulation::{Energies, Simulation, SimulationError};
 use crate::system::dynamics::{Footing, Held, Powers, State, energy, height_of_what_stands, instant, instant_held};
 use crate::system::law::{AnyLaw, Law};
 use crate::system::now::{Motion, Now, Pose};
-use crate::system::surfaces::{Event, Surface};
+use crate::system::surfaces::{Event, ROUNDING, Surface};
 
 /// How many continuous states there are.
 pub const STATES: usize = 8;
@@ -271,28 +271,34 @@ impl Simulation {
             };
             let Sample { value, rate } = surface.sample(now);
             let rateless = rate.abs() <= NO_RATE * surface.rounding(now.block) * now.block.p;
-            // The reactions of the rigid base jump with the inputs.
-            let follows = matches!(surface, Surface::Gap(_)) || now.block.foundation == Foundation::Viscoelastic;
+            let follows = match (surface, now.block.foundation) {
+                (Surface::Gap(_), _) | (Surface::Reaction(_) | Surface::Slide, Foundation::Viscoelastic) => true,
+                // Others jump with the inputs.
+                (Surface::Reaction(_) | Surface::Slide, Foundation::Rigid)
+                | (Surface::Held(_) | Surface::Unloaded(_) | Surface::QuarterTurn, _) => false,
+            };
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
     }
 }
 
-/// The indicator of a surface, with its `offset`.
+/// The indicator of a surface with its `offset`, as a part of the function's size.
 ///
 /// A function falls through zero only while it falls. So the indicator is positive while the function rises, and right after an event at
 /// which the function is zero it is clearly positive: it grows with the rate, of which a solver's first steps know the sign, where the value
 /// has the solver's error.
 fn indicator_of(surface: Surface, now: &Now, offset: f64) -> f64 {
+    let size = surface.rounding(now.block) / ROUNDING;
     let sample = surface.sample(now);
     let value = sample.value + offset;
     let falling = |rate: f64| value.max(rate / now.block.p);
-    match (surface, now.block.foundation) {
+    let indicator = match (surface, now.block.foundation) {
         // The rate depends on those of the inputs, which are not known.
         (Surface::Reaction(_), Foundation::Rigid)
         | (Surface::Held(_) | Surface::Unloaded(_) | Surface::QuarterTurn, _) => value,
         (Surface::Reaction(_), Foundation::Viscoelastic) | (Surface::Gap(_) | Surface::Slide, _) => {
             falling(sample.rate)
         }
-    }
+    };
+    indicator / size
 }

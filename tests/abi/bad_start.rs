@@ -31,12 +31,13 @@ fn instantiate(name: Option<&str>, kind: c_int, guid: Option<&str>) -> (bool, Ve
 fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
     let guid = FMU.description.guid.as_str();
     let wrong = "{00000000-0000-0000-0000-000000000000}";
-    let cases: [(Request, &[&str]); 8] = [
+    let cases: [(Request, &[&str]); 9] = [
         ((Some("block"), CO_SIMULATION, None), &["fmuGUID", guid]),
         ((Some("block"), CO_SIMULATION, Some(wrong)), &["fmuGUID", wrong, guid]),
         ((Some("block"), CO_SIMULATION, Some("")), &["fmuGUID", guid]),
         ((None, CO_SIMULATION, Some(guid)), &["instanceName"]),
         ((Some(""), CO_SIMULATION, Some(guid)), &["instanceName"]),
+        ((Some(" \t"), CO_SIMULATION, Some(guid)), &["instanceName"]),
         ((Some("block"), 2, Some(guid)), &["fmuType = 2", "0", "1"]),
         ((Some("block"), 7, Some(guid)), &["fmuType = 7", "1"]),
         ((Some("block"), -1, Some(guid)), &["fmuType = -1", "1"]),
@@ -188,7 +189,7 @@ fn an_experiment_that_cannot_be_is_refused_and_the_one_before_stays() {
         ((None, 1.0, Some(0.5)), &["stopTime = 0.5", "startTime = 1"]),
         ((None, 0.0, Some(f64::NAN)), &["stopTime", "NaN"]),
         ((Some(0.0), 0.0, None), &["tolerance = 0"]),
-        ((Some(-1e-6), 0.0, None), &["tolerance", "-0.000001"]),
+        ((Some(-1e-6), 0.0, None), &["tolerance", "-1e-6"]),
         ((Some(f64::NAN), 0.0, None), &["tolerance", "NaN"]),
     ];
     let instance = Instance::new("block");

@@ -170,7 +170,7 @@ fn numbers_that_are_none_or_out_of_limits() {
                 let references = [reference("a_gz"), variable.reference];
                 let status = call!(instance, set_real, references.as_ptr(), 2, [3.0, value].as_ptr());
                 let mut words = vec![variable.name.as_str()];
-                let shown = value.to_string();
+                let shown = format!("{value:?}");
                 words.push(&shown);
                 words.extend(limits.iter().map(String::as_str));
                 instance.refuses(status, &words);

@@ -337,6 +337,8 @@ const TABLE: &[Row] = &[
     }),
     ("fmi2EnterContinuousTimeMode", [false, false, true, false, false], |i| call!(i, enter_continuous_time_mode)),
     ("fmi2SetReal", [true, true, true, true, false], |i| call!(i, set_real, &reference("a_gx"), 1, &0.25)),
+    // A continuous state.
+    ("fmi2SetReal", [false, false, false, true, false], |i| call!(i, set_real, &reference("theta"), 1, &0.01)),
     ("fmi2GetReal", [false, true, true, true, true], |i| call!(i, get_real, &reference("theta"), 1, &mut 0.0)),
     ("fmi2DoStep", [false; 5], |i| i.try_step(0.0, 0.1)),
     ("fmi2GetStatus", [false; 5], |i| call!(i, get_status, DO_STEP_STATUS, &mut 0)),
@@ -562,4 +564,24 @@ fn states_out_of_all_proportion_are_discarded() {
     solver.set(time, Some(&states));
     solver.go(0.5, 1e-3);
     assert!(solver.instance.get("peak.theta") < 1.0);
+}
+
+/// The states are variables, too, of which the importer may set some.
+#[test]
+fn states_can_be_set_as_variables() {
+    let mut solver = Solver::begin(&FLYING);
+    solver.go(0.3, 1e-3);
+    let mut expected = solver.states;
+    (expected[1], expected[2]) = (0.25, -0.125);
+    solver.set(solver.time, Some(&expected));
+    let derivatives = solver.derivatives(solver.time, &expected);
+    solver.set(solver.time, Some(&solver.states));
+    let (names, values) = (["theta_dot", "v"].map(reference), [0.25, -0.125]);
+    assert_eq!(call!(solver.instance, set_real, names.as_ptr(), 2, values.as_ptr()), OK);
+    let mut found = [[f64::NAN; STATES]; 2];
+    assert_eq!(call!(solver.instance, get_continuous_states, found[0].as_mut_ptr(), STATES), OK);
+    assert_eq!(call!(solver.instance, get_derivatives, found[1].as_mut_ptr(), STATES), OK);
+    assert_eq!(found, [expected, derivatives]);
+    // Nothing else that is put out can be set.
+    solver.instance.refuses(call!(solver.instance, set_real, &reference("theta_ddot"), 1, &0.0), &["theta_ddot"]);
 }

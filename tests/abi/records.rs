@@ -237,3 +237,39 @@ fn texts_are_utf8() {
     let status = call!(instance, set_string, &crate::host::reference("record.horizontal"), 1, &latin);
     instance.refuses(status, &["fmi2SetString", "expected UTF-8"]);
 }
+
+/// A pipe without a writer would wait for one, and a device never ends.
+#[cfg(unix)]
+#[test]
+fn only_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.to_str().unwrap(), "/dev/zero", "/dev/null"] {
+        let instance = Instance::new("block");
+        instance.set_text("record.horizontal", path);
+        assert_eq!(instance.setup(None, 0.0, None), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        instance.refuses(call!(instance, exit_initialization_mode), &["record.horizontal", path, "512 MiB"]);
+    }
+}
+
+/// Messages are one line of text, in which # would begin the number of a variable.
+#[test]
+fn names_of_files_are_printed_in_one_line() {
+    let instance = Instance::new("block");
+    instance.set_text("record.horizontal", "/nowhere/#1\n\u{1b}[2J.csv");
+    assert_eq!(instance.setup(None, 0.0, None), OK);
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    instance.refuses(call!(instance, exit_initialization_mode), &["/nowhere/##1", "[2J.csv"]);
+    let messages = instance.messages();
+    assert!(messages.iter().all(|message| !message.text.contains(char::is_control)), "{messages:?}");
+}
+
+#[test]
+fn numbers_are_printed_with_the_digits_that_they_have() {
+    let instance = Instance::new("block");
+    instance.refuses(instance.try_set("mass", -1e300), &["mass = -1e300;"]);
+    instance.refuses(instance.try_set("dimensionless.alpha", 5.0), &["dimensionless.alpha = 5;"]);
+    instance.refuses(instance.setup(None, 1e300, Some(-1e300)), &["stopTime = -1e300;"]);
+}

@@ -3,7 +3,7 @@
 use std::ptr::null_mut;
 
 use crate::functions::OK;
-use crate::host::{Instance, Wanted, call};
+use crate::host::{FMU, Instance, Wanted, call, reference};
 
 /// Free rocking on a rigid base.
 const RELEASED: [(&str, f64); 2] = [("foundation", 2.0), ("initial.theta", 0.1)];
@@ -155,4 +155,71 @@ fn what_belongs_to_the_other_interface_is_refused() {
     assert_eq!(call!(stepped, get_fmu_state, &mut state), OK);
     block.refuses(call!(block, set_fmu_state, state), &["CoSimulation", "ModelExchange"]);
     assert_eq!(call!(stepped, free_fmu_state, &mut state), OK);
+}
+
+/// Unknowns of ModelStructure, by value reference, with their dependencies and their kinds.
+fn structure(element: &str) -> Vec<(u32, Vec<u32>)> {
+    let text = std::str::from_utf8(&FMU.files["modelDescription.xml"]).unwrap();
+    let document = roxmltree::Document::parse(text).unwrap();
+    let unknowns = document.descendants().filter(|node| node.has_tag_name(element));
+    let numbers = |text: &str| text.split_whitespace().map(|number| number.parse().unwrap()).collect::<Vec<u32>>();
+    unknowns
+        .map(|node| {
+            let dependencies = numbers(node.attribute("dependencies").unwrap_or(""));
+            let kinds = node.attribute("dependenciesKind").unwrap_or("").split_whitespace().count();
+            assert_eq!(kinds, dependencies.len(), "{node:?}");
+            (node.attribute("valueReference").unwrap().parse().unwrap(), dependencies)
+        })
+        .collect()
+}
+
+/// What changes with time alone, under a pulse or over a support that creeps, says so.
+#[test]
+fn dependence_on_time_is_declared() {
+    let supports: &[(&str, f64)] = &[("initial.theta", 0.05), ("initial.theta_dot", 0.1)];
+    let mut found = std::collections::BTreeSet::new();
+    for foundation in [1.0, 2.0] {
+        let pulse = [("foundation", foundation), ("pulse.shape", 2.0), ("pulse.amplitude", 6.0)];
+        let block = ready(&[supports, &pulse].concat());
+        update(&block);
+        block.ok(call!(block, enter_continuous_time_mode));
+        let x = states(&block);
+        let time = reference("time");
+        for element in ["Output", "ContinuousStateDerivative"] {
+            for (unknown, dependencies) in structure(element) {
+                let Some(name) = FMU.variables.iter().find(|(_, of)| of.reference == unknown && of.kind == "Float64")
+                else {
+                    continue;
+                };
+                let values = [0.1, 0.2].map(|time| {
+                    put(&block, time, &x);
+                    block.get(name.0)
+                });
+                if values[0] != values[1] {
+                    assert!(dependencies.contains(&time), "{element} {}: {values:?}", name.0);
+                    found.insert(name.0.clone());
+                }
+            }
+        }
+    }
+    for name in ["theta_ddot", "u_ddot", "H", "power.input", "friction_demand"] {
+        assert!(found.contains(name), "{name}: {found:?}");
+    }
+    // A corner that has just been left moves no more, while its support creeps up.
+    let time = reference("time");
+    for name in ["uplift_L", "uplift_R"] {
+        let declared = structure("Output").into_iter().find(|(unknown, _)| *unknown == reference(name));
+        assert!(declared.is_some_and(|(_, dependencies)| dependencies.contains(&time)), "{name}");
+    }
+}
+
+/// States may jump at events, and all indicators are numbers without a unit.
+#[test]
+fn the_file_says_what_states_and_indicators_are() {
+    for name in ["theta", "theta_dot", "v", "v_dot", "u", "u_dot"] {
+        assert_eq!(FMU.variables[name].attributes.get("reinit").map(String::as_str), Some("true"), "{name}");
+    }
+    for (name, variable) in FMU.variables.iter().filter(|(_, variable)| variable.kind == "Float64") {
+        assert!(variable.attributes.contains_key("unit"), "{name}");
+    }
 }

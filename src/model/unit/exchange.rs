@@ -41,7 +41,10 @@ impl Unit {
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
-        self.states = simulation.states(&self.inputs);
+        let [theta, theta_dot, v, v_dot, u, u_dot, ..] = simulation.states(&self.inputs);
+        // No event changes the works.
+        let [.., input, dashpots] = self.states;
+        self.states = [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots];
         self.last_inputs = self.values.present_inputs();
         let next_time = [simulation.next_kink(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {
