@@ -281,10 +281,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass.
+    /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass, apart from
+    /// [`Footing::free_work`](crate::system::dynamics::Footing::free_work).
     #[inline]
     fn go_to(&mut self, there: &Now, work: Powers) {
-        self.sums.input += work[0];
+        self.sums.input += work[0] + self.pose.footing.free_work(&there.footing);
         self.sums.dashpots += work[1];
         if there.time > self.pose.time {
             self.events_in_this_instant = 0;

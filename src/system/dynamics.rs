@@ -103,6 +103,15 @@ impl Footing<f64> {
             Footing::Free { u, u_dot } => u.is_finite() && u_dot.is_finite(),
         }
     }
+
+    /// Work of the horizontal forcing, per unit mass (m²/s²), until the footing is `after`, while nothing holds the block: there
+    /// `ü = −a_x`, and `∫ −a_x u̇ dt = Δ(u̇²)/2`. Zero while the block grips.
+    pub fn free_work(&self, after: &Footing<f64>) -> f64 {
+        match (self, after) {
+            (Footing::Free { u_dot: from, .. }, Footing::Free { u_dot: to, .. }) => 0.5 * (to - from) * (to + from),
+            (Footing::Grips { .. }, _) | (_, Footing::Grips { .. }) => 0.0,
+        }
+    }
 }
 
 /// The equations of motion at one instant.

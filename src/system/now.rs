@@ -157,9 +157,11 @@ impl<'a, L: Law> Motion<'a, L> {
 
     #[inline(always)]
     fn rate_of(&self, x: &Instant<f64>, forcing: Forcing<f64>) -> Rate {
+        // Where nothing holds the block, `Footing::free_work` is the horizontal part of the work.
+        let integrated = if self.law.grips() { forcing } else { Forcing { x: 0.0, ..forcing } };
         Rate {
             state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
-            quadratures: x.powers(self.block, self.law.regime(), forcing).into(),
+            quadratures: x.powers(self.block, self.law.regime(), integrated).into(),
         }
     }
 

@@ -91,6 +91,28 @@ fn the_motion_in_flight_is_the_closed_form() {
     assert!(simulation.energies().residual.abs() < 1e-12 * simulation.energies().total);
 }
 
+/// The work of a pulse on a block in the air is exact in steps of any length: nothing but the pulse shortens them there.
+#[test]
+fn flights_under_a_pulse_keep_the_balance_of_energy() {
+    for (block, amplitude, period) in [
+        (block(0.373, 0.369, 8.94, 0.0151, 0.415), 13.28, 9.75),
+        (block(0.259, 2.98, 109.0, 0.0247, 0.504), 15.35, 1.4),
+        (block(0.29, 0.32, 40.0, 0.1, 0.3), 12.8, 11.5),
+    ] {
+        let pulse = Pulse { shape: PulseShape::C1, amplitude, period, start: 0.0 };
+        for tolerance in [1e-8, 1e-10] {
+            let settings = Settings { tolerance, on_separation: OnSeparation::Fly, ..Settings::default() };
+            let inputs = Inputs::default();
+            let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
+            let events = go(&mut simulation, 100.0, &inputs);
+            assert!(events.iter().any(|event| event.after == Regime::Separated));
+            let energies = simulation.energies();
+            let largest = energies.total.abs().max(energies.input.abs());
+            assert!(energies.residual.abs() < 1e-8 * largest, "at {tolerance:e}: {energies:?}");
+        }
+    }
+}
+
 /// The balance of momentum for u̇, v̇, θ̇ and the two impulses, solved anew.
 #[test]
 fn landings_from_flight_keep_the_balance_of_momentum() {
