@@ -18,6 +18,8 @@ import rocking_block as rb
 RECORDS = sorted((Path(__file__).resolve().parent.parent / "records").glob("*.smc"))
 ALPHA, G = 0.2, 9.81
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+# Right-hand sides of a short step, with those at its ends.
+LEAST = 7
 BOUNDS = (0, 0.2, 0.4, 0.8, 1.6, 3.2, np.inf)
 
 
@@ -39,15 +41,14 @@ def main():
     for tolerance, found in rows.items():
         w, cost = np.array(found).T
         cells = [cost[(w >= low) & (w < high)] for low, high in spans]
-        # Above those of a short step, with those at its ends, a power.
-        least = 5 if tolerance >= 1e-7 else 7
-        steep = cost > least + 1
+        # Above those of a short step a power.
+        steep = cost > LEAST + 1
         power, factor = np.polyfit(np.log(w[steep]), np.log(cost[steep]), 1)
         print(
             f"{tolerance:9g}"
             + "".join(f"{f'{cell.mean():.1f} ({len(cell)})' if len(cell) else '-':>15}" for cell in cells)
-            + f"    max({least}, {np.exp(factor):.1f} (eta p dt)^{power:.2f}), within "
-            + f"{np.quantile(np.abs(cost / np.maximum(least, np.exp(factor) * w**power) - 1), 0.9):.0%} in 9 of 10"
+            + f"    max({LEAST}, {np.exp(factor):.1f} (eta p dt)^{power:.2f}), within "
+            + f"{np.quantile(np.abs(cost / np.maximum(LEAST, np.exp(factor) * w**power) - 1), 0.9):.0%} in 9 of 10"
         )
     print(f"{spent / evaluations * 1e9:.0f} ns of CPU time for each on this machine, histories of all rows included")
 

@@ -14,10 +14,7 @@ use common::{block, instance, intervals, loma_prieta, right_hand_side, run_recor
 use rocking_block::block::Foundation;
 use rocking_block::contact::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::numerics::{
-    dop853::Step,
-    short::{ShortPair, ShortStep},
-};
+use rocking_block::numerics::{dop853::Step, short::ShortStep};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::study::resumable::Opening;
 use rocking_block::study::runner::{self, Study};
@@ -53,11 +50,9 @@ fn steps(c: &mut Criterion) {
     let rate = |time: f64, x: &State| right_hand_side(&block, Regime::TiltingRight, &excitation, time, x);
     let first = rate(0.0, &start);
     group.bench_function("of order 8", |b| b.iter(|| Step::attempt(0.0, black_box(0.02), start, first, &rate).end));
-    for pair in [ShortPair::Tsitouras, ShortPair::Nystrom] {
-        group.bench_function(format!("of order 5, {pair:?}"), |b| {
-            b.iter(|| ShortStep::attempt(pair, 0.0, black_box(0.002), start, first, &rate).end);
-        });
-    }
+    group.bench_function("of order 5", |b| {
+        b.iter(|| ShortStep::attempt(0.0, black_box(0.002), start, first, &rate).end);
+    });
 }
 
 /// The case sine_eta40 of tests/reference, with no stop but its end.

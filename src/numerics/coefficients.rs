@@ -1,7 +1,6 @@
 //! Coefficients of the pairs, rounded to double precision: DOP853 of E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary
 //! Differential Equations I", 2nd ed., Springer 1993, section II.5, and their Fortran code dop853.f; and the pair 5(4) of
-//! C. Tsitouras, Comput. Math. Appl. 62 (2011) 770–775, doi:10.1016/j.camwa.2011.06.002. As fractions, the method of order 5 of
-//! E. J. Nyström, Acta Soc. Sci. Fenn. 50 (1925), no. 13; see Hairer, Nørsett, Wanner, section II.14.
+//! C. Tsitouras, Comput. Math. Appl. 62 (2011) 770–775, doi:10.1016/j.camwa.2011.06.002.
 
 /// `Σ coefficient · k(stage)` over the coefficients that are not zero, written out.
 macro_rules! combine {
@@ -150,41 +149,3 @@ macro_rules! short_end_difference {
     };
 }
 pub(super) use short_end_difference;
-
-/// Nodes of the stages of Nyström's method.
-pub(super) const NYSTROM_NODES: [f64; 4] = [0.0, 0.2, 2.0 / 3.0, 1.0];
-
-/// `Σ ā_ij k_j` of the stage `$i` of Nyström's method, by which displacements move beyond `c_i h ẋ`; 4 is the result of the step.
-macro_rules! nystrom_displacement {
-    ($k:expr, 1) => {
-        combine!($k; 0: 1.0 / 50.0)
-    };
-    ($k:expr, 2) => {
-        combine!($k; 0: -1.0 / 27.0, 1: 7.0 / 27.0)
-    };
-    ($k:expr, 3) => {
-        combine!($k; 0: 3.0 / 10.0, 1: -2.0 / 35.0, 2: 9.0 / 35.0)
-    };
-    ($k:expr, 4) => {
-        combine!($k; 0: 1.0 / 24.0, 1: 25.0 / 84.0, 2: 9.0 / 56.0)
-    };
-}
-pub(super) use nystrom_displacement;
-
-/// `Σ a_ij k_j` of the stage `$i`, by which velocities change: of the methods of order 4, the one with the same nodes. 4 is the
-/// result of the step, for what is integrated along too.
-macro_rules! nystrom_velocity {
-    ($k:expr, 1) => {
-        combine!($k; 0: 0.2)
-    };
-    ($k:expr, 2) => {
-        combine!($k; 0: -17.0 / 27.0, 1: 35.0 / 27.0)
-    };
-    ($k:expr, 3) => {
-        combine!($k; 0: 13.0 / 5.0, 1: -22.0 / 7.0, 2: 54.0 / 35.0)
-    };
-    ($k:expr, 4) => {
-        combine!($k; 0: 1.0 / 24.0, 1: 125.0 / 336.0, 2: 27.0 / 56.0, 3: 5.0 / 48.0)
-    };
-}
-pub(super) use nystrom_velocity;

@@ -2,7 +2,7 @@
 //!
 //! The pair is DOP853: order 8 with embedded results of order 5 and 3, and a dense output of order 7 that costs three
 //! more evaluations in the steps that ask for it. Where a stop is so close that order 5 leads there as well, a
-//! [`ShortStep`](super::short::ShortStep) does with half the evaluations or a third. docs/integrator.md has the comparison that led
+//! [`ShortStep`](super::short::ShortStep) does with half the evaluations. docs/integrator.md has the comparison that led
 //! to them.
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};

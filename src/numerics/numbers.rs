@@ -54,15 +54,6 @@ impl<R: Real, const N: usize> Numbers<R, N> {
     pub fn norm(self) -> R {
         self.square().sqrt()
     }
-
-    /// Of two vectors `[x, ẋ, y, ẏ]` one with the velocities of the first in the places of displacements, and those of the second.
-    #[inline(always)]
-    pub fn of_second_order(displacements: Self, mut velocities: Self) -> Self {
-        for i in (0..N).step_by(2) {
-            velocities.0[i] = displacements.0[i + 1];
-        }
-        velocities
-    }
 }
 
 impl<R: Real, const N: usize> Default for Numbers<R, N> {

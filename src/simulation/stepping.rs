@@ -4,8 +4,8 @@ use crate::block::{Block, Foundation};
 use crate::contact::Regime;
 use crate::excitation::Excitation;
 use crate::numerics::control::StepControl;
-use crate::numerics::dop853::{DenseOutput, EVALUATIONS_PER_STEP, Step};
-use crate::numerics::short::{ShortPair, ShortStep};
+use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
+use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::inside::{
     Between, Fall, Inside, MOST_TURN, SMALL_TURN, first_event, may_hold_event, turn_in_flight,
 };
@@ -49,18 +49,6 @@ pub(super) struct Limits {
     pub(super) longest: f64,
     /// The part of the error of other steps that a short step may make.
     pub(super) short_share: f64,
-    /// The tolerance, if it is a loose one; zero otherwise.
-    loosely: f64,
-}
-
-/// What became of a step to a stop close ahead.
-enum Short {
-    /// None is taken.
-    None,
-    /// It was taken, and nothing could happen on the way.
-    Taken,
-    /// It leads to this state with these works, but something may happen on the way.
-    Eventful(State, Powers),
 }
 
 /// Steps that a call may take. What a call asks for in good faith takes far fewer; with this many it ends in seconds.
@@ -88,22 +76,10 @@ const LEAST_SHORTENED: f64 = 1e-2;
 /// a tenth of the error of others, in the motion and in the works, where the tolerance is not a loose one.
 const SHORT_SHARE: f64 = 0.1;
 
-/// The least loose tolerance. From it on a short step may make the whole error, and its ends tell what happens inside.
+/// The least loose tolerance: from it on a short step may make the whole error.
 const LOOSE: f64 = 1e-6;
 
-/// The fifth power of the angle by which the fastest motion may turn in a step of Nyström's method, over a loose tolerance. Its
-/// estimates see the error of one step; by this the errors of all steps under a record add up to less than the tolerance.
-const NYSTROM_TURN: f64 = 180.0;
-
 impl Limits {
-    /// The pair of a short step of this size.
-    #[inline(always)]
-    pub(super) fn short_pair(&self, size: f64) -> ShortPair {
-        let turn = LONGEST * size / self.longest;
-        let square = turn * turn;
-        if square * square * turn <= NYSTROM_TURN * self.loosely { ShortPair::Nystrom } else { ShortPair::Tsitouras }
-    }
-
     /// The part of a peak that a value at one end of a step reaches if it may grow above the peak inside.
     ///
     /// In a step of h at a circular frequency ω an oscillation of amplitude A rises by at most A (ωh)²/8 above its ends; this
@@ -183,31 +159,15 @@ impl Simulation {
             }
             self.spend(budget, stop, limits.longest)?;
             let motion = Motion::under(law, block, &self.pose, excitation);
-            let short = match std::mem::take(&mut short_failed) {
-                true => Short::None,
-                false => self.short_step(stop, &motion, &here, &limits),
-            };
-            let step;
-            let (end_time, end, mut work, accepted) = match short {
-                Short::Taken => return Ok(()),
-                Short::Eventful(end, work) => (stop, end, work, None),
-                Short::None => {
-                    step = self.accepted_step(stop, &motion, &here, &limits)?;
-                    (step.end_time, step.end, step.work, Some(&step))
-                }
-            };
-            let mut there = motion.at(end_time, end);
+            if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
+                return Ok(());
+            }
+            let step = self.accepted_step(stop, &motion, &here, &limits)?;
+            let (mut there, mut work) = (motion.at(step.end_time, step.end), step.work);
             if !there.state.0.iter().chain(&there.rate.state.0).all(|x| x.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let between = match accepted {
-                Some(step) => Between::Within(step, there.rate),
-                None => {
-                    let ends = [(here.state, here.rate), (there.state, there.rate)];
-                    Between::Known(DenseOutput::between(here.time, end_time - here.time, ends, work))
-                }
-            };
-            let mut inside = Inside { motion, between, evaluations: 0 };
+            let mut inside = Inside { motion, between: Between::Within(&step, there.rate), evaluations: 0 };
             let size = there.time - here.time;
             let mut event = first_event(&here, &there, &mut inside);
             if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
@@ -230,6 +190,7 @@ impl Simulation {
             let elapsed = event.map_or(size, |fall| fall.elapsed);
             self.update_peaks(&here, &there, limits.near_a_peak(elapsed), &mut inside);
             self.counts.evaluations += inside.evaluations;
+            work[0] += here.footing.free_work(&there.footing);
             self.go_to(&there, work);
             if law.held().is_some() {
                 // The corner lifts and lands so often that only the energy tells.
@@ -281,11 +242,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass, apart from
-    /// [`Footing::free_work`](crate::system::dynamics::Footing::free_work).
+    /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass.
     #[inline]
     fn go_to(&mut self, there: &Now, work: Powers) {
-        self.sums.input += work[0] + self.pose.footing.free_work(&there.footing);
+        self.sums.input += work[0];
         self.sums.dashpots += work[1];
         if there.time > self.pose.time {
             self.events_in_this_instant = 0;
@@ -294,46 +254,45 @@ impl Simulation {
         self.pose = Pose { time, state, footing, ..self.pose };
     }
 
-    /// Goes to `stop` by a short step, if that is close enough and nothing happens on the way.
+    /// Goes to `stop` by a short step if that is close enough and nothing happens on the way; whether it went.
     #[inline(always)]
-    fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> Short {
+    fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> bool {
         let size = stop - self.pose.time;
         if LONGEST * size > limits.longest || motion.law().held().is_some() {
-            return Short::None;
+            return false;
         }
         if size > self.short_size {
             self.short_size *= SHORT_GROWTH;
-            return Short::None;
+            return false;
         }
-        let pair = limits.short_pair(size);
-        let step = ShortStep::attempt(pair, here.time, size, here.state, here.rate, motion);
+        let step = ShortStep::attempt(here.time, size, here.state, here.rate, motion);
         let there = motion.at(stop, step.end);
-        self.counts.evaluations += pair.evaluations() + 1;
+        self.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         if turn_in_flight(motion.law(), &here.state, &step.end, size) > SMALL_TURN {
-            return Short::None;
+            return false;
         }
         let error = step.error(there.rate, limits.weights, limits.work_weight) / limits.short_share;
         // The root of order 4 is two square roots, and less than that of order 5.
         let factor = (1.0 / error.sqrt().sqrt()).max(LEAST_SHORT_FACTOR);
         if factor < 1.0 {
             self.short_size = size * factor;
-            return Short::None;
+            return false;
         }
-        let eventful = may_hold_event(motion.law(), here, &there);
+        if may_hold_event(motion.law(), here, &there) {
+            return false;
+        }
         let [start, end] = self.channels_at_ends(here, &there, limits.near_a_peak(size));
-        if eventful || self.peaks.may_rise_inside(&start, &end, size) {
-            if pair == ShortPair::Tsitouras {
-                return Short::None;
-            }
-            self.counts.steps += 1;
-            return Short::Eventful(step.end, step.work);
+        if self.peaks.may_rise_inside(&start, &end, size) {
+            return false;
         }
         // After an event or a jump of the inputs the beginning is new, too.
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
-        self.go_to(&there, step.work);
-        Short::Taken
+        let mut work = step.work;
+        work[0] += here.footing.free_work(&there.footing);
+        self.go_to(&there, work);
+        true
     }
 
     /// A step within the tolerance, from `here` towards `stop`, and the instant it leads to.
@@ -411,14 +370,12 @@ impl Simulation {
         let upright = 1.0 / (self.settings.tolerance * most);
         let weights = State::from([rocking * allowed, allowed, vertical * upright, upright]);
         let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency);
-        let loosely = if self.settings.tolerance >= LOOSE { self.settings.tolerance } else { 0.0 };
         Limits {
             weights,
             // The energy of a block that rocks with the velocity of which the rest is a part.
             work_weight: allowed / ((i0 + r0 * r0) * alpha * p),
             longest,
-            short_share: if loosely > 0.0 { 1.0 } else { SHORT_SHARE },
-            loosely,
+            short_share: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_SHARE },
         }
     }
 

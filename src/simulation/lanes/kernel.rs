@@ -10,7 +10,7 @@ use crate::excitation::Forcing;
 use crate::numerics::dop853::Step;
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
-use crate::numerics::short::{ShortPair, ShortStep};
+use crate::numerics::short::ShortStep;
 use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Width};
 use crate::numerics::{Equations, Rate, Real, State};
 use crate::simulation::lanes::bounds::Ends;
@@ -49,9 +49,8 @@ pub struct Stepped {
     pub longest: Array,
 }
 
-/// Takes a step of each run of a group of at least one and at most as many as there are lanes, with the pair of a short step or
-/// of order 8.
-pub fn step(width: Width, regime: Regime, short: Option<ShortPair>, group: &[Box<Lane>]) -> Stepped {
+/// Takes a step of each run of a group of at least one and at most as many as there are lanes; a short one or one of order 8.
+pub fn step(width: Width, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
     for (place, run) in runs.iter_mut().zip(group) {
@@ -68,8 +67,8 @@ pub fn step(width: Width, regime: Regime, short: Option<ShortPair>, group: &[Box
 /// The step of a group under a law. Which step it is the function asks when it runs: what surrounds the stages is much to compile.
 struct Together<'g, L> {
     law: L,
-    /// The pair of a short step; none of one of order 8.
-    short: Option<ShortPair>,
+    /// Whether the step is a short one.
+    short: bool,
     /// In each lane; those beyond the group have its last.
     runs: [&'g Lane; MOST_LANES],
     /// How many there are in the group.
@@ -422,15 +421,12 @@ impl<L: Law> Task for Together<'_, L> {
             AtEnd(ShortStep<Wide<V>>),
             Known(Wide<V>),
         }
-        let (end, work, error) = match self.short {
-            Some(pair) => {
-                let step = ShortStep::attempt_in_loop(pair, time, size, Numbers(state), here.rate, &motion);
-                (step.end, step.work, Error::AtEnd(step))
-            }
-            None => {
-                let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
-                (step.end, step.work, Error::Known(step.error(weights)))
-            }
+        let (end, work, error) = if self.short {
+            let step = ShortStep::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
+            (step.end, step.work, Error::AtEnd(step))
+        } else {
+            let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
+            (step.end, step.work, Error::Known(step.error(weights)))
         };
         let there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
         let (error_is_fine, root) = match error {
@@ -461,7 +457,7 @@ impl<L: Law> Task for Together<'_, L> {
         let dashpots = self.each::<V>(|lane| lane.simulation.sums.dashpots) + work.0[1];
         Stepped {
             taken: usual & !inside & runs,
-            failed: if self.short.is_some() { !error_is_fine & !rests & runs } else { 0 },
+            failed: if self.short { !error_is_fine & !rests & runs } else { 0 },
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
             tops: [store(there.tops[0]), store(there.tops[1])],
             sums: [input.store(), dashpots.store()],

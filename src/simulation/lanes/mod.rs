@@ -14,7 +14,7 @@ use crate::excitation::{Excitation, Inputs, Ramp};
 use crate::numerics::control::{Attempt, size_factor};
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::roots::Sample;
-use crate::numerics::short::ShortPair;
+use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::{Array, Width};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Beginning, LEAST_SHORT_FACTOR, LONGEST, Limits, MOST_STEPS, SHORT_GROWTH};
@@ -64,26 +64,24 @@ pub struct Lane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     regime: Regime,
-    /// The pair of a short step; none of one of order 8.
-    short: Option<ShortPair>,
+    /// Whether it is a short step, or one of order 8.
+    short: bool,
 }
 
 impl Kind {
     /// How many there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 6;
 
     const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
-    const PAIRS: [Option<ShortPair>; 3] = [Some(ShortPair::Tsitouras), None, Some(ShortPair::Nystrom)];
 
     /// Its number, from 0.
     pub fn number(self) -> usize {
-        let pair = Kind::PAIRS.iter().position(|&pair| pair == self.short).unwrap_or(0);
-        place(self.regime).unwrap_or(0) + 3 * pair
+        place(self.regime).unwrap_or(0) + if self.short { 0 } else { 3 }
     }
 
     /// The kind of a number.
     pub fn numbered(number: usize) -> Kind {
-        Kind { regime: Kind::REGIMES[number % 3], short: Kind::PAIRS[number / 3] }
+        Kind { regime: Kind::REGIMES[number % 3], short: number < 3 }
     }
 }
 
@@ -193,12 +191,12 @@ impl Lane {
         let close = LONGEST * size <= longest && !self.short_failed;
         if close && size <= self.simulation.short_size {
             self.attempt = Attempt::to_stop(size);
-            return Some(Kind { regime, short: Some(limits.short_pair(size)) });
+            return Some(Kind { regime, short: true });
         }
         let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
         self.attempt = self.simulation.control.attempt(size, longest, shortest);
         self.grows = close;
-        Some(Kind { regime, short: None })
+        Some(Kind { regime, short: false })
     }
 
     /// Takes a step alone, and reports each event to `observer`.
@@ -244,14 +242,14 @@ impl Lane {
 
     /// Comes to the end of a step.
     #[inline]
-    fn arrive(&mut self, stepped: &Stepped, lane: usize, short: Option<ShortPair>) {
+    fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
         let end_time = self.end_time();
         let Lane { simulation, attempt, .. } = self;
         let [left, right] = &stepped.tops;
         let top = |of: &Sample<Array>| Sample { value: of.value[lane], rate: of.rate[lane] };
         self.tops = (end_time, [top(left), top(right)]);
-        if let Some(pair) = short {
-            simulation.counts.evaluations += pair.evaluations() + 1;
+        if short {
+            simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         } else {
             simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
             simulation.counts.evaluations += EVALUATIONS_PER_STEP;
@@ -280,8 +278,8 @@ impl Lane {
     }
 
     /// Takes note that a short step made too great an error. One of order 8 comes next.
-    fn fail(&mut self, stepped: &Stepped, lane: usize, pair: ShortPair) {
-        self.simulation.counts.evaluations += pair.evaluations() + 1;
+    fn fail(&mut self, stepped: &Stepped, lane: usize) {
+        self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         self.simulation.short_size = self.attempt.size * stepped.root[lane].max(LEAST_SHORT_FACTOR);
         self.short_failed = true;
     }
@@ -294,10 +292,8 @@ pub fn step_together(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
             run.arrive(&stepped, lane, kind.short);
-        } else if stepped.failed >> lane & 1 == 1
-            && let Some(pair) = kind.short
-        {
-            run.fail(&stepped, lane, pair);
+        } else if stepped.failed >> lane & 1 == 1 {
+            run.fail(&stepped, lane);
         }
     }
     stepped.taken | stepped.failed
