@@ -10,7 +10,7 @@ use rocking_block::numerics::roots::{Sample, first_fall};
 use rocking_block::numerics::short::ShortStep;
 use rocking_block::records::ground::Ground;
 use rocking_block::records::{self, ReadOptions};
-use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::dynamics::{Footing, State, instant};
 
 fn block() -> Block {
@@ -346,4 +346,50 @@ fn loose_steps_from_stop_to_stop_hold_the_same_events() {
     for (loose, narrow) in [(loose.input, narrow.input), (loose.dashpots, narrow.dashpots)] {
         assert!((loose / narrow - 1.0).abs() < 1e-4, "{loose}, not {narrow}");
     }
+}
+
+/// Greatest distance of the rotation on supports from that of Housner's block with e of `of`, in α, over four seconds and four
+/// impacts after the block is let go.
+fn from_housner(eta: f64, xi_v: f64, epsilon: f64, of: f64) -> f64 {
+    let rotation = |foundation, epsilon| -> Vec<f64> {
+        let d = Dimensionless { alpha: 0.25, p: 1.0, eta, xi_v };
+        let common = Common { foundation, epsilon, ..Common::default() };
+        let block = Block::from_dimensionless(&d, &common).unwrap();
+        let settings = Settings { tolerance: 1e-10, on_separation: OnSeparation::Fly, ..Settings::default() };
+        let initial = Initial { theta: 0.1, ..Initial::default() };
+        let inputs = Inputs::default();
+        let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+        let rotation = |i| {
+            simulation.advance(0.02 * f64::from(i), &inputs, &mut |_| ()).unwrap();
+            simulation.observe(&inputs).theta
+        };
+        (1..=200).map(rotation).collect()
+    };
+    let (soft, rigid) = (rotation(Foundation::Viscoelastic, epsilon), rotation(Foundation::Rigid, of));
+    soft.iter().zip(rigid).map(|(soft, rigid)| (soft - rigid).abs()).fold(0.0, f64::max) / 0.25
+}
+
+/// Damped supports with ε = 0 tend to Housner's block as η⁻²; docs/model.md has the numbers.
+#[test]
+fn damped_supports_tend_to_the_rigid_base() {
+    for xi_v in [0.1, 0.4] {
+        let distances: Vec<(f64, f64)> =
+            [200.0, 400.0, 800.0, 1600.0].iter().map(|&eta| (eta, from_housner(eta, xi_v, 0.0, 0.0))).collect();
+        let order = slope(&distances);
+        assert!((order + 2.0).abs() < 0.05, "order {order}: {distances:?}");
+    }
+}
+
+/// Supports with ε > 0, or without damping, do not: they stay away from the block with e of that ε, and from that of ε = 0.
+#[test]
+fn other_supports_do_not_tend_to_the_rigid_base() {
+    for eta in [400.0, 1600.0] {
+        let far = from_housner(eta, 0.1, 0.4, 0.4);
+        assert!((far - 0.09).abs() < 2e-3, "η = {eta}: {far}");
+    }
+    let near = [1600.0, 3200.0].map(|eta| from_housner(eta, 0.1, 0.4, 0.0));
+    // Second order would leave a quarter of the first, and below a sixteenth.
+    assert!(near.iter().all(|near| (5e-5..1e-3).contains(near)) && near[1] > near[0] / 2.0, "{near:?}");
+    let undamped = [400.0, 1600.0].map(|eta| from_housner(eta, 0.0, 0.0, 0.0));
+    assert!(undamped[1] > undamped[0] / 4.0, "{undamped:?}");
 }

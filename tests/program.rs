@@ -18,7 +18,7 @@ fn text(bytes: &[u8]) -> String {
 /// Rows of a table by column name.
 fn column(path: &Path, name: &str) -> Vec<f64> {
     let mut reader = csv::Reader::from_path(path).unwrap();
-    let place = reader.headers().unwrap().iter().position(|header| header == name).unwrap();
+    let place = reader.headers().unwrap().iter().position(|header| header.split(" [").next() == Some(name)).unwrap();
     reader.records().map(|row| row.unwrap()[place].parse().unwrap()).collect()
 }
 
@@ -48,7 +48,7 @@ fn without_arguments_a_real_record_makes_a_block_rock() {
     assert!((printed - peak).abs() < 1e-3, "printed {printed}, in the table {peak}");
     let picture = std::fs::read(folder.path().join("out/rocking.png")).unwrap();
     assert_eq!(&picture[..8], b"\x89PNG\r\n\x1a\n");
-    assert_eq!(picture[16..24], [0, 0, 0x07, 0x80, 0, 0, 0x05, 0xf0], "1920 by 1520 pixels");
+    assert_eq!(picture[16..20], [0, 0, 0x09, 0x60], "2400 pixels wide");
 }
 
 /// Durations of a whole number of steps, of which a product of decimals is off by rounding.
@@ -140,9 +140,63 @@ fn the_table_holds_the_solvers_numbers() {
     }
     let svg = std::fs::read_to_string(folder.path().join("run.svg")).unwrap();
     roxmltree::Document::parse(&svg).unwrap();
-    for label in ["θ / α", "N / (M g)", "ground / g", "time (s)", "on both", "one-sine pulse"] {
+    for label in ["θ/α", "N/(M g)", "ground/g", "time (s)", "on both", "one-sine pulse"] {
         assert!(svg.contains(label), "{label} is not in the picture");
     }
+}
+
+/// A block that overturns leaves the picture at |θ|/α = 1.5, which says so; every line stays inside the drawing.
+#[test]
+fn a_picture_shows_the_rotations_that_matter() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |arguments: &[&str]| {
+        let output = rocking(folder.path(), &[&["simulate", "--plot", "run.svg"], arguments].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::read_to_string(folder.path().join("run.svg")).unwrap()
+    };
+    let svg = picture(&["--pulse", "one-sine", "--amplitude", "9", "--period", "1.2566", "--foundation", "rigid"]);
+    for label in
+        ["|θ| = α", "|θ|/α &gt; 1.5 from t = 4.4 s on; its peak is 5.791", "α = 0.25 rad", "rigid base", "ground/g"]
+    {
+        assert!(svg.contains(label), "{label} is not in the picture");
+    }
+    let drawing = roxmltree::Document::parse(&svg).unwrap();
+    let height: f64 = drawing.root_element().attribute("height").unwrap().parse().unwrap();
+    let lines: Vec<Vec<[f64; 2]>> = drawing
+        .descendants()
+        .filter_map(|node| node.attribute("points"))
+        .map(|points| {
+            let number = |text: &str| text.parse::<f64>().unwrap();
+            points
+                .split_whitespace()
+                .map(|point| point.split_once(',').unwrap())
+                .map(|(x, y)| [x, y].map(number))
+                .collect()
+        })
+        .collect();
+    assert!(lines.iter().flatten().all(|[x, y]| (0.0..=24_000.0).contains(x) && (0.0..=10.0 * height).contains(y)));
+    // The rotation is the longest line, and has no steps: neighbouring points differ by less than whole pixels.
+    let flat = |line: &[[f64; 2]]| line.windows(2).any(|pair| (1.0..10.0).contains(&(pair[0][1] - pair[1][1]).abs()));
+    assert!(lines.iter().any(|line| line.len() > 400 && flat(line)));
+    let svg = picture(&["--theta", "0.1", "--eta", "80", "--alpha", "0.253", "--p", "1.0005"]);
+    for label in ["α = 0.253 rad, p = 1.0005 rad/s, η = 80", "time (s)", "on both"] {
+        assert!(svg.contains(label), "{label} is not in the picture");
+    }
+    assert!(!svg.contains("ground"), "nothing moves the ground");
+    assert!(!svg.contains("|θ| = α"), "the block stays far from it");
+}
+
+/// Each column of a history has its unit.
+#[test]
+fn the_table_names_its_units() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(
+        rocking(folder.path(), &["simulate", "--theta", "0.1", "--duration", "1", "--csv", "run.csv"]).status.success()
+    );
+    let table = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    assert!(names.iter().all(|name| name.ends_with(']')), "{names:?}");
+    assert_eq!(names[..3], ["t [s]", "theta [rad]", "theta_dot [rad/s]"]);
 }
 
 #[test]
@@ -190,7 +244,7 @@ fn the_table_can_go_to_standard_output() {
     let folder = tempfile::tempdir().unwrap();
     let output = rocking(folder.path(), &["simulate", "--csv", "-", "--duration", "1"]);
     let told = text(&output.stdout);
-    assert!(told.starts_with("t,theta,theta_dot,"), "{told}");
+    assert!(told.starts_with("t [s],theta [rad],theta_dot [rad/s],"), "{told}");
     assert_eq!(told.lines().count(), 202);
     assert!(files(folder.path()).is_empty());
 }

@@ -99,7 +99,7 @@ pub fn history<'py>(
 fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>> {
     let History { rows, events, peaks, counts, ending, end, .. } = history;
     let columns = PyDict::new(py);
-    for (name, value) in COLUMNS {
+    for (name, _, value) in COLUMNS {
         columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
     }
     let events = events.iter().map(|event| {

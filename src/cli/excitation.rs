@@ -10,6 +10,7 @@ use crate::excitation::{Pulse, PulseShape};
 use crate::records::Record;
 use crate::records::ground::Ground;
 use crate::study::intensity::pga;
+use crate::study::numerals::significant;
 use crate::study::spectrum_statistics::direction;
 
 /// Options that say what moves the ground.
@@ -122,7 +123,13 @@ impl Excitations {
                 let pgas = grounds.iter().filter_map(|ground| ground.horizontal.as_ref().or(ground.vertical.as_ref()));
                 let pgas: Vec<f64> = pgas.map(|record| pga(record) / gravity).collect();
                 let [least, greatest] = [f64::min, f64::max].map(|of| pgas.iter().copied().reduce(of).unwrap_or(0.0));
-                vec![format!("{} records, {least:.3} to {greatest:.3} g", grounds.len())]
+                let names = names(&files);
+                let names = match names.as_slice() {
+                    [first, .., last] if names.len() > 4 => format!("{first} … {last}"),
+                    names => names.join(", "),
+                };
+                let [least, greatest] = [least, greatest].map(|pga| significant(pga, 3));
+                vec![format!("{} records ({names}), {least} to {greatest} g", grounds.len())]
             }
         };
         words.extend(self.pulse.words(&pulse));
@@ -145,7 +152,7 @@ fn words(ground: &Ground, files: Files, gravity: f64) -> Vec<String> {
     let parts = [("", &ground.horizontal, files.along), ("vertical ", &ground.vertical, files.up)];
     let parts = parts.into_iter().filter_map(|(direction, record, path)| {
         let record = record.as_ref()?;
-        Some(format!("{direction}{}, {:.3} g", title(record, path), pga(record) / gravity))
+        Some(format!("{direction}{}, {} g", title(record, path), significant(pga(record) / gravity, 3)))
     });
     parts.collect()
 }
@@ -203,12 +210,12 @@ impl From<Shape> for PulseShape {
     }
 }
 
-/// Title of a record on one line; a file without a header has no other title than its path.
+/// File and title of a record on one line; a file without a header has no other title than its path.
 fn title(record: &Record, path: Option<&Path>) -> String {
-    match path.filter(|path| path.as_os_str() == record.title.as_str()) {
-        Some(path) => path.file_name().unwrap_or_default().to_string_lossy().into(),
-        None => record.title.split_whitespace().collect::<Vec<_>>().join(" "),
-    }
+    let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
+    let Some(path) = path else { return title };
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    if path.as_os_str() == record.title.as_str() { file.into() } else { format!("{file}: {title}") }
 }
 
 /// Refuses a value of an option, with a sentence that names both.

@@ -126,11 +126,17 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
             let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
             let headings = [heading, table.heading(other)?];
             if format.is_some() {
-                svg = Some(fragility_plot::surface(&found.data, &found.fit, headings, *limit)?);
+                svg = Some(fragility_plot::surface(
+                    &fragility_plot::blocks(&table),
+                    &found.data,
+                    &found.fit,
+                    headings,
+                    *limit,
+                )?);
             }
             surface = Some(SurfaceResult::of(headings, &found));
         } else if format.is_some() {
-            svg = Some(fragility_plot::curve(&assessment, heading, *limit, *ci)?);
+            svg = Some(fragility_plot::curve(&fragility_plot::blocks(&table), &assessment, heading, *limit, *ci)?);
         }
         measures.push(Measure::of(heading, &assessment, sufficiency));
     }
@@ -140,7 +146,10 @@ pub fn run(options: &Options, given: &Given) -> anyhow::Result<()> {
     }
     if let (Some(file), Some(format)) = (ida_picture, ida_format) {
         let curves = Ida::read(&table, &im[0])?;
-        pictures.push((file, format.encode(&fragility_plot::ida(&curves, table.heading(&im[0])?)?)?));
+        pictures.push((
+            file,
+            format.encode(&fragility_plot::ida(&fragility_plot::blocks(&table), &curves, table.heading(&im[0])?)?)?,
+        ));
     }
     Pending::write(pictures)?;
     let result = Curves {

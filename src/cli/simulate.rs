@@ -239,7 +239,8 @@ impl Options {
         }
         let (name, bytes) = EMBEDDED;
         let options = ReadOptions { gravity: self.block.g, ..ReadOptions::default() };
-        Ok(Some(records::parse(name, bytes, &options)?))
+        let record = records::parse(name, bytes, &options)?;
+        Ok(Some(Record { title: format!("{name}: {}", record.title), ..record }))
     }
 
     fn block(&self) -> anyhow::Result<Block> {

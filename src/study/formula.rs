@@ -50,9 +50,13 @@ pub fn typeset(svg: &str) -> String {
     set
 }
 
-/// Width of a label of this size (pixels).
+/// Width of a label of this size.
 pub fn width(label: &str, size: f64) -> f64 {
-    let marked = formula(label);
+    marked_width(&formula(label), size)
+}
+
+/// Width of a text in which [`formula`] has marked the subscripts.
+pub fn marked_width(marked: &str, size: f64) -> f64 {
     let parts = marked.split_inclusive(SUBSCRIPT).map(|part| match part.strip_suffix(SUBSCRIPT[1]) {
         Some(subscript) => letters::width(subscript, SIZE * size),
         None => letters::width(part.trim_end_matches(SUBSCRIPT[0]), size),

@@ -2,33 +2,37 @@
 
 use std::ops::Range;
 
-use crate::study::chart::{Cell, Chart, Curve, Sample, drawing, keys, keys_height, range, text};
-use crate::study::fragility::{Assessment, Data, Fit, Ida, Limit, Link, Observation, Response};
+use crate::study::chart::{Cell, Chart, Curve, Sample, headed, keys, keys_height, range, rotations};
+use crate::study::formula::formula;
+use crate::study::fragility::{Assessment, Data, Fit, Ida, Limit, Link, Observation, Response, Table};
 use crate::study::look::Look;
 use crate::study::normal;
+use crate::study::numerals::{short, significant};
 use crate::study::picture::PictureError;
-use crate::study::plot::short;
 
-/// Height of the title (pixels).
-const HEAD: u32 = 110;
-/// Height of the chart (pixels).
-const CHART: u32 = 1000;
+/// Height of the chart.
+const CHART: u32 = 10_000;
 /// Points of the curve and of its band.
-const POINTS: u32 = 120;
+const POINTS: u32 = 1200;
 /// Groups into which the rows are put in the order of the measure, as many in each.
 const MOST_BINS: usize = 12;
 /// Fewer rows make no fraction.
 const LEAST_OF_A_BIN: usize = 5;
 
 /// Draws a curve with its band, the fractions of rows that exceed the limit in groups of as many, with their counts, and each
-/// row as a tick. `heading` is name and unit of the
-/// measure.
-pub fn curve(found: &Assessment, heading: &str, limit: Limit, confidence: f64) -> Result<String, PictureError> {
+/// row as a tick. `blocks` tells the blocks, `heading` is name and unit of the measure.
+pub fn curve(
+    blocks: &str,
+    found: &Assessment,
+    heading: &str,
+    limit: Limit,
+    confidence: f64,
+) -> Result<String, PictureError> {
     let observations = found.data.observations();
     let measures = || observations.iter().map(|row| row.measures[0]);
     let x = range(measures());
-    let step = x.end / f64::from(POINTS);
-    let at: Vec<f64> = (1..=POINTS).map(|point| step * f64::from(point)).collect();
+    let at: Vec<f64> = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS)).collect();
+    let side = x.end / 120.0;
     let line = at.iter().map(|&measure| (measure, found.fit.probability(&[measure]))).collect();
     let band = at.iter().zip(found.band(&at));
     let band = band.map(|(&measure, interval)| (measure, interval.low.unwrap_or(0.0), interval.high.unwrap_or(1.0)));
@@ -42,7 +46,7 @@ pub fn curve(found: &Assessment, heading: &str, limit: Limit, confidence: f64) -
             1.0 => 1.06,
             part => part,
         };
-        (row.measures[0] + 1.5 * step * aside, y)
+        (row.measures[0] + 1.5 * side * aside, y)
     };
     let legend = [
         (Sample::Curve(Look::BLACK), name(found).into()),
@@ -61,30 +65,30 @@ pub fn curve(found: &Assessment, heading: &str, limit: Limit, confidence: f64) -
         areas: vec![band.collect()],
         curves: vec![Curve { look: Look::BLACK, pieces: vec![line], ends: false }],
         ticks: observations.iter().enumerate().map(tick).collect(),
-        notes: bins.iter().map(|bin| ((bin.measure + 0.9 * step, bin.fraction + 0.03), bin.rows.to_string())).collect(),
+        notes: bins.iter().map(|bin| ((bin.measure + 0.9 * side, bin.fraction + 0.03), bin.rows.to_string())).collect(),
         circles: bins.iter().map(|bin| (bin.measure, bin.fraction)).collect(),
         ..Chart::default()
     };
     let title = format!(
-        "median {:.3}{unit}, β = {:.3}; AUC {:.3}, Brier score {:.3}; {} rows",
-        found.fit.median(),
-        found.fit.dispersion(),
+        "median {}{unit}, β = {}; AUC {:.3}, Brier score {:.3}; {} rows",
+        significant(found.fit.median(), 4),
+        significant(found.fit.dispersion(), 4),
         found.auc,
         found.brier,
         observations.len()
     );
-    page(&title, &legend, &chart)
+    page(&title, blocks, &legend, &chart)
 }
 
 /// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles. A curve goes to the
 /// right edge where its block overturns at the next level, and comes back where it stands again.
-pub fn ida(found: &Ida, heading: &str) -> Result<String, PictureError> {
+pub fn ida(blocks: &str, found: &Ida, heading: &str) -> Result<String, PictureError> {
     let stands = |response: &Response| match *response {
         Response::Stands(peak) => Some(peak),
         Response::Overturns | Response::Unknown => None,
     };
     let peaks = found.curves.iter().flatten().filter_map(stands);
-    let (x, y) = (range(peaks), range(found.levels.iter().copied()));
+    let (x, y) = (rotations(peaks), range(found.levels.iter().copied()));
     let pieces = |responses: &[Response]| {
         // At rest without shaking.
         let mut pieces = vec![vec![(0.0, 0.0)]];
@@ -112,6 +116,7 @@ pub fn ida(found: &Ida, heading: &str) -> Result<String, PictureError> {
         x: ("peak |θ|/α", x.clone()),
         y: (&axis, y),
         curves: single.chain(fractiles).collect(),
+        verticals: if x.contains(&1.0) { vec![(Look::LEVEL, 1.0)] } else { Vec::new() },
         ..Chart::default()
     };
     let legend = [
@@ -124,11 +129,17 @@ pub fn ida(found: &Ida, heading: &str) -> Result<String, PictureError> {
         found.curves.len(),
         found.levels.len()
     );
-    page(&title, &legend, &chart)
+    page(&title, blocks, &legend, &chart)
 }
 
 /// Draws the probability of a surface of two measures in grey, with the lines on which it is 10, 50 and 90 %, and the rows.
-pub fn surface(data: &Data, fit: &Fit, headings: [&str; 2], limit: Limit) -> Result<String, PictureError> {
+pub fn surface(
+    blocks: &str,
+    data: &Data,
+    fit: &Fit,
+    headings: [&str; 2],
+    limit: Limit,
+) -> Result<String, PictureError> {
     const CELLS: u32 = 80;
     let observations = data.observations();
     let [x, y] = [0, 1].map(|measure| range(observations.iter().map(|row| row.measures[measure])));
@@ -184,14 +195,33 @@ pub fn surface(data: &Data, fit: &Fit, headings: [&str; 2], limit: Limit) -> Res
         (Sample::Cross, "rows of which half or more exceed the limit".into()),
         (Sample::Circle, "the others".into()),
     ];
-    page(&format!("{}, {} rows", probability_of(limit), observations.len()), &legend, &chart)
+    page(&format!("{}, {} rows", probability_of(limit), observations.len()), blocks, &legend, &chart)
 }
 
-/// Draws a chart under its title and its keys.
-fn page(title: &str, legend: &[(Sample, String)], chart: &Chart) -> Result<String, PictureError> {
-    drawing(HEAD + keys_height(legend) + CHART, |root| {
-        let (head, rest) = root.split_vertically(HEAD);
-        head.draw_text(title, &text(38.0), (180, 40))?;
+/// File, slenderness and foundation of the blocks of a table, where it has them.
+pub fn blocks(table: &Table) -> String {
+    let span = |symbol: &str, names: &[&str], unit: &str| {
+        let numbers = names.iter().find_map(|name| table.numbers(name).ok())?;
+        let [low, high] = [f64::min, f64::max].map(|of| numbers.iter().flatten().copied().reduce(of));
+        let (low, high) = (low?, high?);
+        let to = if low == high { String::new() } else { format!(" to {}", significant(high, 4)) };
+        Some(formula(&format!("{symbol} = {}{to}{unit}", significant(low, 4))))
+    };
+    let file = table.file().rsplit(['/', '\\']).next().map(String::from);
+    let foundations = table.words("foundation").map(|words| format!("foundation {}", words.join(" or ")));
+    let parts = [
+        file,
+        span("α", &["alpha", "dimensionless.alpha"], " rad"),
+        foundations,
+        span("η", &["eta", "dimensionless.eta"], ""),
+        span("ξ_v", &["xi_v", "dimensionless.xi_v"], ""),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// Draws a chart under its title, its blocks and its keys.
+fn page(title: &str, blocks: &str, legend: &[(Sample, String)], chart: &Chart) -> Result<String, PictureError> {
+    headed(&[title.into(), blocks.into()], keys_height(legend) + CHART, |root, rest| {
         let (head, body) = rest.split_vertically(keys_height(legend));
         keys(&head, legend)?;
         chart.draw(root, &body)

@@ -1,21 +1,21 @@
-//! How a curve is drawn: told from the others without colours, and visible where it lies on another one.
+//! Curves that differ in lightness and width as well as in colour, and stay visible where they coincide.
 
 use kurbo::{PathEl, Point};
 use plotters::prelude::*;
 
 use crate::study::chart::{Area, Drawn};
 
-/// How a curve looks. Of two curves that coincide the one that is drawn last is narrower, darker and has gaps, so that both
-/// are seen.
+/// Style of a curve; lengths in tenths of a pixel. Where two curves coincide, the one drawn last is narrower and darker, or has
+/// gaps, so that both are visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// Width of the line (pixels).
+    /// Width of the line.
     pub width: u32,
-    /// Grey level, 0 (black) to 255.
-    pub grey: u8,
-    /// Lengths of dashes and gaps in turn (pixels); none for a line without gaps.
+    /// Colour of the line.
+    pub colour: RGBColor,
+    /// Lengths of dashes and gaps in turn; none for a solid line.
     pub dashes: &'static [f64],
-    /// What stands on the line at even distances.
+    /// Symbol at even distances along the line.
     marker: Option<Marker>,
 }
 
@@ -27,30 +27,36 @@ enum Marker {
     Cross,
 }
 
-/// Looks of curves that are drawn over each other, in this order.
+/// Looks of curves in drawing order. The first three are solid, since dashes are lost where a curve jumps up and down.
 const LAYERS: [Look; 5] = [
-    Look::SOLID,
-    Look { width: 8, grey: 125, dashes: &[44.0, 14.0], marker: None },
-    Look { width: 7, grey: 80, dashes: &[20.0, 12.0], marker: None },
-    Look { width: 3, grey: 0, dashes: &[34.0, 9.0, 5.0, 9.0], marker: None },
-    Look { width: 5, grey: 0, dashes: &[5.0, 11.0], marker: None },
+    Look { width: 90, colour: RGBColor(120, 195, 240), dashes: &[], marker: None },
+    Look { width: 60, colour: RGBColor(200, 80, 0), dashes: &[], marker: None },
+    Look { width: 30, colour: RGBColor(20, 20, 20), dashes: &[], marker: None },
+    Look { width: 50, colour: RGBColor(0, 110, 80), dashes: &[340.0, 140.0], marker: None },
+    Look { width: 50, colour: RGBColor(130, 0, 120), dashes: &[60.0, 110.0], marker: None },
 ];
 
 impl Look {
-    /// A wide, light line without gaps, over which others are seen.
-    pub const SOLID: Look = Look { width: 11, grey: 175, dashes: &[], marker: None };
-    /// A dark line without gaps.
-    pub const BLACK: Look = Look { width: 6, grey: 0, dashes: &[], marker: None };
-    /// A dark, narrow line without gaps.
-    pub const THIN: Look = Look { width: 3, grey: 0, dashes: &[], marker: None };
-    /// A narrow, light line without gaps, one of many.
-    pub const FAINT: Look = Look { width: 3, grey: 150, dashes: &[], marker: None };
-    /// A dark, dashed line.
-    pub const DASHED: Look = Look { width: 5, grey: 0, dashes: &[22.0, 12.0], marker: None };
-    /// A dark, dotted line.
-    pub const DOTTED: Look = LAYERS[4];
-    /// A dark line of dashes and dots.
-    pub const DASH_DOTTED: Look = Look { width: 4, ..LAYERS[3] };
+    /// A wide, light, solid line on which others are visible.
+    pub const SOLID: Look = Look { width: 110, colour: RGBColor(175, 175, 175), dashes: &[], marker: None };
+    /// A black, solid line.
+    pub const BLACK: Look = Look { width: 60, colour: BLACK, dashes: &[], marker: None };
+    /// A black, narrow, solid line.
+    pub const THIN: Look = Look { width: 30, ..Look::BLACK };
+    /// A dark blue, narrow line.
+    pub const DARK: Look = Look { width: 30, colour: RGBColor(20, 60, 120), dashes: &[], marker: None };
+    /// An orange, narrow line, lighter than [`Look::DARK`].
+    pub const LIGHT: Look = Look { width: 30, colour: RGBColor(235, 140, 40), dashes: &[], marker: None };
+    /// A light, narrow, solid line, one of many.
+    pub const FAINT: Look = Look { width: 30, colour: RGBColor(150, 150, 150), dashes: &[], marker: None };
+    /// A black, dashed line.
+    pub const DASHED: Look = Look { width: 50, colour: BLACK, dashes: &[220.0, 120.0], marker: None };
+    /// A black, dotted line.
+    pub const DOTTED: Look = Look { width: 50, colour: BLACK, dashes: &[50.0, 110.0], marker: None };
+    /// A black line of dashes and dots.
+    pub const DASH_DOTTED: Look = Look { width: 40, colour: BLACK, dashes: &[340.0, 90.0, 50.0, 90.0], marker: None };
+    /// A line that marks a level.
+    pub const LEVEL: Look = Look { width: 30, colour: RGBColor(110, 110, 110), dashes: &[140.0, 90.0], marker: None };
 
     /// That of a curve by its number from 0; the first five differ in their lines, those that follow in their markers too.
     pub fn of(curve: usize) -> Look {
@@ -58,20 +64,19 @@ impl Look {
         Look { marker: markers[curve / LAYERS.len() % markers.len()], ..LAYERS[curve % LAYERS.len()] }
     }
 
-    /// Draws a line through these pixels. A single one is no line: nothing is drawn.
+    /// Draws a line through these points. A single one is no line: nothing is drawn.
     pub fn draw(&self, area: &Area, at: &[(i32, i32)]) -> Drawn {
-        let at = &smoothed(at);
-        let style = RGBColor(self.grey, self.grey, self.grey).stroke_width(self.width);
+        let style = self.colour.stroke_width(self.width);
         for dash in self.split(at) {
             // What is left of a dash at the end of a line would lie across it.
-            if dash.iter().all(|point| (point.0 - dash[0].0).abs().max((point.1 - dash[0].1).abs()) < 3) {
+            if dash.iter().all(|point| (point.0 - dash[0].0).abs().max((point.1 - dash[0].1).abs()) < 30) {
                 continue;
             }
             area.draw(&PathElement::new(dash, style))?;
         }
         let Some(marker) = self.marker else { return Ok(()) };
         // The first marker stands a little inside, the others at even distances.
-        for start in dashes(at, 98.0, &[1.0, 139.0]) {
+        for start in dashes(at, 980.0, &[10.0, 1390.0]) {
             self.mark(marker, area, start[0])?;
         }
         Ok(())
@@ -86,41 +91,21 @@ impl Look {
     }
 
     fn mark(&self, marker: Marker, area: &Area, at: (i32, i32)) -> Drawn {
-        let (open, full) = (BLACK.stroke_width(4), BLACK.filled());
+        let (open, full) = (BLACK.stroke_width(40), BLACK.filled());
         match marker {
             Marker::Circle => {
-                area.draw(&Circle::new(at, 11, WHITE.filled()))?;
-                area.draw(&Circle::new(at, 11, open))?;
+                area.draw(&Circle::new(at, 110, WHITE.filled()))?;
+                area.draw(&Circle::new(at, 110, open))?;
             }
-            Marker::Disc => area.draw(&Circle::new(at, 10, full))?,
-            Marker::Triangle => area.draw(&TriangleMarker::new(at, 14, full))?,
-            Marker::Cross => area.draw(&Cross::new(at, 11, open))?,
+            Marker::Disc => area.draw(&Circle::new(at, 100, full))?,
+            Marker::Triangle => area.draw(&TriangleMarker::new(at, 140, full))?,
+            Marker::Cross => area.draw(&Cross::new(at, 110, open))?,
         }
         Ok(())
     }
 }
 
-/// A line without the points that are so close to the one before that rounding to pixels would make it rough. The points
-/// on both sides of a jump stay.
-fn smoothed(at: &[(i32, i32)]) -> Vec<(i32, i32)> {
-    const APART: i32 = 4;
-    let are_apart = |a: (i32, i32), b: (i32, i32)| (a.0 - b.0).abs().max((a.1 - b.1).abs()) >= APART;
-    let mut kept: Vec<(i32, i32)> = at.first().copied().into_iter().collect();
-    for pair in at.windows(2) {
-        let last = kept[kept.len() - 1];
-        if are_apart(pair[0], pair[1]) && pair[0] != last {
-            kept.push(pair[0]);
-        }
-        if are_apart(kept[kept.len() - 1], pair[1]) {
-            kept.push(pair[1]);
-        }
-    }
-    // The end stays where it is.
-    kept.extend(at.last().filter(|end| kept.last() != Some(end)));
-    kept
-}
-
-/// The dashes of a line through these pixels; `offset` is how far the pattern has gone at its beginning.
+/// The dashes of a line through these points; `offset` is how far the pattern has gone at its beginning.
 fn dashes(at: &[(i32, i32)], offset: f64, pattern: &[f64]) -> Vec<Vec<(i32, i32)>> {
     let mut points = at.to_vec();
     points.dedup();
@@ -158,29 +143,19 @@ mod tests {
         assert_eq!(dashes(&[(0, 0), (300, 0)], 98.0, &[1.0, 139.0])[0][0], (42, 0));
     }
 
-    /// What is left are points that are apart, the ends among them, and every step that can be seen.
-    #[test]
-    fn points_that_are_close_are_left_out() {
-        let wave: Vec<(i32, i32)> = (0..200).map(|x| (x, if x % 40 < 20 { 0 } else { 100 })).collect();
-        let kept = smoothed(&wave);
-        assert!(kept.len() < 70 && kept[0] == (0, 0) && kept.last() == Some(&(199, 100)), "{kept:?}");
-        let steps = kept.windows(2).filter(|pair| pair[0].1 != pair[1].1);
-        assert_eq!(steps.map(|pair| pair[1].0 - pair[0].0).collect::<Vec<_>>(), [1; 9]);
-        assert_eq!(smoothed(&[(0, 0), (1, 1)]), [(0, 0), (1, 1)]);
-        assert_eq!(smoothed(&[(3, 3)]), [(3, 3)]);
-    }
-
-    /// What a line is drawn in, a pixel each.
-    fn pixels(looks: &[Look]) -> Vec<u8> {
-        let svg = drawing(60, |root| looks.iter().try_for_each(|look| look.draw(root, &[(100, 30), (2300, 30)])));
+    /// The pixels of a picture of these lines.
+    fn pixels(looks: &[Look]) -> Vec<[u8; 3]> {
+        let svg = drawing(600, |root| looks.iter().try_for_each(|look| look.draw(root, &[(1000, 300), (23_000, 300)])));
         let png = PictureFormat::Png.encode(&svg.unwrap()).unwrap();
-        Pixmap::decode_png(&png).unwrap().pixels().iter().map(|pixel| pixel.red()).collect()
+        let pixmap = Pixmap::decode_png(&png).unwrap();
+        pixmap.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()
     }
 
     /// Of two curves on the same line a good part of both is seen, and they differ where both are alone.
     #[test]
     fn coinciding_curves_are_seen() {
-        let differ = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 40).count() as f64;
+        let is_other = |a: &[u8; 3], b: &[u8; 3]| (0..3).any(|channel| a[channel].abs_diff(b[channel]) > 40);
+        let differ = |a: &[[u8; 3]], b: &[[u8; 3]]| a.iter().zip(b).filter(|(a, b)| is_other(a, b)).count() as f64;
         let white = pixels(&[]);
         for (i, &below) in LAYERS.iter().enumerate() {
             for &above in &LAYERS[i + 1..] {
@@ -192,5 +167,50 @@ mod tests {
         }
         let looks: Vec<Look> = (0..25).map(Look::of).collect();
         assert!(looks.iter().enumerate().all(|(i, look)| !looks[..i].contains(look)));
+    }
+
+    /// Lightness and two opponent colours (CIE L*a*b*) of a linear colour.
+    fn lab([r, g, b]: [f64; 3]) -> [f64; 3] {
+        let x = (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505;
+        let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        let z = (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089;
+        let [x, y, z] = [x, y, z].map(|t: f64| if t > 0.008856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 });
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    /// As people without one of the three kinds of cones see the curves (Machado, Oliveira and Fernandes 2009), and as a grey
+    /// print shows the solid ones.
+    #[test]
+    fn curves_differ_for_colour_blind_readers_and_in_grey() {
+        let [protan, deutan, tritan] = [
+            [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+            [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+            [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+        ];
+        let normal = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let linear = |RGBColor(r, g, b): RGBColor| {
+            [r, g, b].map(|c| {
+                let c = f64::from(c) / 255.0;
+                if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            })
+        };
+        for sight in [normal, protan, deutan, tritan] {
+            let seen = |look: &Look| {
+                let from = linear(look.colour);
+                let row = |row: [f64; 3]| (row[0] * from[0] + row[1] * from[1] + row[2] * from[2]).clamp(0.0, 1.0);
+                lab(sight.map(row))
+            };
+            for (i, a) in LAYERS.iter().enumerate() {
+                for b in &LAYERS[i + 1..] {
+                    let [one, other] = [seen(a), seen(b)];
+                    let apart = (0..3).map(|k| (one[k] - other[k]).powi(2)).sum::<f64>().sqrt();
+                    // A difference of 2.3 is just noticeable side by side.
+                    assert!(apart > 25.0, "{a:?} {b:?}: {apart}");
+                    if a.dashes.is_empty() && b.dashes.is_empty() {
+                        assert!((one[0] - other[0]).abs() > 20.0, "{a:?} {b:?}: lightness {} {}", one[0], other[0]);
+                    }
+                }
+            }
+        }
     }
 }

@@ -20,6 +20,8 @@ mod letters;
 #[cfg(feature = "program")]
 mod look;
 pub mod normal;
+#[cfg(feature = "program")]
+pub mod numerals;
 pub mod outcome;
 pub mod parameters;
 #[cfg(feature = "program")]

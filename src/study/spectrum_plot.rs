@@ -5,12 +5,14 @@ use std::io::Read;
 use std::ops::Range;
 
 use crate::excitation::Pulse;
-use crate::study::chart::{Chart, Curve, Fill, Lane, Sample, TEXT, drawing, keys, keys_height, lanes_height, text};
+use crate::study::chart::{
+    Chart, Curve, Fill, Lane, MOST_ROTATION, Sample, headed, keys, keys_height, lanes_height, rotations,
+};
 use crate::study::formula::formula;
 use crate::study::look::Look;
+use crate::study::numerals::{short, significant};
 use crate::study::outcome::End;
 use crate::study::picture::PictureError;
-use crate::study::plot::short;
 use crate::study::runner::Study;
 use crate::study::spectrum::{Base, Spectrum};
 
@@ -128,20 +130,24 @@ pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &s
     let count = curves.0.len();
     let mut samples: Vec<_> = (0..count).map(|i| (Sample::Curve(Look::of(i)), name(spectrum, i))).collect();
     samples.extend(curves.fills());
-    let head = 150 + keys_height(&samples);
-    let chart = curves.chart(over, String::new(), (0..count).map(|i| (i, Look::of(i))));
-    drawing(head + 1200 + lanes_height(count), |root| {
-        let (top, rest) = root.split_vertically(140);
-        // The name of a file is not a formula.
-        let is_pulse = spectrum.motions.iter().all(|(_, ground)| ground.end().is_none());
-        let title = if is_pulse { formula(title) } else { title.into() };
-        top.draw_text(&title, &text(1.2 * TEXT), (48, 32))?;
-        let line = format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma));
-        top.draw_text(&formula(&line), &text(TEXT), (48, 90))?;
-        let (samples_area, rest) = rest.split_vertically(keys_height(&samples));
+    let chart = curves.chart(over, curves.beyond(), (0..count).map(|i| (i, Look::of(i))));
+    let heading = [heading(spectrum, title), block_line(spectrum)];
+    headed(&heading, keys_height(&samples) + 12_000 + lanes_height(count), |root, body| {
+        let (samples_area, rest) = body.split_vertically(keys_height(&samples));
         keys(&samples_area, &samples)?;
         chart.draw(root, &rest)
     })
+}
+
+/// What moves the ground, with the formulas of a pulse marked; the name of a file is not a formula.
+pub(super) fn heading(spectrum: &Spectrum, title: &str) -> String {
+    let is_pulse = spectrum.motions.iter().all(|(_, ground)| ground.end().is_none());
+    if is_pulse { formula(title) } else { title.into() }
+}
+
+/// The parameters that all blocks of a spectrum have, with their formulas marked.
+pub(super) fn block_line(spectrum: &Spectrum) -> String {
+    formula(&format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma)))
 }
 
 pub(super) fn read(
@@ -205,6 +211,16 @@ impl Curves {
         pieces.filter(|piece| piece.len() > 1).flatten().fold(0.0_f64, |high, point| high.max(point.1))
     }
 
+    /// Says in words that blocks that stand rotate beyond the picture; empty if none does.
+    fn beyond(&self) -> String {
+        match self.highest() {
+            highest if highest > MOST_ROTATION => {
+                format!("peaks above {} not shown; the greatest is {}", short(MOST_ROTATION), significant(highest, 4))
+            }
+            _ => String::new(),
+        }
+    }
+
     /// Keys to what is in the lanes.
     pub(super) fn fills(&self) -> Vec<(Sample, String)> {
         let all = || self.0.iter().flatten();
@@ -240,7 +256,8 @@ impl Curves {
         Chart {
             title,
             x: (over.name(), from - margin..to + margin),
-            y: ("peak |θ|/α", 0.0..1.06 * self.highest().max(1e-9)),
+            y: ("peak |θ|/α", rotations(std::iter::once(self.highest()))),
+            marks_alpha: true,
             curves,
             lanes,
             ..Chart::default()

@@ -12,8 +12,8 @@ use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::history::Run;
 use crate::study::look::Look;
+use crate::study::numerals::short;
 use crate::study::outcome::End;
-use crate::study::plot::short;
 use crate::study::search::{self, Scan};
 use crate::study::spectrum::Base;
 use crate::study::together::outcomes;
@@ -100,7 +100,7 @@ pub fn figure(caption: &str, detail: &Detail, work: &mut Work) -> Result<Figure,
         table.push([epsilon.to_string(), eta.to_string(), alpha.to_string(), separation, overturning])?;
     }
     let highest = curves.iter().flatten().flatten().fold(0.0_f64, |high, point| high.max(point.1));
-    let svg = page(9, caption, &[], 1000, |root, body| {
+    let svg = page(9, caption, &[], 10_000, |root, body| {
         let areas = body.split_evenly((1, EPSILON.len()));
         for ((area, epsilon), curves) in areas.iter().zip(EPSILON).zip(curves.chunks(ETA.len())) {
             let looks = [Look::DOTTED, Look::DASH_DOTTED, Look::DASHED, Look::BLACK];

@@ -3,7 +3,7 @@
 use crate::block::BlockError;
 use crate::records::ground::Ground;
 use crate::simulation::{Ending, Initial, Settings};
-use crate::study::chart::{Chart, Curve, Sample, range};
+use crate::study::chart::{Chart, Curve, MOST_ROTATION, Sample, range};
 use crate::study::figures::page::page;
 use crate::study::figures::parameters::{
     ALPHA, Detail, ENERGY_ETA, ENERGY_XI_V, EPSILON, ETA, HISTORY_DURATION, P, XI_V, block, history_pulse,
@@ -12,7 +12,7 @@ use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::history::{History, Row, Run};
 use crate::study::look::Look;
-use crate::study::plot::short;
+use crate::study::numerals::short;
 use crate::study::spectrum::Base;
 
 const COLUMNS: [&str; 15] = [
@@ -206,10 +206,11 @@ fn common_range(pairs: &[Pair], value: Value) -> std::ops::Range<f64> {
 
 /// Rotation and its rate, a row for each pair.
 fn motions(number: u8, caption: &str, pairs: &[Pair]) -> Result<String, FigureError> {
-    const HEIGHT: u32 = 560;
+    const HEIGHT: u32 = 5600;
     let theta: Value = |made, row| row.seen.theta / made.run.block.alpha;
     let rate: Value = |made, row| row.seen.theta_dot / (made.run.block.alpha * made.run.block.p);
-    let spans = [theta, rate].map(|value| common_range(pairs, value));
+    let [angles, rates] = [theta, rate].map(|value| common_range(pairs, value));
+    let angles = angles.start.max(-MOST_ROTATION)..angles.end.min(MOST_ROTATION);
     let [solid, dashed] = match number {
         6 => ["rigid base".into(), "viscoelastic supports".into()],
         _ => EPSILON.map(|epsilon| format!("ε = {}", short(epsilon))),
@@ -240,8 +241,9 @@ fn motions(number: u8, caption: &str, pairs: &[Pair]) -> Result<String, FigureEr
                 curves: pair.curves(value),
                 ..Chart::default()
             };
-            chart(title, "θ/α", theta, &spans[0], Some(-beta..beta)).draw(root, &left)?;
-            chart(pair.title.clone(), "θ̇/(α p)", rate, &spans[1], None).draw(root, &right)?;
+            let rotation = chart(title, "θ/α", theta, &angles, Some(-beta..beta));
+            Chart { marks_alpha: true, ..rotation }.draw(root, &left)?;
+            chart(pair.title.clone(), "θ̇/(α p)", rate, &rates, None).draw(root, &right)?;
         }
         Ok(())
     })?;
@@ -250,7 +252,7 @@ fn motions(number: u8, caption: &str, pairs: &[Pair]) -> Result<String, FigureEr
 
 /// Total energy, a panel for each pair.
 fn energies(caption: &str, pairs: &[Pair]) -> Result<String, FigureError> {
-    const HEIGHT: u32 = 700;
+    const HEIGHT: u32 = 7000;
     let total: Value = |made, row| row.energies.total / made.energy_scale();
     let span = common_range(pairs, total);
     let samples = [

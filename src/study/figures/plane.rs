@@ -194,11 +194,11 @@ pub fn picture(grid: &Grid, points: &[Point]) -> Result<String, PictureError> {
     let mut samples = vec![(Sample::Bar(BELOW), format!("least ratio < {}", BOUNDS[0]))];
     samples.extend(bounds);
     samples.push((Sample::Cross, "pulse of Figures 6 to 8".into()));
-    drawing(90 + keys_height(&samples) + 1160, |root| {
-        let (head, rest) = root.split_vertically(90);
+    drawing(900 + keys_height(&samples) + 11_600, |root| {
+        let (head, rest) = root.split_vertically(900);
         let line = "One-sine pulses under which the peaks on supports (η = 20, 40, 60, 80; ε = 0) are below the rigid base's and \
                     rise with η";
-        head.draw_text(&formula(line), &text(TEXT), (48, 32))?;
+        head.draw_text(&formula(line), &text(TEXT), (480, 320))?;
         let (area, rest) = rest.split_vertically(keys_height(&samples));
         keys(&area, &samples)?;
         let (left, right) = rest.split_horizontally(rest.dim_in_pixel().0 / 2);

@@ -6,7 +6,7 @@ use crate::study::figures::parameters::{P, RESTITUTION_ALPHA, block};
 use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError};
 use crate::study::look::Look;
-use crate::study::plot::short;
+use crate::study::numerals::short;
 use crate::study::spectrum::Base;
 
 /// Stretches of ε between which e is a straight line anyway.
@@ -29,6 +29,6 @@ pub fn figure(caption: &str) -> Result<Figure, FigureError> {
         curves.push(Curve { look: Look::BLACK, pieces: vec![points], ends: false });
     }
     let chart = Chart { x: ("ε", -0.11..1.0), y: ("e", 0.9..1.002), curves, notes, ..Chart::default() };
-    let svg = page(3, caption, &[], 1300, |root, body| chart.draw(root, body))?;
+    let svg = page(3, caption, &[], 13_000, |root, body| chart.draw(root, body))?;
     Ok(Figure { number: 3, svg, table: table.finish()?, failed: 0 })
 }

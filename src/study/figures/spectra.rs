@@ -4,7 +4,7 @@ use crate::block::Common;
 use crate::excitation::Pulse;
 use crate::records::ground::Ground;
 use crate::simulation::Settings;
-use crate::study::chart::{Sample, TEXT, lanes_height, text};
+use crate::study::chart::{Sample, TEXT, lanes_height, rotations, text};
 use crate::study::figures::page::page;
 use crate::study::figures::parameters::{
     ALPHA, Detail, PULSE_BASES, PULSE_RATIO, RECORD_ETA, RECORD_P, RECORD_SUPPORTS, SPECTRUM_ALPHA, SPECTRUM_AMPLITUDE,
@@ -15,15 +15,15 @@ use crate::study::figures::table::Table;
 use crate::study::figures::{Figure, FigureError, Work};
 use crate::study::formula::formula;
 use crate::study::look::Look;
+use crate::study::numerals::short;
 use crate::study::outcome::End;
 use crate::study::picture::PictureError;
-use crate::study::plot::short;
 use crate::study::runner::Study;
 use crate::study::spectrum::{Base, Sizes, Spectrum};
 use crate::study::spectrum_plot::{self, Abscissa, Curves, base_name};
 
 /// Height of a panel without the lanes of its curves (pixels): under pulses and under records.
-const HEIGHT: [u32; 2] = [660, 560];
+const HEIGHT: [u32; 2] = [6600, 5600];
 
 /// A panel of a figure; two of them make a row, left and right.
 pub struct Panel {
@@ -169,14 +169,14 @@ fn draw(
     panels: &[Panel],
     drawn: &[Option<Curves>],
 ) -> Result<String, PictureError> {
-    const HEAD: u32 = 80;
+    const HEAD: u32 = 800;
     let bases = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.bases.as_slice());
     let bases = bases.unwrap_or_default();
     let names = bases.iter().map(|&base| match (number, base) {
         (12 | 13, Base::Viscoelastic { eta, .. }) => format!("η = {}", short(eta)),
         _ => base_name(base),
     });
-    let mut samples: Vec<_> = names.enumerate().map(|(i, name)| (Sample::Curve(look(number, i)), name)).collect();
+    let mut samples: Vec<_> = names.enumerate().map(|(i, name)| (Sample::Curve(Look::of(i)), name)).collect();
     for fill in drawn.iter().flatten().flat_map(Curves::fills) {
         if samples.iter().all(|sample| sample.1 != fill.1) {
             samples.push(fill);
@@ -197,7 +197,7 @@ fn draw(
                 rest = under;
                 let letter = (b'a' + (row / rows_each) as u8) as char;
                 let line = format!("({letter}) {}", source.with_vertical());
-                head.draw_text(&formula(&line), &text(1.1 * TEXT), (48, 28))?;
+                head.draw_text(&formula(&line), &text(1.1 * TEXT), (480, 280))?;
             }
             let (line, under) = rest.split_vertically(row_height);
             rest = under;
@@ -205,9 +205,9 @@ fn draw(
             let highest = drawn.iter().flatten().map(Curves::highest).fold(1e-9, f64::max);
             for ((panel, curves), area) in panels.iter().zip(drawn).zip([left, right]) {
                 let Some(shown) = curves.as_ref().or(drawn[0].as_ref()) else { continue };
-                let which = || (0..bases.len()).map(|i| (i, look(number, i)));
+                let which = || (0..bases.len()).map(|i| (i, Look::of(i)));
                 let mut chart = shown.chart(abscissa(number), panel.title.clone(), which());
-                chart.y.1.end = 1.06 * highest;
+                chart.y.1 = rotations(std::iter::once(highest));
                 if curves.is_none() {
                     // Axes as at the left, and no curves.
                     chart.message = "no vertical record at hand".into();
@@ -225,15 +225,6 @@ fn draw(
         }
         Ok(())
     })
-}
-
-/// The look of a curve by its number; the rigid base is the first.
-fn look(number: u8, curve: usize) -> Look {
-    match (number, curve) {
-        (12 | 13, 1) => Look::DASHED,
-        (12 | 13, 2) => Look::THIN,
-        _ => Look::of(curve),
-    }
 }
 
 #[cfg(test)]

@@ -145,6 +145,23 @@ impl Table {
         Ok(Table { file: file.into(), columns, rows })
     }
 
+    /// Name of the file.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The different words of a column in the order of their rows, if there is such a column.
+    pub fn words(&self, name: &str) -> Option<Vec<&str>> {
+        let place = self.place(name).ok()?;
+        let mut words: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            if !words.contains(&&row[place]) {
+                words.push(&row[place]);
+            }
+        }
+        Some(words)
+    }
+
     /// How many rows there are.
     pub fn rows(&self) -> usize {
         self.rows.len()
