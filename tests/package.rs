@@ -158,7 +158,7 @@ fn description_is_the_source_without_enumerations() {
             assert!(description.contains(&format!("{value} {name}")), "{description}");
         }
     }
-    assert_eq!(choices, 7);
+    assert_eq!(choices, 6);
 }
 
 #[test]
