@@ -209,7 +209,7 @@ fn step(
     let in_units = |c: &[f64]| sum(c).weighted(*weights);
     let error = match &pair.displacements {
         None => in_units(pair.error),
-        Some(of) => State::of_second_order(sum(of.error) * size, State::zeros()).weighted(*weights),
+        Some(of) => of_second_order(sum(of.error) * size, State::zeros()).weighted(*weights),
     };
     let norm = match pair.second_error {
         Some(second) => {
@@ -226,7 +226,7 @@ fn stages(pair: &Pair, time: f64, x: State, size: f64, rate: impl Fn(f64, &State
     let sum = |row: &[f64], k: &[State]| row.iter().zip(k).fold(State::zeros(), |sum, (a, k)| sum + *k * *a);
     let moved = |node: f64, velocities: &[f64], displacements: Option<&[f64]>, k: &[State]| match displacements {
         None => sum(velocities, k) * size,
-        Some(row) => State::of_second_order(x * node + sum(row, k) * size, sum(velocities, k)) * size,
+        Some(row) => of_second_order(x * node + sum(row, k) * size, sum(velocities, k)) * size,
     };
     for (stage, (row, node)) in pair.stages.iter().zip(pair.nodes).enumerate() {
         let displacements = pair.displacements.as_ref().map(|of| of.stages[stage]);
@@ -234,6 +234,11 @@ fn stages(pair: &Pair, time: f64, x: State, size: f64, rate: impl Fn(f64, &State
     }
     let displacements = pair.displacements.as_ref().map(|of| of.weights);
     (x + moved(1.0, pair.weights, displacements, &k), k)
+}
+
+/// Takes the rates of displacements from the velocities of one vector `[x, ẋ, y, ẏ]`, and those of velocities from another.
+fn of_second_order(displacements: State, velocities: State) -> State {
+    State::from([displacements[1], velocities[1], displacements[3], velocities[3]])
 }
 
 /// Order with which a pair's error falls on problems with known solutions, as a check of its tableau.
