@@ -227,8 +227,10 @@ fn energy_goes_where_the_powers_say() {
         let taken = if block.foundation == Foundation::Rigid { 0.0 } else { block.damping / block.mass * rates };
         assert!((dashpots - taken).abs() < 1e-12, "{dashpots} and {taken}");
         let work = moment * x.theta_dot - a_x * x.u_dot - a_z * x.v_dot;
-        assert!((input - work).abs() < 1e-12, "{input} and {work}");
-        check("power", (&block, &pose), input - dashpots, 1e-3 * block.gravity * block.r0, |now| now.energy());
+        // Of a block that nothing holds the horizontal part is known in closed form.
+        let in_closed_form = if pose.footing.grips() { 0.0 } else { -a_x * x.u_dot };
+        assert!((input + in_closed_form - work).abs() < 1e-12, "{input}, {in_closed_form} and {work}");
+        check("power", (&block, &pose), work - dashpots, 1e-3 * block.gravity * block.r0, |now| now.energy());
         let kinetic = 0.5 * (block.i0 * x.theta_dot.powi(2) + x.u_dot.powi(2) + x.v_dot.powi(2));
         let springs = Corner::BOTH.into_iter().filter(|&corner| pose.contacts.touches(corner)).map(|corner| {
             let depth = block.static_deflection() - x.corner[corner.index()];
