@@ -278,8 +278,7 @@ impl SearchOptions {
         check_distinct(inputs, &[Named::new("--csv", csv)])
     }
 
-    /// Searches on so many threads, writes the table and reports the result: `threshold` is the number that is searched
-    /// for, `answer` says it in words.
+    /// Searches, writes the table and reports the result. `threshold` is the number sought, `answer` its sentence.
     fn search(
         &self,
         name: &str,

@@ -237,7 +237,7 @@ impl Unit {
             return Err(Fault::new(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
         }
         simulation.set_time(time);
-        // The rest of a step that was left early ends where that would have ended, but for the rounding of `time + step`.
+        // The rest of a step that was left early ends where that step would have ended, up to the rounding of `time + step`.
         let rounding = slack.max(f64::EPSILON * until.abs());
         Ok(left.take().filter(|end| (end - until).abs() <= rounding && *end > time).unwrap_or(until))
     }

@@ -144,8 +144,8 @@ impl Values {
         }
     }
 
-    /// Parameters of a physical parameterization of which no default fits a real block; none of a dimensionless one. The mass
-    /// matters beside a stiffness only.
+    /// Returns the parameters of a physical parameterization whose defaults fit no real block. A mass matters only beside a
+    /// stiffness. Empty for a dimensionless parameterization.
     pub fn sizes(&self) -> &'static [Variable] {
         use Variable::{Mass, PhysicalC, PhysicalHeight, PhysicalK, PhysicalWidth};
         match (self.is_physical(), self.foundation()) {

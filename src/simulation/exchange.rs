@@ -15,7 +15,8 @@ use crate::numerics::roots::Sample;
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::{Energies, Simulation, SimulationError};
-use crate::system::dynamics::{Footing, Held, Powers, State, energy, height_of_what_stands, instant, instant_held};
+use crate::system::dynamics::{Footing, Powers, State, energy, height_of_what_stands, instant};
+use crate::system::held::{Held, instant_held};
 use crate::system::law::{AnyLaw, Law};
 use crate::system::now::{Motion, Now, Pose};
 use crate::system::surfaces::{Event, ROUNDING, Surface};
@@ -284,9 +285,9 @@ impl Simulation {
 
 /// The indicator of a surface with its `offset`, as a part of the function's size.
 ///
-/// A function falls through zero only while it falls. So the indicator is positive while the function rises, and right after an event at
-/// which the function is zero it is clearly positive: it grows with the rate, of which a solver's first steps know the sign, where the value
-/// has the solver's error.
+/// A function falls through zero only while it falls. So the indicator is positive while the function rises, and clearly
+/// positive right after an event that leaves the function at zero: it grows with the rate. A solver's first steps get the sign of
+/// the rate right, but may get that of the value wrong.
 fn indicator_of(surface: Surface, now: &Now, offset: f64) -> f64 {
     let size = surface.rounding(now.block) / ROUNDING;
     let sample = surface.sample(now);

@@ -55,8 +55,7 @@ pub fn drawing(height: u32, draw: impl FnOnce(&Area) -> Drawn) -> Result<String,
     Ok(typeset(&svg.replacen(&size(1), &size(PIXEL), 1)))
 }
 
-/// Makes a drawing under a heading, the lines of which are wrapped: a large one and others. Formulas in them are marked by
-/// [`formula`]. `draw` gets the whole drawing, and the part of this height under the heading.
+/// Makes a drawing under a heading: a large line and smaller ones, each wrapped. Formulas in them are marked by [`formula`]. `draw` gets the whole drawing, and the part of this height under the heading.
 pub fn headed(
     heading: &[String],
     height: u32,

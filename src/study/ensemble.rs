@@ -116,7 +116,7 @@ pub struct Tally {
     undecided: u32,
     /// Samples that overturned, and those that exceeded each limit.
     exceeded: Vec<u32>,
-    /// Samples of which that is known.
+    /// Samples whose outcome tells whether each limit was exceeded.
     known: Vec<u32>,
 }
 

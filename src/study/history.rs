@@ -228,8 +228,8 @@ impl Run {
 
 /// Where a run under way stops next, and what drives the block until then.
 ///
-/// A run makes finitely many stops: each stop takes the next sample of a record, the next row, the next look or the end, all
-/// of which are counted by integers.
+/// A run makes finitely many stops: each stop takes the next sample of a record, the next row, the next look or the end,
+/// and integers count them all.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     start: f64,

@@ -1,4 +1,4 @@
-//! Numbers → digits for people: as many as a number has, without the noise of its last ones.
+//! Numbers → digits for people, without the noise of the last ones.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ pub fn short(value: f64) -> String {
     significant(value, 6)
 }
 
-/// A number with at most so many significant digits, without trailing zeros.
+/// A number with at most `digits` significant digits, without trailing zeros.
 pub fn significant(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     signed(if rounded == 0.0 { "0".into() } else { format!("{rounded}") })

@@ -14,7 +14,6 @@ use crate::contact::{Corner, Regime};
 use crate::dual::{Dual, Dual64};
 use crate::excitation::Forcing;
 use crate::numerics;
-use crate::numerics::roots::Sample;
 use crate::scalar::{Beside, Elementary, Real, Scalar};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
@@ -152,55 +151,6 @@ pub fn instant_of<P: Scalar, T: Beside<P>, R>(
     }
 }
 
-/// A corner that is held: it goes with its support, and bears nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held<T> {
-    /// The corner.
-    pub corner: Corner,
-    /// Height of its support above its place under the block at rest (m), its rate (m/s) and its acceleration (m/s²).
-    pub top: [T; 3],
-}
-
-impl Held<f64> {
-    /// The support at this height, which creeps at this rate: `C ÿ = −K ẏ`.
-    pub fn on(block: &Block, corner: Corner, Sample { value, rate }: Sample) -> Held<f64> {
-        let creeps = if rate == 0.0 { 0.0 } else { -(block.creep_rate() * rate) };
-        Held { corner, top: [value, rate, creeps] }
-    }
-
-    /// The same with its rates of change in the dual parts.
-    fn along(&self, block: &Block) -> Held<Dual64> {
-        let [value, rate, acceleration] = self.top;
-        let jerk = if acceleration == 0.0 { 0.0 } else { -(block.creep_rate() * acceleration) };
-        let top = [Dual::new(value, rate), Dual::new(rate, acceleration), Dual::new(acceleration, jerk)];
-        Held { corner: self.corner, top }
-    }
-}
-
-/// The equations of motion where one of both corners is held; θ and θ̇ alone are the state.
-pub fn instant_held<P: Scalar, T: Beside<P>>(
-    block: &Block<P>,
-    [theta, theta_dot]: [T; 2],
-    held: Held<T>,
-    footing: Footing<T>,
-    forcing: Forcing<T>,
-) -> Instant<T> {
-    let zero = T::from(0.0);
-    Posture::new(block, [theta, theta_dot, zero, zero], footing).held(held, forcing)
-}
-
-/// The same at an instant `x` with, in the dual parts, the rates of change of [`along`].
-pub fn along_held(
-    block: &Block,
-    held: &Held<f64>,
-    footing: Footing<f64>,
-    x: &Instant<f64>,
-    forcing: Forcing<Dual64>,
-) -> Instant<Dual64> {
-    let state = [Dual::new(x.theta, x.theta_dot), Dual::new(x.theta_dot, x.theta_ddot)];
-    instant_held(block, state, held.along(block), footing.map(Dual64::from), forcing)
-}
-
 /// The equations of motion at an instant `x` with, in the dual parts, the exact rates of change along the motion while the
 /// forcing changes as its dual parts say.
 pub fn along(
@@ -245,24 +195,28 @@ pub(super) struct Posture<'a, P, T> {
     pub(super) block: &'a Block<P>,
     pub(super) theta: T,
     pub(super) theta_dot: T,
-    w: T,
-    w_dot: T,
-    sin: T,
-    cos: T,
+    pub(super) w: T,
+    pub(super) w_dot: T,
+    pub(super) sin: T,
+    pub(super) cos: T,
     pub(super) footing: Footing<T>,
 }
 
 /// Place, rate and acceleration of the centre of mass, and the reaction per mass.
-struct Horizontal<T> {
-    u: T,
-    u_dot: T,
-    u_ddot: T,
-    reaction: T,
+pub(super) struct Horizontal<T> {
+    pub(super) u: T,
+    pub(super) u_dot: T,
+    pub(super) u_ddot: T,
+    pub(super) reaction: T,
 }
 
 impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     #[inline(always)]
-    fn new(block: &'a Block<P>, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, P, T> {
+    pub(super) fn new(
+        block: &'a Block<P>,
+        [theta, theta_dot, w, w_dot]: [T; 4],
+        footing: Footing<T>,
+    ) -> Posture<'a, P, T> {
         let (sin, cos) = theta.sin_cos();
         Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
     }
@@ -281,7 +235,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
 
     /// Horizontal motion, given that of a foot that grips at its first place.
     #[inline(always)]
-    fn horizontal(&self, u: T, u_dot: T, u_ddot: T, forcing: Forcing<T>) -> Horizontal<T> {
+    pub(super) fn horizontal(&self, u: T, u_dot: T, u_ddot: T, forcing: Forcing<T>) -> Horizontal<T> {
         match self.footing {
             Footing::Grips { offset } => Horizontal { u: u + offset, u_dot, u_ddot, reaction: u_ddot + forcing.x },
             Footing::Free { u, u_dot } => Horizontal { u, u_dot, u_ddot: -forcing.x, reaction: T::from(0.0) },
@@ -290,20 +244,20 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
 
     /// `1 − cos θ` without cancellation.
     #[inline(always)]
-    fn versine(&self) -> T {
+    pub(super) fn versine(&self) -> T {
         self.sin * self.sin / (self.cos + 1.0)
     }
 
     /// Reaction of one support per mass, from its corner's height and rate; eq. (8).
     #[inline(always)]
-    fn support(&self, height: T, rate: T) -> T {
+    pub(super) fn support(&self, height: T, rate: T) -> T {
         let Block { gravity, omega_v, xi_v, .. } = *self.block;
         -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * 0.5
     }
 
     /// Heights of the corners, their rates and their accelerations, from those of the middle of the base, b from either.
     #[inline(always)]
-    fn corners(&self, [middle, middle_dot, middle_ddot]: [T; 3], theta_ddot: T) -> [[T; 2]; 3] {
+    pub(super) fn corners(&self, [middle, middle_dot, middle_ddot]: [T; 3], theta_ddot: T) -> [[T; 2]; 3] {
         let Posture { theta_dot, sin, cos, .. } = *self;
         let b = self.block.b;
         let (tilt, tilt_dot) = (sin * b, cos * theta_dot * b);
@@ -350,47 +304,6 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
             corner_dot,
             corner_ddot,
             reaction: [self.support(corner[0], corner_dot[0]), self.support(corner[1], corner_dot[1])],
-            horizontal: along.reaction,
-        }
-    }
-
-    /// Both corners touch, and one of them is held on its support, which moves by itself. So the other one's reaction says how
-    /// the centre of mass moves, and both together how the block turns; what holds it horizontally is the middle of the base.
-    fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta, theta_dot, sin, cos, .. } = self;
-        let Block { b, h, gravity, .. } = *block;
-        let s = corner.sign();
-        let theta_dot2 = theta_dot * theta_dot;
-        (self.w, self.w_dot) = (top - sin * (b * s), top_dot - cos * theta_dot * (b * s));
-        let other = corner.other().index();
-        let [height, rate, _] = self.corners([self.w, self.w_dot, T::from(0.0)], T::from(0.0)).map(|pair| pair[other]);
-        let n = self.support(height, rate);
-        let v_ddot = n - gravity - forcing.z;
-        let theta_ddot = (top_ddot - v_ddot - self.height(s) * theta_dot2) / (self.reach(s) * s);
-        let w_ddot = v_ddot + sin * theta_ddot * h + cos * theta_dot2 * h;
-        let (arm, centripetal) = (cos * h, sin * theta_dot2 * h);
-        let along = self.horizontal(sin * h, arm * theta_dot, arm * theta_ddot - centripetal, forcing);
-        let [mut heights, mut rates, mut accelerations] = self.corners([self.w, self.w_dot, w_ddot], theta_ddot);
-        let mut reaction = [n; 2];
-        let i = corner.index();
-        // To the last bit, by which events are decided.
-        (heights[i], rates[i], accelerations[i], reaction[i]) = (top, top_dot, top_ddot, T::from(0.0));
-        Instant {
-            theta,
-            theta_dot,
-            theta_ddot,
-            w_dot: self.w_dot,
-            w_ddot,
-            u: along.u,
-            u_dot: along.u_dot,
-            u_ddot: along.u_ddot,
-            v: self.w - self.versine() * h,
-            v_dot: self.w_dot - sin * theta_dot * h,
-            v_ddot,
-            corner: heights,
-            corner_dot: rates,
-            corner_ddot: accelerations,
-            reaction,
             horizontal: along.reaction,
         }
     }

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`dynamics`] | state, regime, forcing → accelerations, reactions, energy |
 //! | `rigid_base` | the same on the rigid base |
+//! | [`held`] | the same where a corner bears nothing and is held on its support |
 //! | [`law`] | a pose → which of these equations hold, and which surfaces end them |
 //! | [`now`] | a pose and an excitation → the block at any instant while the pose's contacts last |
 //! | [`surfaces`] | an instant → the functions whose fall through zero is an event |
@@ -12,6 +13,7 @@
 //! | [`transitions`] | initial values → the pose at the beginning; a pose and an event → the pose right after, and what happened |
 
 pub mod dynamics;
+pub mod held;
 pub mod impact;
 pub mod law;
 pub mod now;

@@ -10,7 +10,8 @@ use crate::dual::Dual64;
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::roots::Sample;
 use crate::numerics::{Equations, Rate};
-use crate::system::dynamics::{Footing, Held, Instant, State, along, along_held, energy, instant_held, instant_of};
+use crate::system::dynamics::{Footing, Instant, State, along, energy, instant_of};
+use crate::system::held::{Held, along_held, instant_held};
 use crate::system::law::{AnyLaw, Law};
 use crate::system::surfaces::Surface;
 

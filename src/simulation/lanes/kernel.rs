@@ -49,7 +49,8 @@ pub struct Stepped {
     pub longest: Array,
 }
 
-/// Takes a step of each run of a group of at least one and at most as many as there are lanes; a short one or one of order 8.
+/// Takes a step of each run of a group, either a short one or one of order 8. A group has at least one run and at most one per
+/// lane.
 pub fn step(width: Width, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
