@@ -15,7 +15,7 @@ use rocking_block::system::now::{Motion, Pose};
 use rocking_block::system::surfaces::{Event, Surface};
 use rocking_block::system::transitions::Transition;
 
-/// The numbers of the cases: as many as `HARSH_CASES` says, or `usual`.
+/// Returns the numbers of the cases: `HARSH_CASES` of them if it is set, else `usual`.
 fn cases(usual: u64) -> std::ops::Range<u64> {
     let given = std::env::var("HARSH_CASES").ok();
     0..given.map_or(usual, |given| given.parse().expect("HARSH_CASES is a number of cases"))

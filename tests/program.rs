@@ -51,7 +51,7 @@ fn without_arguments_a_real_record_makes_a_block_rock() {
     assert_eq!(picture[16..20], [0, 0, 0x09, 0x60], "2400 pixels wide");
 }
 
-/// Durations of a whole number of steps, of which a product of decimals is off by rounding.
+/// Durations of a whole number of steps, where rounding puts the product of decimals off.
 #[test]
 fn runs_of_a_tidy_duration_end() {
     let folder = tempfile::tempdir().unwrap();

@@ -68,12 +68,12 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
         }
         if matches!(strengths, Strengths::Least(..)) {
-            return Err(study.wrong("ensemble", value, "none beside least, of which a row is many runs already"));
+            return Err(study.wrong("ensemble", value, "none beside least, whose rows are many runs each"));
         }
     }
     let friction = study.number("friction", |x| x > 0.0, "a coefficient > 0")?;
     if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction, study.get("friction")) {
-        return Err(study.wrong("friction", value, "none beside least, of which a row is many runs"));
+        return Err(study.wrong("friction", value, "none beside least, whose rows are many runs each"));
     }
     let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let factors = given.iter().map(|g| Factor { parameter: g.parameter, levels: g.levels.clone() }).collect();

@@ -422,7 +422,7 @@ fn states_read_back_in_each_regime() {
     }
 }
 
-/// Importers restart their solvers where they are told that states changed: at each event, and at each kink of a pulse.
+/// Each event and each kink of a pulse signals changed states, so that importers restart their solvers.
 #[test]
 fn every_event_says_that_states_changed() {
     let pulse = [("pulse.shape", 2.0), ("pulse.amplitude", 6.0), ("pulse.period", 0.5), ("pulse.start", 0.25)];
@@ -566,7 +566,7 @@ fn states_out_of_all_proportion_are_discarded() {
     assert!(solver.instance.get("peak.theta") < 1.0);
 }
 
-/// The states are variables, too, of which the importer may set some.
+/// An importer may set states as variables in Continuous-Time Mode.
 #[test]
 fn states_can_be_set_as_variables() {
     let mut solver = Solver::begin(&FLYING);

@@ -1,4 +1,4 @@
-"""README.md: its commands run, and print what it says.
+"""Runs the commands of README.md, and compares their output with it.
 
 `python tests/python/test_readme.py` writes what they print today into README.md.
 """
