@@ -1,10 +1,9 @@
 //! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu` of FMI 2.0 and
 //! `RockingBlock-fmi3.fmu` of FMI 3.0.
 //!
-//! The script runs before its own crate is compiled, so it has cargo compile the crate once more, for the shared libraries
-//! that go into the FMUs: `build/library.rs`. That inner run is without the feature `fmu`, so that only the table is made
-//! and nothing is compiled that packs; so it is where `ROCKING_BLOCK_INNER` is set, and where the crate is a dependency of
-//! another one.
+//! The script runs before its own crate is compiled. It therefore makes cargo compile the crate once more, for the shared
+//! libraries inside the FMUs (`build/library.rs`). That inner run lacks the feature `fmu`: it makes only the table, and
+//! compiles no packing code. The same applies if `ROCKING_BLOCK_INNER` is set, or if the crate is a dependency of another.
 
 #![cfg_attr(not(feature = "fmu"), expect(dead_code, reason = "only what packs reads all of the description"))]
 
@@ -18,14 +17,16 @@ mod pack;
 
 use std::path::{Path, PathBuf};
 
-/// Set where no FMU is to be packed.
+/// Environment variable that suppresses the packing of FMUs.
 const GUARD: &str = "ROCKING_BLOCK_INNER";
 
-/// What the FMU is made from.
-const SOURCES: [&str; 10] = [
+/// Sources of the FMU.
+const SOURCES: [&str; 12] = [
     "build.rs",
     "build",
-    "exports",
+    "crates/fmu2",
+    "crates/fmu3",
+    "crates/records",
     "modelDescription.xml",
     "src",
     "documentation",
@@ -50,7 +51,7 @@ fn run() -> Result<(), String> {
     for source in SOURCES {
         println!("cargo::rerun-if-changed={source}");
     }
-    // Cargo says so when it compiles this script: the package is what was asked for, not a dependency of something else.
+    // Cargo sets this when it compiles this script for the requested package, but not for a dependency.
     let asked_for = option_env!("CARGO_PRIMARY_PACKAGE").is_some();
     if std::env::var_os(GUARD).is_some() || !asked_for {
         return Ok(());
@@ -68,7 +69,7 @@ fn read(path: &str) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}"))
 }
 
-/// A file whose content is as it was keeps its time, and what depends on it is not compiled again.
+/// Writes a file only if its content changes, so that its dependents are not compiled again.
 fn write_if_changed(path: &Path, content: &str) -> Result<(), String> {
     if std::fs::read_to_string(path).is_ok_and(|old| old == content) {
         return Ok(());

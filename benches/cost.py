@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a run under a record costs: right-hand sides per sample, by tolerance and by the supports' frequency over the samples'.
+"""Cost of a run under a record: right-hand sides per sample, by tolerance and by the supports' frequency over the samples'.
 
     python benches/cost.py [RECORD...]
 
@@ -18,7 +18,7 @@ import rocking_block as rb
 RECORDS = sorted((Path(__file__).resolve().parent.parent / "records").glob("*.smc"))
 ALPHA, G = 0.2, 9.81
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
-# Right-hand sides of a short step, with those at its ends.
+# Right-hand sides of a short step, including those at its ends.
 LEAST = 7
 BOUNDS = (0, 0.2, 0.4, 0.8, 1.6, 3.2, np.inf)
 
@@ -28,7 +28,7 @@ def main():
     rows = {tolerance: [] for tolerance in TOLERANCES}
     spent = evaluations = 0
     for record, p, eta, tolerance in itertools.product(records, (0.75, 1.5, 3.0), (20, 40, 80, 160), TOLERANCES):
-        # Twice what the block needs to rock.
+        # Twice the strength at which the block begins to rock.
         scale = 2 * G * np.tan(ALPHA) / np.abs(record.acceleration).max()
         begun = time.process_time()
         run = rb.Block(alpha=ALPHA, p=p, eta=eta, xi_v=0.1).run(record, scale=scale, tolerance=tolerance)
@@ -41,7 +41,7 @@ def main():
     for tolerance, found in rows.items():
         w, cost = np.array(found).T
         cells = [cost[(w >= low) & (w < high)] for low, high in spans]
-        # Above those of a short step a power.
+        # Above the cost of a short step, a power law.
         steep = cost > LEAST + 1
         power, factor = np.polyfit(np.log(w[steep]), np.log(cost[steep]), 1)
         print(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A table of a million runs: its time, memory and size, and whether a study that was killed goes on to the same table.
+"""A table of a million runs: time, memory and size, and whether a killed study resumes to the same table.
 
     python benches/scale.py FOLDER [--blocks 1000] [--records 100] [--scales 10] [--threads N] [--lanes N]
 
@@ -42,7 +42,7 @@ dt = 0.01
 
 
 def ground_motion(seed: int, count: int = 2000, dt: float = 0.01) -> np.ndarray:
-    """Accelerations [m/s2] with a peak of 1 m/s2: the ground's angular frequency is 8 to 20 rad/s."""
+    """Returns accelerations [m/s2] with a peak of 1 m/s2; the ground's angular frequency is 8 to 20 rad/s."""
     random = np.random.default_rng(seed)
     ground, damping, high_pass = random.uniform(8, 20), 0.6, 1.5
     omega = 2 * np.pi * np.fft.rfftfreq(count, dt)
@@ -55,7 +55,7 @@ def ground_motion(seed: int, count: int = 2000, dt: float = 0.01) -> np.ndarray:
 
 
 def rows(table: Path) -> int:
-    """Rows that are in a table, without its head."""
+    """Returns the number of rows in a table, without its head."""
     if not table.exists():
         return 0
     with table.open("rb") as file:
@@ -63,14 +63,16 @@ def rows(table: Path) -> int:
 
 
 def memory(pid: int) -> int:
-    """Resident memory of a process [bytes]."""
+    """Returns the resident memory of a process [bytes]."""
     pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 def watched(command: list, expected: int, size_of_row: float, table: Path, until: float | None) -> tuple[list, float]:
-    """Runs a command and looks at it every second: pairs of the part of the table that is done and the memory. Kills it at the
-    part `until`."""
+    """Runs a command and samples it every second; returns pairs of the finished fraction of the table and the memory.
+
+    Kills the command at the fraction `until`.
+    """
     begun, seen = time.monotonic(), []
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while process.poll() is None:
@@ -88,7 +90,7 @@ def watched(command: list, expected: int, size_of_row: float, table: Path, until
 
 def study(folder: Path, blocks: int, scales: int) -> Path:
     path = folder / f"study-{blocks}.toml"
-    # From where no block rocks to where nearly all fall.
+    # From a strength at which no block rocks to one at which nearly all overturn.
     path.write_text(STUDY.format(blocks=blocks, scales=[round(float(s), 3) for s in np.geomspace(1, 10, scales)]))
     return path
 
@@ -113,7 +115,7 @@ def main() -> None:
     if options.lanes:
         command.append(f"--lanes={options.lanes}")
 
-    # What a row takes on disk, from a small table.
+    # Size of a row on disk, from a small table.
     small = options.folder / "small.csv"
     small.unlink(missing_ok=True)
     subprocess.run([*command[:2], study(options.folder, 2, options.scales), "--csv", small], check=True,
@@ -132,7 +134,7 @@ def main() -> None:
         used = [min(seen, key=lambda pair: abs(pair[0] - part))[1] / 1e6 for part in at]
         print(f"memory {name}: " + ", ".join(f"{mb:.1f} MB at {part:.0%}" for part, mb in zip(at, used)))
 
-    # The same study from its beginning, for its first rows and those about the kill to be compared.
+    # The same study from its beginning, to compare its first rows and those around the kill.
     again = options.folder / "again.csv"
     again.unlink(missing_ok=True)
     process = subprocess.Popen([*command[:4], again, *command[5:]], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -1,17 +1,20 @@
-//! Description, library, documentation, licences and bill of materials → the FMU, the same bytes from the same sources.
+//! Description, library, documentation, licences and bill of materials → the FMU; same sources, same bytes.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::description::{Description, Variable};
-use crate::fmi3::Own;
+use crate::fmi3::Fmi3Only;
 use crate::read;
 
 use super::library::Version;
-use super::{container, library, licences};
+use super::{container, date, library, licences};
 
-/// Packs the FMU of a version.
+/// The attribute of modelDescription.xml before which the date is put.
+const NEXT_TO_DATE: &str = "variableNamingConvention=";
+
+/// Packs the FMU for one version of FMI.
 pub fn pack(
     version: Version,
     fmu: &Path,
@@ -25,9 +28,18 @@ pub fn pack(
         Version::Fmi2 => &description.packed,
         Version::Fmi3 => &description.fmi3.packed,
     };
-    files.insert("modelDescription.xml".to_string(), packed.clone().into_bytes());
+    // The GUID is not computed from the date: another commit of the same sources has the same interface.
+    let dated = format!("generationDateAndTime=\"{}\" {NEXT_TO_DATE}", date::generation()?);
+    files.insert("modelDescription.xml".to_string(), packed.replacen(NEXT_TO_DATE, &dated, 1).into_bytes());
     files.insert(library::place(version)?, load(binary)?);
-    files.insert(version.icon().to_string(), load(Path::new("documentation/model.png"))?);
+    files.insert("terminalsAndIcons/terminalsAndIcons.xml".to_string(), description.terminals.clone().into_bytes());
+    if let Version::Fmi2 = version {
+        files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
+    }
+    for format in ["png", "svg"] {
+        let picture = load(&Path::new("documentation/model").with_extension(format))?;
+        files.insert(format!("terminalsAndIcons/icon.{format}"), picture);
+    }
     let page = of_version(&read("documentation/index.html")?, version)?
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description, version));
@@ -42,27 +54,27 @@ pub fn pack(
     container::write(fmu, &files)
 }
 
-/// The page of a version: what stands between `<!-- FMI 2.0 -->` or `<!-- FMI 3.0 -->` and `<!-- end -->` is for one of them, and
-/// the functions of the standard have the names of the version.
+/// Returns the page for a version of FMI. Text between `<!-- FMI 2.0 -->` or `<!-- FMI 3.0 -->` and `<!-- end -->` belongs to one
+/// of them, and the standard's functions have that version's names.
 fn of_version(page: &str, version: Version) -> Result<String, String> {
-    let (own, other) = match version {
+    let (kept_mark, dropped_mark) = match version {
         Version::Fmi2 => ("<!-- FMI 2.0 -->", "<!-- FMI 3.0 -->"),
         Version::Fmi3 => ("<!-- FMI 3.0 -->", "<!-- FMI 2.0 -->"),
     };
-    let mut parts = page.split(other);
+    let mut parts = page.split(dropped_mark);
     let mut kept = parts.next().unwrap_or_default().to_string();
     for part in parts {
         let (_, rest) = part.split_once("<!-- end -->").ok_or("documentation/index.html: a part has no end")?;
         kept += rest;
     }
-    let kept = kept.replace(own, "").replace("<!-- end -->", "");
+    let kept = kept.replace(kept_mark, "").replace("<!-- end -->", "");
     Ok(match version {
         Version::Fmi2 => kept,
         Version::Fmi3 => kept.replace("fmi2", "fmi3"),
     })
 }
 
-/// The variables as tables of HTML, one for each causality.
+/// Returns the variables as HTML tables, one per causality.
 fn tables(description: &Description, version: Version) -> String {
     let mut html = String::new();
     for (causality, of_fmi3, title) in [
@@ -72,17 +84,18 @@ fn tables(description: &Description, version: Version) -> String {
         ("Output", &[], "Outputs"),
         ("", &["independent", "local"], "Time and event indicators"),
     ] {
-        let own = match version {
+        let fmi3_only = match version {
             Version::Fmi2 => &[][..],
-            Version::Fmi3 => &description.fmi3.own,
+            Version::Fmi3 => &description.fmi3.fmi3_only,
         };
-        let own = own.iter().filter(|own| of_fmi3.contains(&own.causality.as_str())).map(row_of_own);
+        let fmi3_only =
+            fmi3_only.iter().filter(|fmi3_only| of_fmi3.contains(&fmi3_only.causality.as_str())).map(row_of_fmi3_only);
         let rows: Vec<Row> =
-            description.variables.iter().filter(|v| v.causality == causality).map(row).chain(own).collect();
+            description.variables.iter().filter(|v| v.causality == causality).map(row).chain(fmi3_only).collect();
         if rows.is_empty() {
             continue;
         }
-        // What the FMU computes has neither start value nor limits.
+        // Computed variables have neither start values nor limits.
         let set = matches!(causality, "Input" | "Parameter");
         let columns = if set { "<th>Start</th><th>Limits</th>" } else { "" };
         let _ = writeln!(
@@ -120,10 +133,16 @@ fn row(v: &Variable) -> Row {
     Row { name: v.name.clone(), of_type, start: start(v), limits, meaning: escaped(&v.description) + &items }
 }
 
-fn row_of_own(own: &Own) -> Row {
-    let start = own.start.map(number).unwrap_or_default();
-    let of_type = own.unit.clone().unwrap_or_default();
-    Row { name: own.name.clone(), of_type, start, limits: limits(own.limits), meaning: escaped(&own.description) }
+fn row_of_fmi3_only(fmi3_only: &Fmi3Only) -> Row {
+    let start = fmi3_only.start.map(number).unwrap_or_default();
+    let of_type = fmi3_only.unit.clone().unwrap_or_default();
+    Row {
+        name: fmi3_only.name.clone(),
+        of_type,
+        start,
+        limits: limits(fmi3_only.limits),
+        meaning: escaped(&fmi3_only.description),
+    }
 }
 
 fn escaped(text: &str) -> String {
@@ -135,7 +154,7 @@ fn start(v: &Variable) -> String {
     match (v.kind, v.items.iter().find(|item| f64::from(item.value) == start)) {
         ("Boolean", _) => (start != 0.0).to_string(),
         (_, Some(item)) => item.name.clone(),
-        // Six digits of a number that is none of a person's.
+        // Computed numbers get six digits.
         _ => format!("{start:.6}").trim_end_matches('0').trim_end_matches('.').to_string(),
     }
 }

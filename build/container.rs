@@ -1,4 +1,4 @@
-//! Files → a zip archive, the same bytes from the same files.
+//! Files → a zip archive; same files, same bytes.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -7,13 +7,13 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Writes the archive and puts it in its place at once, so that no half of one is ever there.
+/// Writes the archive and moves it into place atomically, so that a partial archive never appears.
 pub fn write(path: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
     let temporary = path.with_extension(format!("fmu.{}", std::process::id()));
     let written = fill(&temporary, files)
         .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| format!("{}: {e}", path.display())));
     if written.is_err() {
-        // The error that is told is the first one.
+        // The first error is the one to report.
         let _ = std::fs::remove_file(&temporary);
     }
     written

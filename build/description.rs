@@ -16,6 +16,8 @@ pub struct Description {
     pub packed: String,
     /// modelDescription.xml of FMI 3.0.
     pub fmi3: Fmi3,
+    /// terminalsAndIcons.xml.
+    pub terminals: String,
 }
 
 pub struct Variable {
@@ -64,12 +66,13 @@ pub fn read(text: &str) -> Result<Description, String> {
         .collect::<Result<Vec<_>, _>>()?;
     let mut names = BTreeSet::new();
     for variable in &variables {
-        if !names.insert(&variable.name) {
+        if !names.insert(variable.name.as_str()) {
             return Err(format!("variable {} stands twice", variable.name));
         }
     }
     check_structure(root, &variables)?;
     let fmi3 = fmi3::write(root, &variables)?;
+    let terminals = fmi3::terminals(text, root, &names)?;
     let text = of_fmi2(text, root, &variables)?;
     let guid = unique(&text);
     let packed = text.replacen(attribute(root, "guid")?, &guid, 1);
@@ -78,7 +81,7 @@ pub fn read(text: &str) -> Result<Description, String> {
             return Err(format!("the modelIdentifier of {interface} is the library's name, rocking_block"));
         }
     }
-    Ok(Description { guid, variables, packed, fmi3 })
+    Ok(Description { guid, variables, packed, fmi3, terminals })
 }
 
 /// A GUID that belongs to this text alone.

@@ -1,5 +1,6 @@
 //! modelDescription.xml → modelDescription.xml of FMI 3.0, and the variables that only FMI 3.0 has.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use quick_xml::Writer;
@@ -15,10 +16,10 @@ pub struct Fmi3 {
     /// The file.
     pub packed: String,
     /// The variables that FMI 2.0 has not.
-    pub own: Vec<Own>,
+    pub fmi3_only: Vec<Fmi3Only>,
 }
 
-pub struct Own {
+pub struct Fmi3Only {
     pub name: String,
     pub description: String,
     /// In the words of FMI 3.0.
@@ -35,28 +36,41 @@ const PLACEHOLDER: &str = "{computed by the build}";
 pub const DEPENDENCIES: &str = "ofFmi3";
 
 const ROOT: &str = "fmiModelDescription";
+const TERMINALS: &str = "fmiTerminalsAndIcons";
 
 type Attributes<'a> = Vec<(&'a str, &'a str)>;
 
 /// Writes the file. The value references are those of FMI 2.0, with the variables of FMI 3.0 alone after them.
 pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
-    let own: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
-    for (place, node) in (variables.len()..).zip(&own) {
+    let fmi3_only: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
+    for (place, node) in (variables.len()..).zip(&fmi3_only) {
         let (name, reference) = (attribute(*node, "name")?, attribute(*node, "valueReference")?);
         if reference != place.to_string() {
             return Err(format!("variable {name}: valueReference should be its place, {place}"));
         }
     }
     let mut file = File(Writer::new_with_indent(Vec::new(), b' ', 2));
-    file.description(root, of_fmi3, &own).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
+    file.description(root, of_fmi3, &fmi3_only).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
     let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
     let token = unique(&text);
     let packed = text.replacen(PLACEHOLDER, &token, 1);
-    Ok(Fmi3 { token, packed, own: own.into_iter().map(read).collect::<Result<_, String>>()? })
+    Ok(Fmi3 { token, packed, fmi3_only: fmi3_only.into_iter().map(read).collect::<Result<_, String>>()? })
 }
 
-fn read(node: Node) -> Result<Own, String> {
+/// terminalsAndIcons.xml, whose members are variables of both versions.
+pub fn terminals(text: &str, root: Node, names: &BTreeSet<&str>) -> Result<String, String> {
+    let terminals = child(child(root, "Fmi3")?, TERMINALS)?;
+    for member in terminals.descendants().filter_map(|node| node.attribute("variableName")) {
+        if !names.contains(member) {
+            return Err(format!("terminal member {member} is no variable"));
+        }
+    }
+    let indented = text[terminals.range()].replace("\n    ", "\n");
+    Ok(format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{indented}\n"))
+}
+
+fn read(node: Node) -> Result<Fmi3Only, String> {
     let name = attribute(node, "name")?.to_string();
     // Of an array the first of its values, which are all the same at the start.
     let number = |attribute: &str| match node.attribute(attribute).and_then(|text| text.split_whitespace().next()) {
@@ -66,7 +80,7 @@ fn read(node: Node) -> Result<Own, String> {
     let (start, limits) = (number("start")?, [number("min")?, number("max")?]);
     let description = attribute(node, "description")?.to_string();
     let causality = attribute(node, "causality")?.to_string();
-    Ok(Own { description, causality, unit: node.attribute("unit").map(str::to_string), start, limits, name })
+    Ok(Fmi3Only { description, causality, unit: node.attribute("unit").map(str::to_string), start, limits, name })
 }
 
 impl Fmi3 {
@@ -75,21 +89,23 @@ impl Fmi3 {
         writeln!(code, "/// Instantiation token that an importer of FMI 3.0 has to know, computed from its file.")?;
         writeln!(code, "pub const TOKEN: &str = {:?};", self.token)?;
         writeln!(code, "/// A variable that only FMI 3.0 has; their value references follow those of [`VARIABLES`].")?;
-        writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Own {{")?;
-        for Own { name, description, .. } in &self.own {
+        writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Fmi3Only {{")?;
+        for Fmi3Only { name, description, .. } in &self.fmi3_only {
             writeln!(code, "    /// `{name}`: {description}.\n    {},", identifier(name))?;
         }
-        writeln!(code, "}}\nimpl Own {{\n    /// All of them, by value reference.")?;
-        writeln!(code, "    pub const ALL: [Own; {}] = [", self.own.len())?;
-        for own in &self.own {
-            writeln!(code, "        Own::{},", identifier(&own.name))?;
+        writeln!(code, "}}\nimpl Fmi3Only {{\n    /// All of them, by value reference.")?;
+        writeln!(code, "    pub const ALL: [Fmi3Only; {}] = [", self.fmi3_only.len())?;
+        for fmi3_only in &self.fmi3_only {
+            writeln!(code, "        Fmi3Only::{},", identifier(&fmi3_only.name))?;
         }
         writeln!(code, "    ];")?;
-        self.write_method(code, "Its name.", "name", "&'static str", |own| format!("{:?}", own.name))?;
+        self.write_method(code, "Its name.", "name", "&'static str", |fmi3_only| format!("{:?}", fmi3_only.name))?;
         let number = "Option<f64>";
-        self.write_method(code, "Its start value.", "start", number, |own| format!("{:?}", own.start))?;
-        self.write_method(code, "Its least value.", "min", number, |own| format!("{:?}", own.limits[0]))?;
-        self.write_method(code, "Its greatest value.", "max", number, |own| format!("{:?}", own.limits[1]))?;
+        self.write_method(code, "Its start value.", "start", number, |fmi3_only| format!("{:?}", fmi3_only.start))?;
+        self.write_method(code, "Its least value.", "min", number, |fmi3_only| format!("{:?}", fmi3_only.limits[0]))?;
+        self.write_method(code, "Its greatest value.", "max", number, |fmi3_only| {
+            format!("{:?}", fmi3_only.limits[1])
+        })?;
         writeln!(code, "}}")
     }
 
@@ -99,11 +115,11 @@ impl Fmi3 {
         doc: &str,
         method: &str,
         result: &str,
-        of: impl Fn(&Own) -> String,
+        of: impl Fn(&Fmi3Only) -> String,
     ) -> std::fmt::Result {
         writeln!(code, "    /// {doc}\n    pub fn {method}(self) -> {result} {{\n        match self {{")?;
-        for own in &self.own {
-            writeln!(code, "            Own::{} => {},", identifier(&own.name), of(own))?;
+        for fmi3_only in &self.fmi3_only {
+            writeln!(code, "            Fmi3Only::{} => {},", identifier(&fmi3_only.name), of(fmi3_only))?;
         }
         writeln!(code, "        }}\n    }}")
     }
@@ -114,19 +130,20 @@ struct File(Writer<Vec<u8>>);
 type Written = Result<(), String>;
 
 impl File {
-    fn description(&mut self, root: Node, of_fmi3: Node, own: &[Node]) -> Written {
+    fn description(&mut self, root: Node, of_fmi3: Node, fmi3_only: &[Node]) -> Written {
         self.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         let mut attributes = vec![("fmiVersion", "3.0"), ("instantiationToken", PLACEHOLDER)];
         let replaced = ["fmiVersion", "guid", "numberOfEventIndicators"];
         attributes.extend(of(root).into_iter().filter(|(name, _)| !replaced.contains(name)));
         self.event(Event::Start(BytesStart::new(ROOT).with_attributes(attributes)))?;
-        elements(of_fmi3).filter(|node| !node.has_tag_name("ModelVariables")).try_for_each(|node| self.copy(node))?;
+        let interface = |node: &Node| !["ModelVariables", TERMINALS].contains(&node.tag_name().name());
+        elements(of_fmi3).filter(interface).try_for_each(|node| self.copy(node))?;
         self.copy(child(root, "UnitDefinitions")?)?;
         let types: Vec<Node> = elements(child(root, "TypeDefinitions")?).collect();
         self.element("TypeDefinitions", &[], &types, File::declaration)?;
         self.copy(child(root, "LogCategories")?)?;
         self.copy(child(root, "DefaultExperiment")?)?;
-        let variables: Vec<Node> = elements(child(root, "ModelVariables")?).chain(own.iter().copied()).collect();
+        let variables: Vec<Node> = elements(child(root, "ModelVariables")?).chain(fmi3_only.iter().copied()).collect();
         self.element("ModelVariables", &[], &variables, |file, node| {
             if node.has_tag_name("ScalarVariable") { file.variable(node) } else { file.copy(node) }
         })?;
@@ -134,7 +151,7 @@ impl File {
         let outputs = elements(child(structure, "Outputs")?).map(|node| ("Output", node));
         let derivatives = elements(child(structure, "Derivatives")?).map(|node| ("ContinuousStateDerivative", node));
         let initial = elements(child(structure, "InitialUnknowns")?).map(|node| ("InitialUnknown", node));
-        let local = own.iter().filter(|node| node.attribute("causality") == Some("local"));
+        let local = fmi3_only.iter().filter(|node| node.attribute("causality") == Some("local"));
         let indicators = local.map(|&node| ("EventIndicator", node));
         let unknowns: Vec<(&str, Node)> = outputs.chain(derivatives).chain(initial).chain(indicators).collect();
         self.element("ModelStructure", &[], &unknowns, |file, (element, node)| {
@@ -188,8 +205,8 @@ impl File {
             attributes.push(("dependencies", &references));
         }
         let kinds = node.attribute("dependenciesKind").map(|kinds| {
-            let own = indices[1].split_whitespace().map(|_| "dependent");
-            kinds.split_whitespace().chain(own).collect::<Vec<_>>().join(" ")
+            let fmi3_only = indices[1].split_whitespace().map(|_| "dependent");
+            kinds.split_whitespace().chain(fmi3_only).collect::<Vec<_>>().join(" ")
         });
         attributes.extend(kinds.iter().map(|kinds| ("dependenciesKind", kinds.as_str())));
         self.leaf(element, &attributes)

@@ -1,4 +1,4 @@
-//! Sources → the shared library of the FMU, by a cargo of its own.
+//! Sources → the shared library of the FMU, compiled by a separate cargo.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,7 @@ use std::process::Command;
 
 use crate::{GUARD, variable};
 
-/// A version of FMI, for which there is an FMU with a library of its own: that of FMI 2.0 exports nothing but what its standard
-/// names, and so does that of FMI 3.0.
+/// A version of FMI. Each has an FMU with its own library, which exports exactly the functions of its standard.
 #[derive(Clone, Copy)]
 pub enum Version {
     Fmi2,
@@ -17,7 +16,7 @@ pub enum Version {
 impl Version {
     pub const ALL: [Version; 2] = [Version::Fmi2, Version::Fmi3];
 
-    /// The FMU's file.
+    /// Returns the name of the FMU's file.
     pub fn file(self) -> &'static str {
         match self {
             Version::Fmi2 => "RockingBlock.fmu",
@@ -25,7 +24,7 @@ impl Version {
         }
     }
 
-    /// The variable that tells the crate's tests where the FMU is.
+    /// Returns the environment variable that gives the crate's tests the path of the FMU.
     pub fn environment(self) -> &'static str {
         match self {
             Version::Fmi2 => "ROCKING_BLOCK_FMU",
@@ -33,25 +32,17 @@ impl Version {
         }
     }
 
-    /// The picture of the FMU, in the FMU.
-    pub fn icon(self) -> &'static str {
-        match self {
-            Version::Fmi2 => "model.png",
-            Version::Fmi3 => "terminalsAndIcons/icon.png",
-        }
-    }
-
-    /// The crate that is the library: it exports the functions of this version.
+    /// Returns the crate of the library that exports the functions of this version.
     fn library(self) -> &'static str {
         match self {
-            Version::Fmi2 => "rocking-block-fmi2",
-            Version::Fmi3 => "rocking-block-fmi3",
+            Version::Fmi2 => "rocking-block-fmu2",
+            Version::Fmi3 => "rocking-block-fmu3",
         }
     }
 }
 
-/// Compiles the libraries of all versions in a target folder of their own: the outer one is locked while this script runs. The
-/// solver is compiled once for all of them.
+/// Compiles the libraries of all versions. They have their own target folder, since the outer one is locked while this script
+/// runs. The solver is compiled once for all of them.
 pub fn build(out: &Path) -> Result<[PathBuf; 2], String> {
     let target_dir = out.join("library");
     let (host, target) = (variable("HOST")?, variable("TARGET")?);
@@ -63,7 +54,7 @@ pub fn build(out: &Path) -> Result<[PathBuf; 2], String> {
     }
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
-    // The libraries carry no path of this machine, and none of their names but those that they export.
+    // The libraries contain no paths of this machine, and no names except the exported ones.
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols").env("CARGO_PROFILE_DEV_DEBUG", "0");
     let mut folder = target_dir.clone();
     if host != target {
@@ -89,7 +80,7 @@ pub fn build(out: &Path) -> Result<[PathBuf; 2], String> {
     Ok(Version::ALL.map(|version| folder.join(file(version))))
 }
 
-/// The folder of the FMU that holds the binary, and the binary's name in it.
+/// Returns the path of the binary inside the FMU.
 pub fn place(version: Version) -> Result<String, String> {
     let os = variable("CARGO_CFG_TARGET_OS")?;
     let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
@@ -109,7 +100,7 @@ pub fn place(version: Version) -> Result<String, String> {
     Ok(format!("binaries/{folder}/rocking_block.{suffix}"))
 }
 
-/// Cargo without what the outer one, clippy or the like left in the environment, and with what the user has configured.
+/// Returns a cargo command without the environment of the outer cargo or clippy, but with the user's configuration.
 pub fn inner_cargo() -> Result<Command, String> {
     const KEPT: [&str; 10] = [
         "CARGO_HOME",
@@ -137,30 +128,30 @@ pub fn inner_cargo() -> Result<Command, String> {
     Ok(command)
 }
 
-/// What the compiler tells.
+/// Returns the compiler's output.
 pub fn rustc(arguments: &[&str]) -> Result<String, String> {
     let output = Command::new(variable("RUSTC")?).args(arguments).output();
     let output = output.map_err(|e| format!("rustc does not start: {e}"))?;
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Flags that put names in the place of this machine's folders, and no date into the library.
+/// Returns flags that replace this machine's paths by names and keep dates out of the library.
 fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR")?);
     let mut folders = vec![(manifest, "rocking-block"), (target_dir.to_path_buf(), "target")];
     let home = std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".cargo"));
     if let Some(cargo_home) = std::env::var_os("CARGO_HOME").map(PathBuf::from).or(home) {
-        // The folder of a registry is named after its host.
+        // A registry's folder is named after its host.
         let sources = std::fs::read_dir(cargo_home.join("registry/src")).into_iter().flatten().flatten();
         folders.extend(sources.map(|source| (source.path(), "registry")));
         folders.insert(0, (cargo_home, "cargo"));
     }
-    // Where the standard library's sources are at hand, the compiler names them instead of where they came from.
+    // If the standard library's sources are installed, the compiler embeds their local paths.
     let version = rustc(&["-vV"])?;
     let origin =
         version.lines().find_map(|line| line.strip_prefix("commit-hash: ")).map(|hash| format!("rustc/{hash}"));
     if let Some(origin) = &origin {
-        // Of the folders that fit, the last counts.
+        // The last matching prefix wins.
         folders.push((Path::new(rustc(&["--print", "sysroot"])?.trim()).join("lib/rustlib/src/rust"), origin));
     }
     let mut flags = OsString::new();
@@ -178,8 +169,8 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     Ok(flags)
 }
 
-/// Whether the outer cargo only checks (or documents), which should not pay for an FMU. Cargo does not tell its build
-/// scripts, but on Linux the command line of the parent process does; where it cannot be read, the FMU is packed.
+/// Returns true if the outer cargo only checks or documents, which should not cost the packing of an FMU. Cargo does not tell its
+/// build scripts, but on Linux the command line of the parent process shows it. If it cannot be read, the FMU is packed.
 pub fn only_checking() -> bool {
     #[cfg(target_os = "linux")]
     {

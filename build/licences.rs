@@ -1,4 +1,4 @@
-//! The crates that are linked into the library → their licences and the bill of materials.
+//! The crates linked into the library → their licences and the bill of materials.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -9,7 +9,7 @@ use cargo_metadata::{Metadata, MetadataCommand, PackageId};
 
 use super::{library, sbom};
 
-/// What Rust's standard library is made of besides its own crates, and under which licences.
+/// Third-party crates inside Rust's standard library, and their licences.
 pub const IN_STANDARD_LIBRARY: [(&str, &str); 10] = [
     ("addr2line", "Apache-2.0 OR MIT"),
     ("adler2", "0BSD OR MIT OR Apache-2.0"),
@@ -23,15 +23,15 @@ pub const IN_STANDARD_LIBRARY: [(&str, &str); 10] = [
     ("rustc-demangle", "MIT OR Apache-2.0"),
 ];
 
-/// The runtime with which Windows libraries are linked, and its folder below documentation/licenses.
+/// The runtime linked into Windows libraries, and its folder below documentation/licenses.
 pub const MINGW: &str = "mingw-w64";
 
-/// Whether the library holds parts of it.
+/// Returns true if the library contains parts of it.
 pub fn with_mingw() -> Result<bool, String> {
     Ok(crate::variable("TARGET")?.ends_with("-windows-gnu"))
 }
 
-/// Files for the FMU, by path: `documentation/licenses` and the bill of materials.
+/// Returns files for the FMU by path: `documentation/licenses` and the bill of materials.
 pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
     let metadata = metadata()?;
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
@@ -59,7 +59,8 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
         let licence = package.license.as_deref().unwrap_or("see its licence file");
         let repository = package.repository.as_deref().unwrap_or("");
         let _ = writeln!(index, "{folder}: {licence} {repository}");
-        if id != root {
+        // The project's own packages have the root's licences.
+        if package.source.is_some() {
             let home = package.manifest_path.parent().ok_or("a manifest is in no folder")?;
             let texts = licence_files(home.as_std_path())?;
             if texts.is_empty() {
@@ -83,11 +84,20 @@ fn metadata() -> Result<Metadata, String> {
     MetadataCommand::parse(told(command)?).map_err(|e| format!("cargo metadata: {e}"))
 }
 
-/// The root and all that its code needs at run time: no build or test dependencies, no macros. `cargo tree` knows which
-/// optional dependencies are really used, which `cargo metadata` does not.
+/// Returns the root and its run-time dependencies, without build and test dependencies and macros. `cargo tree` knows the optional
+/// dependencies that are really used; `cargo metadata` does not.
 fn linked(metadata: &Metadata) -> Result<BTreeSet<PackageId>, String> {
     let mut command = library::inner_cargo()?;
-    command.args(["tree", "--edges", "normal,no-proc-macro", "--no-default-features", "--locked", "--no-dedupe"]);
+    command.args([
+        "tree",
+        "--package",
+        "rocking-block",
+        "--edges",
+        "normal,no-proc-macro",
+        "--no-default-features",
+        "--locked",
+        "--no-dedupe",
+    ]);
     command.args(["--prefix", "none", "--format", "{p}", "--target", &crate::variable("TARGET")?]);
     let tree = told(command)?;
     // `name vVERSION`, and the folder of a local package.

@@ -4,6 +4,8 @@
 mod archive;
 #[path = "container.rs"]
 mod container;
+#[path = "date.rs"]
+mod date;
 #[path = "library.rs"]
 mod library;
 #[path = "licences.rs"]
@@ -18,13 +20,13 @@ use crate::SOURCES;
 use crate::description::Description;
 use library::Version;
 
-/// Packs an FMU for each version of FMI, beside the program that is being built.
+/// Packs an FMU for each version of FMI, next to the program under construction.
 pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
-    // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out, wherever <target> is.
+    // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out.
     let profile = out.ancestors().nth(3).ok_or("OUT_DIR is not where cargo puts it")?;
     let fmus = Version::ALL.map(|version| (version, profile.join(version.file())));
-    // A file that is missing makes cargo run this script again: an FMU when somebody removed it, and the stamp when
-    // the sources have changed and a `cargo check` did not pack them.
+    // A missing file makes cargo run this script again: an FMU if somebody removed it, and the stamp if the sources
+    // changed and a `cargo check` did not pack them.
     let stamp = out.join("packed");
     println!("cargo::rerun-if-changed={}", stamp.display());
     for (version, fmu) in &fmus {
@@ -43,7 +45,7 @@ pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
         archive::pack(*version, fmu, description, &library, papers.clone())?;
     }
     std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;
-    // As old as the newest source: cargo takes what is newer than this script's beginning for changed.
+    // The files get the age of the newest source: cargo treats files newer than the start of this script as changed.
     let newest = newest_source()?;
     for made in fmus.iter().map(|(_, fmu)| fmu).chain([&stamp]) {
         let file = std::fs::File::options().append(true).open(made).map_err(|e| format!("{}: {e}", made.display()))?;
@@ -63,7 +65,7 @@ fn newest_source() -> Result<SystemTime, String> {
     Ok(newest)
 }
 
-/// The files below a path, or the path itself, sorted.
+/// Returns the files below a path, or the path itself, sorted.
 fn files(path: &Path) -> Result<Vec<PathBuf>, String> {
     if !path.is_dir() {
         return Ok(vec![path.to_path_buf()]);

@@ -1,6 +1,6 @@
-//! The crates that are linked into the library → a software bill of materials, CycloneDX 1.6.
+//! The crates linked into the library → a software bill of materials, CycloneDX 1.6.
 //!
-//! It holds no date and no serial number: the same sources and the same compiler give the same bytes.
+//! It contains no date and no serial number: the same sources and compiler give the same bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,10 +11,10 @@ use crate::read;
 
 use super::{library, licences};
 
-/// Where it stands in the FMU.
+/// Path of the bill inside the FMU.
 pub const PLACE: &str = "documentation/sbom.cdx.json";
 
-/// The bill for the packages that are linked.
+/// Returns the bill for the linked packages.
 pub fn write(metadata: &Metadata, linked: &BTreeSet<PackageId>) -> Result<String, String> {
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?;
     let checksums = checksums(&read("Cargo.lock")?);
@@ -67,7 +67,7 @@ fn component(kind: &str, package: &Package, checksum: Option<&String>) -> Value 
         "purl": reference(package),
     });
     if let Some(licence) = &package.license {
-        // Older manifests have a slash for OR.
+        // Older manifests use a slash for OR.
         component["licenses"] = json!([{ "expression": licence.replace('/', " OR ") }]);
     }
     if let Some(repository) = &package.repository {
@@ -83,7 +83,7 @@ fn reference(package: &Package) -> String {
     format!("pkg:cargo/{}@{}", package.name, package.version)
 }
 
-/// The part of the binary that no manifest names: its reference and its component.
+/// Returns reference and component of the standard library, which no manifest names.
 fn standard_library() -> Result<(String, Value), String> {
     let told = library::rustc(&["-vV"])?;
     let release = told.lines().find_map(|line| line.strip_prefix("release: "));
@@ -97,7 +97,7 @@ fn standard_library() -> Result<(String, Value), String> {
         "purl": reference,
         "licenses": [{ "expression": "MIT OR Apache-2.0" }],
         "externalReferences": [{ "type": "vcs", "url": "https://github.com/rust-lang/rust" }],
-        // Their versions are those of its release.
+        // Their versions follow from its release.
         "components": licences::IN_STANDARD_LIBRARY.map(|(name, licence)| json!({
             "type": "library",
             "bom-ref": format!("{reference}#{name}"),
@@ -108,7 +108,7 @@ fn standard_library() -> Result<(String, Value), String> {
     Ok((reference, component))
 }
 
-/// Cargo.lock → the checksum of each package by name and version.
+/// Returns the checksum of each package in Cargo.lock by name and version.
 fn checksums(lock: &str) -> BTreeMap<(String, String), String> {
     let value = |block: &str, key: &str| {
         let line = block.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "))?;

@@ -1,4 +1,4 @@
-"""What the examples share: the places of FMU and program, an instance of an FMU in fmpy, and an earthquake."""
+"""Shared by the examples: paths of FMU and program, an FMU instance in fmpy, and an earthquake."""
 
 import argparse
 import ctypes
@@ -20,7 +20,7 @@ RECORD = ROOT / "records/np01002p_4225a_a.smc"
 
 
 class Instance:
-    """An FMU for Co-Simulation under fmpy, its variables by name."""
+    """A Co-Simulation FMU in fmpy, with variables by name."""
 
     def __init__(self, path, start_values=None, tolerance=None, initialize=True):
         description = read_model_description(path)
@@ -52,7 +52,7 @@ class Instance:
         return np.array(self.slave.getReal(self.references(names)))
 
     def derivatives(self, outputs, inputs) -> np.ndarray:
-        """The matrix of the derivatives of `outputs` with respect to `inputs`."""
+        """Returns the matrix of derivatives of `outputs` with respect to `inputs`."""
         known, unknown = self.references(inputs), self.references(outputs)
         columns = [self.slave.getDirectionalDerivative(unknown, [reference], [1.0]) for reference in known]
         return np.array(columns).T
@@ -73,8 +73,10 @@ def instance(path, start_values=None, tolerance=None):
 
 
 def read_record(path=RECORD, *options) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and accelerations [m/s2] of a record of any format that `rocking` reads; `options` are those of
-    `rocking record`, such as "--unit=g"."""
+    """Returns times [s] and accelerations [m/s2] of a record in any format that `rocking` reads.
+
+    `options` are those of `rocking record`, such as "--unit=g".
+    """
     run = subprocess.run([ROCKING, "record", path, "--csv=-", *options], capture_output=True, text=True)
     if run.returncode != 0:
         raise ValueError(run.stderr.strip())
@@ -82,19 +84,19 @@ def read_record(path=RECORD, *options) -> tuple[np.ndarray, np.ndarray]:
 
 
 def picture(arguments: argparse.Namespace, folder: Path) -> Path:
-    """Where the picture of the example in `folder` goes: to the folder in which it is started, or to its page."""
+    """Returns the path of the example's picture: in the working directory, or on the example's page."""
     return folder / "result.png" if arguments.update else Path(f"{folder.name}.png")
 
 
 def parser(description: str) -> argparse.ArgumentParser:
-    """Options that all examples of a coupling have."""
+    """Returns a parser with the options common to all coupling examples."""
     found = argparse.ArgumentParser(description=description.splitlines()[0])
     found.add_argument("--update", action="store_true", help="renew the picture of this example's page")
     return found
 
 
 def load_tbb() -> None:
-    """Makes Ecos's library find TBB, which its package does not bring and the package `tbb` puts where no loader looks."""
+    """Loads TBB for Ecos's library: its package lacks TBB, and the package `tbb` installs it where no loader looks."""
     if sys.platform == "linux":
         path = Path(sys.prefix, "lib/libtbb.so.12")
         ctypes.CDLL(str(path if path.exists() else "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)

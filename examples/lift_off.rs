@@ -1,13 +1,14 @@
-//! Kinetic energy that the change of the horizontal constraint at lift-off adds: `cargo run --release --example lift_off`. Writes the table of docs/lift_off.md.
+//! Kinetic energy added by the change of the horizontal constraint at lift-off; prints the table of docs/lift_off.md:
+//! `cargo run --release --example lift_off`.
 
 #[path = "../tests/common/mod.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod common;
 
 use rocking_block::block::Foundation;
-use rocking_block::contact::Regime;
+use rocking_block::block::Regime;
 use rocking_block::simulation::{Settings, Simulation};
-use rocking_block::system::surfaces::{Event, EventKind};
+use rocking_block::system::events::{Event, EventKind};
 
 use common::{Case, Record, cases, inputs_at, record_step};
 
@@ -49,7 +50,7 @@ fn go(simulation: &mut Simulation, records: &Records, until: f64, events: &mut V
     }
 }
 
-/// Part by which the kinetic energy rises at an event, from both sides of it.
+/// Returns the relative rise of the kinetic energy at an event.
 fn kinetic_rise(case: &Case, records: &Records, time: f64) -> f64 {
     let mut simulation = start(case, records);
     go(&mut simulation, records, time - 1e-9, &mut Vec::new());

@@ -1,13 +1,13 @@
-//! One run of a case, for `scripts/instructions` to count what it takes:
+//! One run of a case, whose instructions `scripts/instructions` counts:
 //! `one_run (sine | record | flight | reference RECORD) [TOLERANCE]`.
 //!
-//! `reference` is the block of most cases of tests/reference under a record that may not be redistributed.
+//! `reference` runs the block of most cases of tests/reference under a record that may not be redistributed.
 
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::records::ground::Ground;
-use rocking_block::records::{self, ReadOptions};
+use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
+use rocking_records::ReadOptions;
 
 const RECORD: &[u8] = include_bytes!("../records/np01002p_4225a_a.smc");
 
@@ -16,7 +16,7 @@ fn block(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block {
     Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).expect("a block")
 }
 
-/// Steps from stop to stop of the ground motion; never inlined, since callgrind counts inside it.
+/// Steps from stop to stop of the ground motion. Never inlined, since callgrind counts inside it.
 #[inline(never)]
 fn counted(simulation: &mut Simulation, ground: &Ground, end: f64) -> f64 {
     while simulation.time() < end {
@@ -37,14 +37,15 @@ fn main() {
         "sine" => (block(0.25, 1.0, 40.0, 0.1, 0.0), sine(4.0, 1.2566), Ground::default(), 10.0),
         "flight" => (block(0.3, 2.5, 80.0, 0.02, 0.6), sine(4.0, 0.8), Ground::default(), 4.0),
         "record" => {
-            let record = records::parse("np01002p_4225a_a.smc", RECORD, &ReadOptions::default()).expect("a record");
+            let record =
+                rocking_records::parse("np01002p_4225a_a.smc", RECORD, &ReadOptions::default()).expect("a record");
             let end = record.start_time + record.duration();
             let ground = Ground { horizontal: Some(record), vertical: None };
             (block(0.15, 2.0, 40.0, 0.2, 0.0), Pulse::NONE, ground, end)
         }
         "reference" => {
             let path = arguments.next().expect("a record");
-            let record = records::read(path.as_ref(), &ReadOptions::default()).expect("a record");
+            let record = rocking_records::read(path.as_ref(), &ReadOptions::default()).expect("a record");
             let end = record.start_time + record.duration();
             let ground = Ground { horizontal: Some(record), vertical: None };
             (block(0.25, 1.0, 40.0, 0.1, 0.0), Pulse::NONE, ground, end)

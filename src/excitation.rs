@@ -1,12 +1,12 @@
-//! Inputs over a step and the built-in pulse → what drives the block, per unit of its mass, at any time of a smooth piece.
+//! Inputs over a step and the built-in pulse → the forcing, per unit of the block's mass, at any time of a smooth piece.
 
 use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
-use crate::dual::Dual64;
-use crate::scalar::Elementary;
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Elementary, Real, Scalar};
 
 /// A value that changes linearly in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -17,13 +17,14 @@ pub struct Ramp<T = f64> {
     pub rate: T,
 }
 
-impl<T: Elementary> Ramp<T> {
+impl<T: Scalar> Ramp<T> {
     /// A constant.
+    #[inline(always)]
     pub fn held(value: T) -> Ramp<T> {
         Ramp { value, rate: T::from(0.0) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn at(self, elapsed: T) -> T {
         self.value + self.rate * elapsed
     }
@@ -32,7 +33,9 @@ impl<T: Elementary> Ramp<T> {
     pub fn moved(self, elapsed: T) -> Ramp<T> {
         Ramp { value: self.at(elapsed), rate: self.rate }
     }
+}
 
+impl<T: Elementary> Ramp<T> {
     fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
         // No force needs no divisions.
         if force.value.is_zero() && force.rate.is_zero() {
@@ -186,14 +189,19 @@ struct Wave<T = f64> {
     start: T,
 }
 
-impl<T: Elementary> Wave<T> {
+impl<T: Scalar> Wave<T> {
     #[inline]
     fn at(&self, time: T) -> T {
         self.amplitude * (self.omega * (time - self.start) + self.phase).sin()
     }
+
+    #[inline]
+    fn rate_at(&self, time: T) -> T {
+        self.amplitude * self.omega * (self.omega * (time - self.start) + self.phase).cos()
+    }
 }
 
-/// What drives the block at one instant, per unit of its mass: ground accelerations less the loads' share.
+/// The forcing at one instant, per unit of the block's mass: ground accelerations less the loads' share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forcing<T> {
     /// `a_gx − F_x/M` (m/s²).
@@ -204,13 +212,14 @@ pub struct Forcing<T> {
     pub moment: T,
 }
 
-impl Forcing<f64> {
+impl<R: Real> Forcing<R> {
     /// This forcing as dual numbers with `derivative` in their dual parts.
-    pub fn with_derivative(self, derivative: Forcing<f64>) -> Forcing<Dual64> {
+    #[inline(always)]
+    pub fn with_derivative(self, derivative: Forcing<R>) -> Forcing<Dual<R>> {
         Forcing {
-            x: Dual64::new(self.x, derivative.x),
-            z: Dual64::new(self.z, derivative.z),
-            moment: Dual64::new(self.moment, derivative.moment),
+            x: Dual::new(self.x, derivative.x),
+            z: Dual::new(self.z, derivative.z),
+            moment: Dual::new(self.moment, derivative.moment),
         }
     }
 }
@@ -236,13 +245,34 @@ impl<T: Elementary> Excitation<T> {
             wave: pulse.map(Pulse::wave),
         }
     }
+}
 
-    /// What drives the block at `time` (s).
-    #[inline]
+impl<T: Scalar> Excitation<T> {
+    /// Ground accelerations alone, horizontal and vertical, from a reference time (s) on.
+    #[inline(always)]
+    pub fn of_ground(time: T, [x, z]: [Ramp<T>; 2]) -> Excitation<T> {
+        Excitation { time, x, z, moment: Ramp::held(T::from(0.0)), wave: None }
+    }
+
+    /// The forcing at `time` (s).
+    #[inline(always)]
     pub fn at(&self, time: T) -> Forcing<T> {
         let elapsed = time - self.time;
-        let pulse = self.wave.map_or(T::from(0.0), |wave| wave.at(time));
+        let pulse = match &self.wave {
+            Some(wave) => wave.at(time),
+            None => T::from(0.0),
+        };
         Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed) }
+    }
+
+    /// The rate at which the forcing changes at `time` (s), per second.
+    #[inline(always)]
+    pub fn rate_at(&self, time: T) -> Forcing<T> {
+        let pulse = match &self.wave {
+            Some(wave) => wave.rate_at(time),
+            None => T::from(0.0),
+        };
+        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate }
     }
 }
 
@@ -257,16 +287,7 @@ impl Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
     }
 
-    /// The rate at which that changes at `time`, per second.
-    pub fn rate_at(&self, time: f64) -> Forcing<f64> {
-        let pulse = match self.wave {
-            Some(wave) => wave.amplitude * wave.omega * libm::cos(wave.omega * (time - wave.start) + wave.phase),
-            None => 0.0,
-        };
-        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate }
-    }
-
-    /// What the forcing adds up to between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
+    /// Integrals of the horizontal forcing between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
     pub fn horizontal_drift(&self, from: f64, to: f64) -> (f64, f64) {
         let duration = to - from;
         let start = self.x.at(from - self.time);

@@ -6,55 +6,32 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`records`] | accelerogram files → ground accelerations, linear between their samples |
-//! | [`scalar`] | what formulas need of a number: `f64`, and dual numbers for derivatives |
-//! | [`dual`] | a number with its derivative |
-//! | [`block`] | parameters → all that the equations need |
+//! | [`numerics`] | a right-hand side → steps, their errors, roots; numbers with derivatives, lanes: knows nothing of blocks |
+//! | [`block`] | parameters → all that the equations need; the contact of each corner → the regime |
 //! | [`excitation`] | inputs over a step, pulses → what drives the block at any time |
-//! | [`contact`] | what each corner does → the regime |
+//! | [`ground`] | records → inputs, linear between their samples |
 //! | [`system`] | pose and excitation → accelerations, reactions, and what an event makes of them: no clock, no counters |
-//! | [`numerics`] | a right-hand side → steps, their errors, roots: knows nothing of blocks |
 //! | [`simulation`] | the driver: step → locate → apply → go on; peaks, energies, outputs |
-//! | [`model`] | the variables of modelDescription.xml ↔ block, pulse, outputs: no C, no version of FMI |
-//! | [`fmi`] | pointers of C → slices; panics and faults → a status and a message: what all versions of FMI share |
-//! | [`fmi2`] | the model behind the C interface of FMI 2.0 |
-//! | [`fmi3`] | the model behind the C interface of FMI 3.0 |
-//! | [`study`] | runs → histories, spectra, sweeps, searches, the paper's figures, tables, pictures |
-//! | [`cli`] | the command line |
+//! | [`words`] | choices of a user ↔ their words, the same everywhere |
+//! | [`mod@unit`] | the variables of modelDescription.xml ↔ block, pulse, outputs; life cycle, saved states: no C, no version of FMI |
+//! | [`fmi`] | the calls of an importer → the unit: what the C interfaces share, and [`fmi::fmi2`] and [`fmi::fmi3`] |
 //!
 //! Arrows run one way: what the block is does not know how it is stepped, and neither knows how it is shown.
 
-pub mod records;
-
-pub mod scalar;
-
-pub mod dual;
+pub mod numerics;
 
 pub mod block;
 
 pub mod excitation;
 
-pub mod contact;
+pub mod ground;
 
 pub mod system;
 
-pub mod numerics;
-
 pub mod simulation;
 
-pub mod model;
+pub mod words;
 
-#[cfg(any(feature = "fmi", doc))]
+pub mod unit;
+
 pub mod fmi;
-
-#[cfg(any(feature = "fmi", doc))]
-pub mod fmi2;
-
-#[cfg(any(feature = "fmi", doc))]
-pub mod fmi3;
-
-#[cfg(feature = "studies")]
-pub mod study;
-
-#[cfg(feature = "program")]
-pub mod cli;

@@ -1,22 +1,22 @@
-//! `fmi2DoStep` and `fmi3DoStep` allocate no memory: events, the end of a run, log lines and intermediate updates included.
+//! `fmi2DoStep` and `fmi3DoStep` allocate no memory, even with events, the end of a run, logging and intermediate updates.
 //!
-//! The library inside the FMU has an allocator of its own, which cannot be watched from outside; so the exported functions
-//! are called in the crate, under an allocator that counts.
+//! The library inside the FMU has its own allocator, invisible from outside. The tests therefore call the exported functions in
+//! the crate, under a counting allocator.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
-use rocking_block::fmi2::exports::*;
-use rocking_block::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
-use rocking_block::fmi3::exports::*;
-use rocking_block::model::variables::{GUID, TOKEN, VARIABLES};
+use rocking_block::fmi::fmi2::exports::*;
+use rocking_block::fmi::fmi2::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component};
+use rocking_block::fmi::fmi3::exports::*;
+use rocking_block::unit::variables::{GUID, TOKEN, VARIABLES};
 
 struct Counting;
 
 thread_local! {
-    /// Calls of the allocator by this thread; the test harness has threads of its own.
+    /// Calls of the allocator by this thread, without those of the test harness.
     static CALLS: Cell<u64> = const { Cell::new(0) };
     static LINES: Cell<u64> = const { Cell::new(0) };
 }
@@ -25,7 +25,7 @@ fn count() {
     CALLS.set(CALLS.get() + 1);
 }
 
-// SAFETY: all is handed on to the system's allocator.
+// SAFETY: all calls go on to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
@@ -55,7 +55,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Takes lines and drops them. Named and variadic arguments are passed alike where this project is built.
+/// Counts log lines. On the supported platforms named and variadic arguments are passed alike.
 unsafe extern "C" fn logger(
     _: *mut c_void,
     _: *const c_char,
@@ -74,16 +74,16 @@ fn reference(name: &str) -> u32 {
 struct Outcome {
     /// Calls of the allocator in all steps.
     calls: u64,
-    /// Calls of the allocator while inputs and their derivatives were set.
+    /// Calls of the allocator while setting inputs and their derivatives.
     setting: u64,
     steps: u64,
-    /// Lines logged in these steps.
+    /// Log lines of these steps.
     lines: u64,
     events: i32,
     last: c_int,
 }
 
-/// Ten seconds in steps of 0.01 s under a pulse, with inputs and their rates set before each step.
+/// Runs ten seconds in steps of 0.01 s under a pulse, setting inputs and their rates before each step.
 fn run(integers: &[(&str, c_int)], reals: &[(&str, f64)], logging: bool) -> Outcome {
     let (name, guid) = (c"block", CString::new(GUID).unwrap());
     // SAFETY: the pointers differ in the variadic argument only; see `logger`.
@@ -136,7 +136,7 @@ fn run(integers: &[(&str, c_int)], reals: &[(&str, f64)], logging: bool) -> Outc
 const PULSE: [(&str, f64); 2] = [("pulse.amplitude", 6.2622), ("pulse.period", 1.2566370614359172)];
 
 #[test]
-fn the_allocator_is_watched() {
+fn the_allocator_counts() {
     let before = CALLS.get();
     drop(std::hint::black_box(Box::new(1)));
     assert_eq!(CALLS.get() - before, 2);
@@ -147,7 +147,7 @@ fn steps_with_events_allocate_nothing() {
     for logging in [false, true] {
         let rocking = run(&[("pulse.shape", 2)], &PULSE, logging);
         assert_eq!((rocking.calls, rocking.steps, rocking.last), (0, 1000, 0));
-        assert_eq!(rocking.setting, 0, "what a real-time loop does between the steps");
+        assert_eq!(rocking.setting, 0, "setting inputs between the steps allocates");
         assert!(rocking.events >= 5);
         assert_eq!(rocking.lines > 1005, logging, "{} lines", rocking.lines);
     }
@@ -181,7 +181,7 @@ thread_local! {
     static LOOKS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Sets a_gx where it is asked for, and reads theta elsewhere.
+/// Sets a_gx when inputs are allowed, and otherwise reads theta.
 unsafe extern "C-unwind" fn update(
     _: *mut c_void,
     time: f64,
@@ -193,7 +193,7 @@ unsafe extern "C-unwind" fn update(
     _: *mut f64,
 ) {
     LOOKS.set(LOOKS.get() + 1);
-    // SAFETY: the instance lives, and is lent meanwhile; arrays of one element.
+    // SAFETY: the instance lives and is lent to the callback; arrays of one element.
     let status = unsafe {
         if set_requested != 0 {
             fmi3SetFloat64(BLOCK.get(), &reference("a_gx"), 1, &(2.0 * time.sin()), 1)
@@ -254,7 +254,7 @@ fn steps_of_fmi_3_allocate_nothing() {
         }
         assert_eq!(CALLS.get() - before, 0);
         assert!(events >= 3 && LINES.get() > lines, "{events} events");
-        // Two every 5 ms: a part of a step goes on across an early return.
+        // Two every 5 ms: the rest of a step continues after an early return.
         assert_eq!(LOOKS.get(), 4000);
         fmi3FreeInstance(block);
     }

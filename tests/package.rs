@@ -1,14 +1,20 @@
 //! What is in `RockingBlock.fmu`, and that it depends on the sources alone.
 
+#[path = "../build/date.rs"]
+mod date;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use rocking_block::model::variables::{GUID, VARIABLES};
+use rocking_block::unit::variables::{GUID, VARIABLES};
 use zip::{CompressionMethod, DateTime, ZipArchive};
 
 const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
+
+/// Those of which the last commit has the date.
+const SOURCES: [&str; 5] = ["build.rs", "build", "src", "modelDescription.xml", "documentation"];
 
 fn open(path: &Path) -> ZipArchive<File> {
     let file = File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -52,8 +58,16 @@ fn holds_what_the_standard_names_and_nothing_else() {
     let files = files();
     let (binary, _) = binary(&files);
     let found: Vec<_> = files.keys().filter(|path| !path.starts_with("documentation/licenses/")).collect();
-    let expected =
-        [binary, "documentation/index.html", "documentation/sbom.cdx.json", "model.png", "modelDescription.xml"];
+    let expected = [
+        binary,
+        "documentation/index.html",
+        "documentation/sbom.cdx.json",
+        "model.png",
+        "modelDescription.xml",
+        "terminalsAndIcons/icon.png",
+        "terminalsAndIcons/icon.svg",
+        "terminalsAndIcons/terminalsAndIcons.xml",
+    ];
     assert_eq!(found, expected);
 
     let (folder, file) = binary["binaries/".len()..].split_once('/').unwrap();
@@ -70,7 +84,9 @@ fn holds_the_licence_of_every_crate_it_lists() {
     // A crate's line: name version: licence, repository.
     let crates = index.lines().filter_map(|line| line.split_once(": ")?.0.rsplit_once('-'));
     let mut listed: BTreeSet<_> = crates
-        .filter(|(name, version)| *name != "rocking-block" && version.starts_with(|first: char| first.is_ascii_digit()))
+        .filter(|(name, version)| {
+            !name.starts_with("rocking-") && version.starts_with(|first: char| first.is_ascii_digit())
+        })
         .map(|(name, version)| format!("{name}-{version}"))
         .collect();
     assert!(listed.iter().any(|name| name.starts_with("serde-")), "{index}");
@@ -106,6 +122,11 @@ fn bill_of_materials_lists_the_crates_of_the_licences_with_their_checksums() {
         let locked = format!("name = \"{name}\"\nversion = \"{version}\"\n");
         let entry = &lock[lock.find(&locked).unwrap_or_else(|| panic!("Cargo.lock has no {name} {version}"))..];
         let entry = entry.split("[[package]]").next().unwrap();
+        // The project's own crates have its licences and no checksum.
+        if !entry.contains("source = ") {
+            assert!(name.starts_with("rocking-") && component["hashes"].is_null(), "{component}");
+            continue;
+        }
         assert!(entry.contains(&format!("checksum = \"{}\"", word(&component["hashes"][0]["content"]))), "{entry}");
         named.insert(format!("{name}-{version}"));
     }
@@ -118,6 +139,25 @@ fn bill_of_materials_lists_the_crates_of_the_licences_with_their_checksums() {
             assert!(references.contains(&word(needed)), "{dependency}");
         }
     }
+}
+
+/// The date of the sources, not that of the build: packed again after the same commit, the FMU is the same.
+#[test]
+fn description_has_the_date_of_the_sources() {
+    for (seconds, expected) in [
+        (0, "1970-01-01T00:00:00Z"),
+        (951_826_154, "2000-02-29T12:09:14Z"),
+        (1_709_251_199, "2024-02-29T23:59:59Z"),
+        (4_107_542_400, "2100-03-01T00:00:00Z"),
+        (-1, "1969-12-31T23:59:59Z"),
+    ] {
+        assert_eq!(date::utc(seconds), expected);
+    }
+    let packed = text(&files(), "modelDescription.xml");
+    let packed = roxmltree::Document::parse(&packed).unwrap();
+    let date = packed.root_element().attribute("generationDateAndTime").unwrap();
+    // A commit of what was already built does not pack again.
+    assert!(date.len() == 20 && *date <= *date::generation().unwrap(), "{date}");
 }
 
 /// The packed description is the source with its GUID, and with Integers in the place of enumerations.

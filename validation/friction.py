@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How much friction runs of a typical sweep need: for how long |H|/(N_L + N_R) is above 0.3, 0.5 and 0.7 in each.
+"""Friction needed by the runs of a typical sweep: the longest time for which |H|/(N_L + N_R) is above 0.3, 0.5 and 0.7.
 
     python validation/friction.py [--runs 200] [--json]
 
@@ -37,7 +37,7 @@ def main():
         if run.counts.liftoffs == 0:
             continue
         demand = run.friction_demand
-        # The longest time in one piece above each level.
+        # The longest uninterrupted time above each level.
         pieces = []
         for level in LEVELS:
             above = np.concatenate([[0], (demand > level).astype(int), [0]])

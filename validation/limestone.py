@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""Held against the first impacts of limestone blocks: the ratio of the angular velocities after and before.
+"""Validation against first impacts of limestone blocks: the ratio of the angular velocities after and before.
 
     python validation/limestone.py FOLDER [--json]
 
-The folder holds `first_impacts.csv`: group, trial, height of the block (its width is 0.05 m) and the ratio. What has to be
-fitted is fitted to half of the groups and judged on the other half, both ways, over all divisions of the groups into halves.
+The folder holds `first_impacts.csv`: group, trial, height of the block (its width is 0.05 m) and the ratio. Parameters are
+fitted to half of the groups and judged on the other half, both ways, over all divisions of the groups into halves.
 Needs the Python package `rocking_block` and NumPy.
 
 - Housner (1963): the ratio of a block that conserves its angular momentum about the new corner, with half width b and half
   height h: e = 1 − 3/2 sin² α, alpha = atan(b/h). Nothing is fitted.
 - A constant.
-- A restitution factor: the same part of Housner's ratio for all blocks.
-- Another base: Housner's ratio of a base that is narrower or wider by the same part for all blocks.
-- Supports: the block on viscoelastic supports (Palmeri and Makris 2008), let go at half its slenderness; its vertical
+- A restitution factor: the same multiple of Housner's ratio for all blocks.
+- Another base: Housner's ratio of a base that is narrower or wider by the same factor for all blocks.
+- Supports: the block on viscoelastic supports (Palmeri and Makris 2008), released at half its slenderness; its vertical
   circular frequency, taken to vary as H^(-1/2), and damping ratio are fitted on a grid.
-- The floor: each trial by the mean of the other trials of its group. No rule that knows the block alone can do better.
+- The floor: each trial predicted by the mean of the other trials of its group. No rule based on the block alone can do better.
 """
 
 import argparse
@@ -32,14 +32,16 @@ HALF_WIDTH = 0.025
 
 
 def housner(half_width, half_height):
-    """Ratio of angular velocities, for a homogeneous rectangle."""
+    """Returns Housner's ratio of angular velocities for a homogeneous rectangle."""
     alpha = np.arctan2(half_width, half_height)
     return 1 - 1.5 * np.sin(alpha) ** 2
 
 
 def on_supports(height, frequency, damping):
-    """Ratio of angular velocities after and before the first impact on supports: before the landing, and where the other corner
-    lifts. `frequency` (rad/s) is that of a block of 0.5 m."""
+    """Returns the ratio of angular velocities after and before the first impact on supports.
+
+    They are taken before the landing, and when the other corner lifts. `frequency` (rad/s) is that of a block of 0.5 m.
+    """
     half_height = height / 2
     alpha, radius = math.atan2(HALF_WIDTH, half_height), math.hypot(HALF_WIDTH, half_height)
     p = math.sqrt(0.75 * 9.81 / radius)
@@ -59,7 +61,7 @@ DAMPINGS = (0.02, 0.05, 0.1, 0.2, 0.4)
 
 
 def rules(heights):
-    """For each rule its predictions for all trials, one row for each choice of what is fitted."""
+    """Returns each rule's predictions for all trials, one row per candidate of the fit."""
     half = heights / 2
     e = housner(HALF_WIDTH, half)
     parts = np.linspace(0.8, 1.05, 251)

@@ -1,22 +1,21 @@
 #!/usr/bin/env python3
-"""Held against shaking-table tests: does a free-standing rock overturn?
+"""Validation against shaking-table tests: does a free-standing rock overturn?
 
     python validation/shaking_table.py --fit FOLDER --test FOLDER [--json]
     python validation/shaking_table.py --fit FOLDER --cross-validate motions tests
 
-A folder holds `tests.csv`, `motions.npz` and `rocks.json`. What is fitted is fitted on the first folder only, and judged on
-the second; tests without a motion are left out. Needs the Python package `rocking_block` and NumPy.
+A folder holds `tests.csv`, `motions.npz` and `rocks.json`. Fits use the first folder only and are judged on the second; tests
+without a motion are left out. Needs the Python package `rocking_block` and NumPy.
 
-The rules; that for the geometry was stated before any outcome was looked at, the rest was not:
+The rule for the geometry was stated before any outcome was examined, the others were not:
 
-- Geometry: the rectangular block that has the rock's height of the centre of mass and moment of inertia, and as much energy
-  to lose on its weakest way over: alpha = sqrt(2 U/h). The naive rule, the critical tilt in the direction of shaking, is
-  shown beside it.
+- Geometry: the rectangular block with the rock's height of the centre of mass, moment of inertia, and energy barrier of its
+  weakest way over: alpha = sqrt(2 U/h). The naive rule, the critical tilt in the direction of shaking, is shown for
+  comparison.
 - Model: Housner's block on a rigid base, with his restitution, in the plane of shaking, without sliding.
 - Unit of prediction: an ensemble. The table's motion is scaled by the midpoints of equally likely parts of a lognormal
   distribution of 10 %; the probability of overturning is (overturned + 1/2)/(samples + 1).
-- The fit, where there is one: the slenderness of the greatest likelihood on the grid below; where the ensemble goes over the
-  slenderness too, its median and spread.
+- Fit: the maximum-likelihood slenderness on the grid below; for an ensemble over the slenderness, its median and spread.
 """
 
 import argparse
@@ -33,7 +32,7 @@ import rocking_block as rb
 GRAVITY = 9.81
 SPREAD = 0.10
 ALPHAS = np.geomspace(0.08, 0.26, 12)
-# Of the slenderness, where an ensemble goes over it too.
+# Spread of the slenderness in an ensemble over it.
 SPREADS = (0.05, 0.1, 0.2, 0.3, 0.4)
 ROCKS = {"SP1": "sp1", "SP2": "sp2"}
 
@@ -64,7 +63,7 @@ class Folder:
 
 
 def probabilities(folder, rock, alpha, samples, **options):
-    """Of overturning, for each test: an ensemble over the scale of the motion."""
+    """Returns the probability of overturning for each test, from an ensemble over the scale of the motion."""
     height, inertia = folder.rocks[rock]["h"], folder.rocks[rock]["i_y"]
     radius = height / math.cos(alpha)
     scales = [math.exp(SPREAD * NormalDist().inv_cdf((i + 0.5) / samples)) for i in range(samples)]
@@ -84,18 +83,17 @@ def probabilities(folder, rock, alpha, samples, **options):
 
 
 def rule(folder, rock):
-    """Slenderness of the block with the same energy barrier."""
+    """Returns the slenderness of the block with the same energy barrier."""
     return math.sqrt(2 * folder.rocks[rock]["weakest_way"]["rise"] / folder.rocks[rock]["h"])
 
 
 def naive(folder, rock):
-    """The critical tilt in the direction of shaking."""
+    """Returns the critical tilt in the direction of shaking."""
     return folder.rocks[rock]["arm +x"]["theta_c"]
 
 
 def over_slenderness(grid):
-    """Ensembles over the slenderness, too: the weights of a lognormal distribution on that of the grid. Yields median, spread
-    and probabilities."""
+    """Yields median, spread and probabilities of ensembles over the slenderness, by lognormal weights on its grid."""
     logs = np.log(ALPHAS)
     for spread in SPREADS:
         for centre, alpha in zip(logs, ALPHAS):
@@ -108,7 +106,7 @@ def log_likelihood(happened, probability):
 
 
 def logistic(predictors, happened):
-    """Coefficients of the greatest likelihood, the first one the constant. A weak ridge keeps separable data finite."""
+    """Returns maximum-likelihood coefficients, the constant first. A weak ridge keeps separable data finite."""
     x = np.column_stack([np.ones(len(happened)), *predictors])
     beta = np.zeros(x.shape[1])
     for _ in range(100):
@@ -126,20 +124,20 @@ def applied(beta, predictors):
 
 
 def threshold(values, happened):
-    """The value that divides best: at or above it, overturned."""
+    """Returns the value that divides best: at or above it, the prediction is overturned."""
     candidates = np.unique(values)
     right = [np.mean((values >= candidate) == happened) for candidate in candidates]
     return float(candidates[int(np.argmax(right))])
 
 
 def auc(happened, score):
-    """Probability that a test that overturned has the higher score; ties count half."""
+    """Returns the probability that an overturned test has the higher score; ties count half."""
     high, low = score[happened][:, None], score[~happened][None, :]
     return float(np.mean((high > low) + 0.5 * (high == low))) if high.size and low.size else math.nan
 
 
 def reliability(happened, probability):
-    """Mean prediction, frequency and number of tests in five bins."""
+    """Returns mean prediction, frequency and number of tests in five bins."""
     bins = np.minimum((probability * 5).astype(int), 4)
     rows = [(probability[bins == i], happened[bins == i]) for i in range(5)]
     return [(float(p.mean()), float(h.mean()), len(p)) for p, h in rows if len(p)]
@@ -158,7 +156,7 @@ def judged(happened, probability):
 
 
 def mcnemar(happened, first, second):
-    """Tests that only the first or only the second tells right, and the exact two-sided probability of that by chance."""
+    """Returns the counts of tests that only the first or only the second predicts, and the exact two-sided p-value."""
     a, b = (first > 0.5) == happened, (second > 0.5) == happened
     only_a, only_b = int(np.sum(a & ~b)), int(np.sum(b & ~a))
     n, k = only_a + only_b, min(only_a, only_b)
@@ -171,7 +169,7 @@ def logit(probability):
 
 
 def assess(rock, fit, test, made):
-    """All predictions for one rock. `made` gives probabilities by folder and slenderness."""
+    """Returns all predictions for one rock. `made` gives probabilities by folder and slenderness."""
     happened = test.overturned(rock)
     fitted_to = fit.overturned(rock)
     grid = np.array([made(fit, alpha) for alpha in ALPHAS])
@@ -214,7 +212,7 @@ def assess(rock, fit, test, made):
 
 
 def kept(samples):
-    """Probabilities by rock, folder and slenderness, made once."""
+    """Returns cached probabilities by rock, folder and slenderness."""
     memory = {}
 
     def make(rock):
@@ -230,8 +228,10 @@ def kept(samples):
 
 
 def cross_validated(folder, make, by, seed=1):
-    """Accuracy, AUC and Brier score of the model with fitted slenderness on halves that were not fitted: of tests, or of
-    motions with all their scales. `make` gives probabilities as in `assess`, for each rock."""
+    """Returns accuracy, AUC and Brier score of the model with fitted slenderness on unfitted halves.
+
+    The halves are of tests, or of motions with all their scales. `make` gives probabilities as in `assess`, for each rock.
+    """
     generator, results = np.random.default_rng(seed), {}
     groups = folder.motions() if by == "motions" else np.arange(len(folder.rows)).astype(str)
     names = np.unique(groups)
@@ -294,14 +294,14 @@ def show_cross_validated(results):
 
 
 def wilson(frequency, count, z=1.96):
-    """Limits, low and high, of Wilson's 95 % interval of a probability; they stay between 0 and 1."""
+    """Returns the lower and upper limits of Wilson's 95 % interval of a probability, within 0 and 1."""
     middle = (frequency + z**2 / (2 * count)) / (1 + z**2 / count)
     half = z / (1 + z**2 / count) * np.sqrt(frequency * (1 - frequency) / count + z**2 / (4 * count**2))
     return np.clip([middle - half, middle + half], 0, 1)
 
 
 def draw(results, path):
-    """ROC curves and reliability of the model without and with a fit, for both rocks."""
+    """Draws ROC curves and reliability of the model without and with a fit, for both rocks."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
-"""What of the model is to blame: other supports, restitutions, spreads and an unsymmetric block, on tests not fitted.
+"""Variants of the model: other supports, restitutions, spreads and an unsymmetric block, on unfitted tests.
 
     python validation/variants.py FOLDER [--json]
 
-FOLDER is as for shaking_table.py. Each variant is a grid of parameters. That of the greatest likelihood on one half of the
+FOLDER is as for shaking_table.py. Each variant is a grid of parameters. The maximum-likelihood candidate on one half of the
 motions, with all their scales, is judged on the other half; 25 random divisions, both ways, the same for all variants.
 
-The unsymmetric block, with another half width on either side, is computed here, by steps of a fixed length: Housner's
-equations with the moment of momentum kept about the corner that lands. With equal half widths its outcomes stand
-beside those of the package.
+The unsymmetric block, with different half widths on its sides, is computed here with fixed steps: Housner's equations, with
+angular momentum conserved about the landing corner. With equal half widths its outcomes are compared with the package's.
 """
 
 import argparse
@@ -21,7 +20,7 @@ import numpy as np
 from shaking_table import ALPHAS, GRAVITY, ROCKS, SPREAD, Folder, judged, over_slenderness, probabilities, rule
 
 DIVISIONS = 25
-# Slenderness of either side of the unsymmetric block.
+# Slendernesses of the sides of the unsymmetric block.
 SIDES = (0.09, 0.11, 0.13, 0.16, 0.20, 0.30)
 
 
@@ -30,7 +29,7 @@ def scales(samples):
 
 
 def unsymmetric(folder, rock, pairs, samples, substeps=2):
-    """Probabilities of overturning, for each pair of slendernesses (left, right) and test."""
+    """Returns the probability of overturning for each pair of slendernesses (left, right) and each test."""
     height, inertia = folder.rocks[rock]["h"], folder.rocks[rock]["i_y"]
     dt = 0.005 / substeps
     longest = max(len(record.acceleration) for record in folder.records)
@@ -70,7 +69,7 @@ def unsymmetric(folder, rock, pairs, samples, substeps=2):
         middle = omega[i] + 0.5 * dt * acceleration(i, theta[i], s, a_g[i])
         angle = theta[i] + dt * middle
         speed = middle + 0.5 * dt * acceleration(i, angle, s, then[test[i]] * scale[i])
-        # Those that land in this step go the rest of it over the other corner.
+        # Blocks that land in this step finish it on the other corner.
         landed = np.flatnonzero(s * angle < 0)
         j, other = i[landed], -s[landed]
         part_left = dt * angle[landed] / (angle[landed] - theta[j])
@@ -92,7 +91,7 @@ def unsymmetric(folder, rock, pairs, samples, substeps=2):
 
 
 def variants(folder, rock, samples):
-    """Name → parameters of each candidate and its probabilities."""
+    """Returns a dictionary: name → parameters of each candidate and its probabilities."""
     near = [alpha for alpha in ALPHAS if alpha < 0.18]
     made = lambda alpha, **options: probabilities(folder, rock, alpha, samples, **options)
     grid = np.array([made(alpha) for alpha in ALPHAS])
@@ -136,7 +135,7 @@ def variants(folder, rock, samples):
 
 
 def log_score(happened, probability):
-    """Mean natural logarithm of the probability of what happened; 0 is best."""
+    """Returns the mean natural logarithm of the probability of the actual outcome; 0 is best."""
     return float(np.log(np.where(happened, probability, 1 - probability)).mean())
 
 

@@ -1,4 +1,4 @@
-"""200 blocks under 40 ground motions: which of them overturn how often, and what tells it best.
+"""200 blocks under 40 ground motions: overturning frequencies, and the intensity measure that predicts them best.
 
 python examples/python/ensemble.py
 """
@@ -13,8 +13,10 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def motions() -> list[rb.Record]:
-    """40 motions made of two recorded ones, scaled to 4 m/s² and played at twenty speeds: enough to show how it goes, but
-    not 40 earthquakes."""
+    """Returns 40 motions made from two recorded ones, scaled to 4 m/s² and played at twenty speeds.
+
+    They demonstrate the method, but are not 40 earthquakes.
+    """
     recorded = [rb.read_record(ROOT / "records" / name) for name in ("np01002p_4225a_a.smc", "0111a.smc")]
     return [
         rb.Record(record.acceleration / record.pga * 4.0, record.dt * stretch, f"{i}, time × {stretch:.2f}")

@@ -1,5 +1,6 @@
-"""A cabinet on the roof of a frame: OpenSees gives the roof's acceleration, under which the cabinet rocks. It is light and
-does not act back on the frame; examples/coupling/roof has a block that does.
+"""A cabinet on the roof of a frame: OpenSees computes the roof's acceleration, under which the cabinet rocks.
+
+The cabinet is light and does not act on the frame; examples/coupling/roof has a block that does.
 
 python examples/python/opensees_frame.py
 """

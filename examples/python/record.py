@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A block in an earthquake
 #
-# Cells for Jupyter (by jupytext) or an editor that knows `# %%`; also a plain script, after `cargo build --release` and
+# Cells for Jupyter (with jupytext) or an editor that supports `# %%`; also a plain script, after `cargo build --release` and
 # `pip install -r tests/python/requirements.txt -r examples/python/requirements.txt`.
 
 # %%
@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from fmpy import simulate_fmu
 
-# A notebook has no `__file__`; it is started somewhere in the project.
+# A notebook has no `__file__`; it starts somewhere in the project.
 here = Path(__file__).resolve() if "__file__" in globals() else Path.cwd()
 sys.path.insert(0, str(next(p / "examples" for p in [here, *here.parents] if (p / "examples/common.py").exists())))
 from common import BLOCK, RECORD, read_record
@@ -20,7 +20,7 @@ from common import BLOCK, RECORD, read_record
 # %% [markdown]
 # ## The record
 # APEEL Array #2, Redwood City, in the Loma Prieta earthquake of 1989; U.S. Geological Survey, public domain. Doubled, so that
-# the block rocks. `read_record` takes files of every format that `rocking` reads.
+# the block rocks. `read_record` accepts every format that `rocking` reads.
 
 # %%
 time, a_gx = read_record(RECORD)
@@ -31,7 +31,7 @@ print(f"{len(a_gx)} samples every {dt:g} s, greatest acceleration {np.abs(a_gx).
 # %% [markdown]
 # ## The block
 # 3.2 m high and 0.8 m wide, on stiff supports. fmpy's `simulate_fmu` holds the record over each communication step, which is
-# `output_interval`; so that is a fifth of the record's interval.
+# `output_interval`, so that is a fifth of the record's interval.
 
 # %%
 block = {

@@ -1,12 +1,12 @@
-"""A rocking spectrum of an earthquake: the greatest rotation of blocks of many sizes and slendernesses, each a run of the FMU.
+"""A rocking spectrum of an earthquake: the largest rotations of blocks of many sizes and slendernesses, each a run of the FMU.
 
     python examples/python/spectrum.py                            # one process
     python examples/python/spectrum.py --dask                     # all cores of this machine
-    python examples/python/spectrum.py --dask tcp://scheduler:8786   # a cluster that runs already
-    python examples/python/spectrum.py --record my.csv --scale 1 --unit g   # a record of any format that rocking reads
+    python examples/python/spectrum.py --dask tcp://scheduler:8786   # an existing cluster
+    python examples/python/spectrum.py --record my.csv --scale 1 --unit g   # a record in any format that rocking reads
 
-The FMU's bytes go to the workers with the work, so that a cluster needs no common disk, only fmpy, and machines of the kind
-that the FMU was built on. Writes spectrum.png to the folder in which it is started. The numbers are those of
+The FMU's bytes travel to the workers with the tasks, so a cluster needs no shared disk, only fmpy and the platform
+for which the FMU was built. Writes spectrum.png to the working directory. The numbers are those of
 `rocking spectrum --duration` to the last bit: the same blocks, the same tolerance, and runs of the same duration.
 """
 
@@ -27,29 +27,31 @@ FOUNDATION = {"dimensionless.eta": 40.0, "dimensionless.xi_v": 0.1, "epsilon": 0
 
 
 def sizes(least: float, greatest: float, count: int) -> np.ndarray:
-    """Frequency parameters p [rad/s], evenly spaced in 1/p from the greatest to the least, those of `rocking spectrum`."""
+    """Returns frequency parameters p [rad/s], evenly spaced in 1/p from the largest to the smallest, as in `rocking spectrum`."""
     part = np.arange(count) / (count - 1)
     p = 1 / ((1 - part) / greatest + part / least)
-    # Not only up to rounding.
+    # Exactly, without rounding.
     p[0], p[-1] = greatest, least
     return p
 
 
 class Motion(NamedTuple):
-    """A record of any format that `rocking` reads, as it goes to the workers, and what is made of it."""
+    """A record in any format that `rocking` reads, as sent to the workers, with its scale and options."""
 
     name: str
     content: bytes
     begin: float = 0.0  # of the record's time axis [s]
     scale: float = 1.0
-    unit: str = ""  # g, m/s2 or cm/s2, where the file does not say
-    dt: float = 0.0  # between two samples [s], where the file does not say
+    unit: str = ""  # g, m/s2 or cm/s2, if the file does not say
+    dt: float = 0.0  # between two samples [s], if the file does not say
 
 
 @functools.lru_cache(maxsize=1)
 def prepared(fmu: bytes, motion: Motion, fly: bool):
-    """An instance of the FMU, its value references by name, and its state with the record read, before a block is chosen: once
-    in each process. With `fly`, a block that leaves the ground flies and lands."""
+    """Returns an FMU instance, its value references by name, and its state with the record read; once per process.
+
+    The block is not chosen yet. With `fly`, a block that leaves the ground flies and lands.
+    """
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
 
@@ -66,33 +68,38 @@ def prepared(fmu: bytes, motion: Motion, fly: bool):
     slave.setString([references["record.horizontal"], references["record.horizontal_unit"]], [str(record), motion.unit])
     start = FOUNDATION | {"record.scale": motion.scale, "record.dt": motion.dt}
     slave.setReal([references[name] for name in start], start.values())
-    # 3 is Fly; with Hold, 2, the block stays as it is when it separates or overturns, while time goes on.
+    # 3 is Fly; with Hold, 2, a block that separates or overturns is frozen while time goes on.
     slave.setInteger([references["on_separation"], references["on_overturning"]], [3 if fly else 2, 2])
     slave.enterInitializationMode()
-    # Asked for its end, the FMU reads the record.
+    # Reading the record's end makes the FMU read the record.
     slave.getReal([references["record.end"]])
     return slave, references, slave.getFMUState()
 
 
 def run(fmu: bytes, motion: Motion, duration: float, fly: bool, alpha: float, p: float) -> tuple[float, str]:
-    """The greatest rotation [rad] of a block of slenderness `alpha` [rad] and frequency parameter `p` [rad/s] under a ground
-    motion, and how its run ends: completed, after `duration` [s], or before that overturned or separated."""
+    """Returns the largest rotation [rad] and the outcome of a block under a ground motion.
+
+    The block has slenderness `alpha` [rad] and frequency parameter `p` [rad/s]. The run is completed after `duration` [s],
+    unless the block has overturned or separated before.
+    """
     slave, references, state = prepared(fmu, motion, fly)
     slave.setFMUState(state)
     slave.setReal([references["dimensionless.alpha"], references["dimensionless.p"]], [alpha, p])
     slave.exitInitializationMode()
-    # The FMU follows the record from sample to sample by itself.
+    # The FMU itself follows the record from sample to sample.
     slave.doStep(motion.begin, duration)
     (peak,) = slave.getReal([references["peak.theta"]])
     separated, overturned = slave.getBoolean([references["separated"], references["overturned"]])
-    # A block that leaves the ground on its way over is both.
+    # A block that leaves the ground on its way over has both flags.
     return peak, "overturned" if overturned else "separated" if separated else "completed"
 
 
 def spectrum(fmu: bytes, motion: Motion, duration: float, fly: bool, alphas, ps,
              client=None) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest rotations [rad] and how the runs end, by slenderness and frequency parameter; on the cluster of `client`, a
-    `dask.distributed.Client`, if there is one."""
+    """Returns the largest rotations [rad] and the outcomes, by slenderness and frequency parameter.
+
+    The runs go to the cluster of `client`, a `dask.distributed.Client`, if there is one.
+    """
     blocks = list(product(map(float, alphas), map(float, ps)))
     if client is None:
         found = [run(fmu, motion, duration, fly, *block) for block in blocks]
@@ -135,7 +142,7 @@ def main() -> None:
         from dask.distributed import Client, LocalCluster
 
         client = Client(options.dask or LocalCluster(threads_per_worker=1, dashboard_address=None))
-        # Workers elsewhere do not have this file.
+        # Workers on other machines lack this file.
         client.upload_file(__file__)
     fly = options.on_separation == "fly"
     peaks, ends = spectrum(BLOCK.read_bytes(), motion, duration, fly, SLENDERNESS, ps, client)

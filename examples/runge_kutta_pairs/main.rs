@@ -1,15 +1,15 @@
-//! Which embedded Runge-Kutta pair needs the fewest evaluations for a given error, on the smooth pieces between the
-//! events of the reference cases: `cargo run --release --example runge_kutta_pairs`.
+//! Embedded Runge-Kutta pairs compared by their evaluations for a given error, on the smooth pieces between the events of
+//! the reference cases: `cargo run --release --example runge_kutta_pairs`.
 //!
-//! Writes the table of docs/integrator.md. Records that are not at hand are left out, and named.
+//! Prints the table of docs/integrator.md. Missing records are named and left out.
 
 #[path = "../../tests/common/mod.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod common;
 mod tableaux;
 
+use rocking_block::block::Regime;
 use rocking_block::block::{Block, Foundation};
-use rocking_block::contact::Regime;
 use rocking_block::excitation::Excitation;
 use rocking_block::numerics::control::{StepControl, size_factor};
 use rocking_block::simulation::Simulation;
@@ -18,21 +18,21 @@ use rocking_block::system::dynamics::{Footing, State, instant};
 use common::{Case, Record, cases, inputs_at, record_step};
 use tableaux::{PAIRS, Pair};
 
-/// A stretch of motion without an event.
+/// A piece of motion without an event.
 struct Piece {
     regime: Regime,
     start: (f64, State),
     end: (f64, State),
 }
 
-/// What a pair did on a group of cases: evaluations, and the greatest error in α.
+/// Evaluations of a pair on a group of cases, and its largest error in α.
 #[derive(Clone, Copy)]
 struct Outcome {
     evaluations: u64,
     error: f64,
 }
 
-/// A title, and which cases belong under it.
+/// A title and the cases below it.
 type Group = (&'static str, fn(&Case) -> bool);
 
 fn main() {
@@ -66,7 +66,7 @@ fn main() {
     }
 }
 
-/// Fewest evaluations with which an error is met, whatever the tolerance.
+/// Returns the fewest evaluations, over all tolerances, that meet an error.
 fn cell(outcomes: &[Outcome], error: f64) -> String {
     let fewest = outcomes.iter().filter(|o| o.error <= error).map(|o| o.evaluations).min();
     fewest.map_or("not met".into(), |fewest| fewest.to_string())
@@ -84,13 +84,13 @@ struct Problem {
 }
 
 impl Problem {
-    /// The smooth pieces of a case, from a run at a tolerance far below those that are compared.
+    /// Returns the smooth pieces of a case, from a run at a tolerance far below the compared ones.
     fn new(case: &Case) -> Option<Problem> {
         let Ok(records) = case.records() else {
             println!("({} is left out: its record is not at hand)", case.name);
             return None;
         };
-        // Housner's block is no test of an integrator: it has one slow motion.
+        // Housner's block does not test an integrator: it has only one slow motion.
         if case.block().foundation == Foundation::Rigid {
             return None;
         }
@@ -124,11 +124,11 @@ impl Problem {
         outcome
     }
 
-    /// The state at the end of a piece, and the evaluations that it took.
+    /// Returns the state at the end of a piece, and the number of evaluations.
     fn integrate(&self, pair: &Pair, tolerance: f64, piece: &Piece) -> (State, u64) {
         let (mut time, mut x) = piece.start;
         let weights = weights(&self.block, piece.regime, tolerance);
-        // As long as a third of the period of the vertical motion.
+        // A third of the period of the vertical motion.
         let longest = 2.0 / self.block.omega_v;
         let mut control = StepControl::NEW;
         let mut evaluations = 1;
@@ -153,7 +153,7 @@ impl Problem {
         (x, evaluations)
     }
 
-    /// The next kink of the excitation, and the excitation until then.
+    /// Returns the next kink of the excitation, and the excitation until then.
     fn smooth(&self, time: f64, end: f64) -> (f64, Excitation) {
         let mut stop = self.case.pulse().next_kink(time).map_or(end, |kink| kink.min(end));
         let mut sample = 0;
@@ -176,7 +176,7 @@ fn go(simulation: &mut Simulation, until: f64, records: &[Option<Record>; 2]) ->
     simulation.regime()
 }
 
-/// The error norm of the solver.
+/// Returns the solver's error norm.
 fn weights(block: &Block, regime: Regime, tolerance: f64) -> State {
     let turning = block.b * block.b / (block.i0 + block.h * block.h);
     let (rocking, vertical) = match regime {
@@ -241,7 +241,7 @@ fn of_second_order(displacements: State, velocities: State) -> State {
     State::from([displacements[1], velocities[1], displacements[3], velocities[3]])
 }
 
-/// Order with which a pair's error falls on problems with known solutions, as a check of its tableau.
+/// Returns the convergence order of a pair on problems with known solutions, as a check of its tableau.
 fn order(pair: &Pair) -> f64 {
     if pair.displacements.is_some() {
         return order_of_second_order(pair);
@@ -254,12 +254,12 @@ fn order(pair: &Pair) -> f64 {
         let end = (0..steps).fold(start, |x, i| stages(pair, size * f64::from(i), x, size, rate).0);
         (end - State::from([6_f64.sin(), 6_f64.cos(), 6_f64.sin().exp(), 1.0 / 7.0])).norm()
     };
-    // Steps so long that rounding, which Verner's large coefficients magnify, stays out of the way.
+    // The steps are long enough to hide rounding, which Verner's large coefficients magnify.
     let coarse = if pair.order > 5 { 24 } else { 60 };
     (error(coarse) / error(2 * coarse)).log2()
 }
 
-/// The same of a method for second-order equations without velocities.
+/// Returns the convergence order of a method for second-order equations without velocities.
 fn order_of_second_order(pair: &Pair) -> f64 {
     // x = sin t, y = 1/(1+t) at t = 6 from t = 0.
     let rate = |_: f64, x: &State| State::from([x[1], -x[0], x[3], 2.0 * x[2].powi(3)]);

@@ -1,20 +1,20 @@
-//! Butcher tableaux of the pairs that are compared.
+//! Butcher tableaux of the compared pairs.
 
 /// An explicit embedded pair.
 pub struct Pair {
     pub name: &'static str,
-    /// Order of the result that is gone on from.
+    /// Order of the result that continues the solution.
     pub order: u32,
     /// Whether the last stage is the first of the next step.
     pub first_same_as_last: bool,
     pub nodes: &'static [f64],
     pub stages: &'static [&'static [f64]],
     pub weights: &'static [f64],
-    /// Weights less those of the embedded result.
+    /// Weights minus those of the embedded result.
     pub error: &'static [f64],
-    /// Those of DOP853's second embedded result.
+    /// The same for DOP853's second embedded result.
     pub second_error: Option<&'static [f64]>,
-    /// How displacements move beyond `c h ẋ`, where the method is one for second-order equations.
+    /// Displacements beyond `c h ẋ`, for a method for second-order equations.
     pub displacements: Option<Displacements>,
 }
 
@@ -22,15 +22,15 @@ pub struct Pair {
 pub struct Displacements {
     pub stages: &'static [&'static [f64]],
     pub weights: &'static [f64],
-    /// Weights less those of the embedded result, as a part of `h`; velocities have none.
+    /// Weights minus those of the embedded result, as a fraction of `h`; velocities have none.
     pub error: &'static [f64],
 }
 
-/// All of them.
+/// All pairs.
 pub const PAIRS: [&Pair; 7] = [&NYSTROM_5, &DORMAND_PRINCE_5, &TSITOURAS_5, &VERNER_6, &VERNER_7, &VERNER_9, &DOP853];
 
-/// E. J. Nystrom, Acta Soc. Sci. Fenn. 50 (1925), no. 13: of order 5 where accelerations do not depend on velocities; their
-/// share by the method of order 4 with the same nodes. Its last stage is at the end, and the next step begins with it.
+/// E. J. Nystrom, Acta Soc. Sci. Fenn. 50 (1925), no. 13: of order 5 if accelerations do not depend on velocities; the velocities'
+/// contribution uses the method of order 4 with the same nodes. Its last stage is at the end and begins the next step.
 pub const NYSTROM_5: Pair = Pair {
     name: "Nystrom 5",
     order: 4,

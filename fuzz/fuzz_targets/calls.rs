@@ -116,7 +116,7 @@ fuzz_target!(|calls: Vec<Call>| {
                 fmu.reals(&[reference("derived.omega_v")], &mut omega);
                 let mut time = 0.0;
                 // SAFETY: the instance lives, and there is a place for the time.
-                unsafe { rocking_block::fmi2::exports::fmi2GetRealStatus(fmu.component, 2, &raw mut time) };
+                unsafe { rocking_block::fmi::fmi2::exports::fmi2GetRealStatus(fmu.component, 2, &raw mut time) };
                 let step = f64::from(*eighths) / (8.0 * omega[0].max(1e-3));
                 if is_quick(&mut fmu, step) { fmu.step(time, step) } else { OK }
             }

@@ -6,7 +6,7 @@
 mod seeds;
 
 use libfuzzer_sys::fuzz_target;
-use rocking_block::records::{Format, ReadOptions, Unit, parse};
+use rocking_records::{Format, ReadOptions, Unit, parse};
 
 const FORMATS: [Option<Format>; 7] = [
     None,

@@ -13,9 +13,9 @@ mod seeds;
 
 use fmu::{ERROR, Fmu, OK, reference};
 use libfuzzer_sys::fuzz_target;
-use rocking_block::model::life_cycle::Phase;
-use rocking_block::model::snapshot;
-use rocking_block::model::unit::Interface;
+use rocking_block::unit::life_cycle::Phase;
+use rocking_block::unit::snapshot;
+use rocking_block::unit::instance::Interface;
 
 /// Contents of real states: before, during and after initialization, and under way in every regime and ending.
 fn plant_seeds() {

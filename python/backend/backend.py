@@ -47,7 +47,7 @@ def make_fmus() -> Path:
     """The folder in which they are."""
     # The build script of the project packs the FMUs beside what cargo was asked for.
     cargo = os.environ.get("CARGO", "cargo")
-    subprocess.run([cargo, "build", "--release", "--locked", "--lib", "--no-default-features", "--features", "fmu"], cwd=PROJECT, check=True)
+    subprocess.run([cargo, "build", "--release", "--locked", "--package", "rocking-block", "--lib", "--no-default-features", "--features", "fmu"], cwd=PROJECT, check=True)
     metadata = [cargo, "metadata", "--format-version=1", "--no-deps", "--locked"]
     found = json.loads(subprocess.run(metadata, cwd=PROJECT, check=True, capture_output=True).stdout)
     return Path(found["target_directory"], os.environ.get("CARGO_BUILD_TARGET", ""), "release")

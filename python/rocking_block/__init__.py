@@ -1,8 +1,9 @@
 """Rigid blocks that rock on viscoelastic supports, or on a rigid base, under earthquakes and pulses.
 
 The model is that of A. Palmeri and N. Makris, Response analysis of rigid structures rocking on viscoelastic foundation,
-Earthquake Engineering and Structural Dynamics 37 (2008) 1039-1063, doi:10.1002/eqe.800; equation numbers are the paper's.
-SI units, angles in radians; rotation, horizontal motion and forces are positive to the right, vertical ones up.
+Earthquake Engineering and Structural Dynamics 37 (2008) 1039-1063, doi:10.1002/eqe.800; equation numbers are the
+paper's. SI units, angles in radians; rotation, horizontal motion and forces are positive to the right, vertical ones
+up.
 
     record = rb.read_record("RSN1063.AT2")
     block = rb.Block(alpha=0.2, p=1.5, eta=60, xi_v=0.1)

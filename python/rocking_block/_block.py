@@ -12,11 +12,11 @@ from rocking_block._words import OnOverturning, OnSeparation, number, run_option
 
 
 class Block(_engine.Block):
-    """A rigid block on viscoelastic supports, or on a rigid base. It cannot be changed.
+    """An immutable rigid block on viscoelastic supports, or on a rigid base.
 
-    It is given by the paper's four parameters (Palmeri & Makris 2008), or by its sizes and those of a support. Either way
-    all of them can be read from it, and `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max` and `theta_separation` besides.
-    What a rigid base has not is nan.
+    It is defined by the paper's four parameters (Palmeri & Makris 2008), or by its dimensions and the properties of a
+    support. Either way all of these are attributes, and so are `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max` and
+    `theta_separation`. Attributes that a rigid base lacks are nan.
 
     Parameters
     ----------
@@ -29,11 +29,11 @@ class Block(_engine.Block):
     xi_v : float, default 0.1
         Vertical damping ratio ξ_v [1].
     width, height : float
-        Width of the base, and twice the height of the centre of mass over it [m], instead of `alpha` and `p`.
+        Width of the base, and twice the height of the centre of mass above it [m], instead of `alpha` and `p`.
     K, C : float
         Stiffness [N/m] and damping [N s/m] of one support, instead of `eta` and `xi_v`.
     mass : float, default 1000
-        Mass M [kg]; needed with `K` and `C`, since η and ξ_v then depend on it.
+        Mass M [kg]; required with `K` and `C`, since η and ξ_v then depend on it.
     gamma : float
         Shape factor γ = M R0²/I0 [1]; 3 for a homogeneous rectangle.
     epsilon : float
@@ -48,12 +48,12 @@ class Block(_engine.Block):
     Raises
     ------
     ValueError
-        A parameter of which no block can be made, or that nothing would read; the message names it.
+        A parameter that is invalid or has no effect; the message names it.
 
     Warns
     -----
     UserWarning
-        Supports so soft that the block falls over on them by itself.
+        Supports too soft to keep the block upright.
 
     Examples
     --------
@@ -72,10 +72,9 @@ class Block(_engine.Block):
     __slots__ = ()
 
     def replace(self, **changes: Any) -> "Block":
-        """The block with other parameters.
+        """Returns the block with some parameters replaced.
 
-        Those of its supports are left out where `foundation="rigid"` is among them, and the factor on e where it is
-        "viscoelastic".
+        With `foundation="rigid"` the parameters of its supports are dropped, and with "viscoelastic" the factor on e.
 
         >>> import rocking_block as rb
         >>> rb.Block(eta=60).replace(p=2.0).eta
@@ -107,12 +106,14 @@ class Block(_engine.Block):
         step: float | None = None,
         progress: bool | None = None,
     ) -> Run:
-        """Rocks the block; the same numbers to the last bit as those of `rocking simulate --on-separation fly`.
+        """Simulates the block under a record or a pulse, or in free motion.
+
+        Results equal those of `rocking simulate --on-separation fly` to the last bit.
 
         Parameters
         ----------
         record, vertical : Record or path, optional
-            Horizontal and vertical ground acceleration, each followed exactly, sample by sample. A file is read by
+            Horizontal and vertical ground acceleration, each followed exactly, sample by sample. Files are read with
             `read_record`.
         scale : float
             Factor on both [1].
@@ -121,28 +122,28 @@ class Block(_engine.Block):
         theta, theta_dot : float
             Rotation [rad] and its rate [rad/s] at the start, positive to the right.
         v, v_dot : float, optional
-            Height of the centre of mass over its place at rest [m] and vertical velocity [m/s] at the start, instead of
-            the vertical equilibrium.
+            Height of the centre of mass above its position at rest [m] and vertical velocity [m/s] at the start,
+            instead of vertical equilibrium.
         tolerance : float
             Relative tolerance of the integration, 1e-14 to 1e-1.
         on_separation : {"fly", "terminate", "hold"}
-            At complete separation the block flies, lands and rocks on, in all functions of the package. With "terminate" the
-            run ends there, as in the paper, and with "hold" the block stays where it is until `duration`.
+            At complete separation the block flies, lands and rocks on, by default in all functions of the package. With
+            "terminate" the run ends there, as in the paper; with "hold" the block is frozen until `duration`.
         on_overturning : {"terminate", "hold"}
-            At a quarter turn the run ends, or the block stays where it is until `duration`.
+            At a quarter turn the run ends, or the block is frozen until `duration`.
         duration : float, optional
-            Duration [s]; without it the run goes on until the ground has come to rest and the block has come down.
+            Duration [s]; by default the run continues until the ground has come to rest and the block has come down.
         step : float, optional
-            Time between two rows [s]; without it the record's time step, or 0.01 s.
+            Time between two rows [s]; by default the record's time step, or 0.01 s.
         progress : bool, optional
-            Whether to show a bar of tqdm.
+            Whether to show a tqdm progress bar.
 
         Raises
         ------
         ValueError
-            An option that is not valid, nothing that moves the block, or a run that fails; in the engine's words.
+            An invalid option, nothing that moves the block, or a failed run; the message is the engine's.
         TypeError
-            A record or a pulse that is none.
+            An argument that is not a record or a pulse.
 
         Examples
         --------

@@ -7,7 +7,7 @@ NAMES = {2: "RockingBlock.fmu", 3: "RockingBlock-fmi3.fmu"}
 
 
 def fmu_path(version: int = 2) -> Path:
-    """The path of the unit of FMI 2.0 or, with `version` = 3, of FMI 3.0, with the binary for this platform.
+    """Returns the path of the FMU for FMI 2.0 or, with `version` = 3, FMI 3.0, with the binary for this platform.
 
     >>> import rocking_block as rb
     >>> rb.fmu_path().name
@@ -19,5 +19,5 @@ def fmu_path(version: int = 2) -> Path:
         raise ValueError(f"version = {version!r}; expected 2 or 3, for FMI 2.0 or FMI 3.0")
     path = Path(__file__).with_name(NAMES[version])
     if not path.exists():
-        raise FileNotFoundError(f"{path}: is missing; expected it in the package, where its build puts it")
+        raise FileNotFoundError(f"{path}: is missing; expected it in the package, where the build puts it")
     return path

@@ -20,11 +20,13 @@ if TYPE_CHECKING:
 
 
 def intensity(record: Record, periods: npt.ArrayLike = (), *, g: float = 9.81) -> dict[str, float]:
-    """Intensity measures of a record, exact for accelerations that are linear between samples; no base line is taken away.
+    """Returns intensity measures of a record, exact for accelerations that are linear between samples.
+
+    The baseline is not corrected.
 
     PGA [m/s²], PGV [m/s], PGD [m], PGV/PGA [s], Arias intensity [m/s], CAV [m/s], significant duration D5-95 [s], mean
-    period T_m [s], Housner's spectrum intensity SI [m], and Sa [m/s²] and Sv [m/s] of 5 % damping at each period; nan where
-    a record has none.
+    period T_m [s], Housner's spectrum intensity SI [m], and Sa [m/s²] and Sv [m/s] of 5 % damping at each period; nan
+    for undefined measures.
 
     Parameters
     ----------
@@ -46,35 +48,35 @@ def intensity(record: Record, periods: npt.ArrayLike = (), *, g: float = 9.81) -
 
 
 class Fragility(_engine.Fragility):
-    """A fragility curve `P = F(a + b ln IM)` of the greatest likelihood, as `rocking fragility` fits it; `fragility` makes
-    it.
+    """A maximum-likelihood fragility curve `P = F(a + b ln IM)`; made by `fragility`.
 
-    With the normal distribution for F (probit) it is the lognormal curve of `median` exp(−a/b) and dispersion `beta` 1/b,
-    with the logistic one (logit) it is logistic regression. `median_ci` and `beta_ci` are their intervals, `coefficients`
-    a and b with their `standard_errors`, and `log_likelihood`, `auc` (area under the receiver operating characteristic),
-    `brier` (Brier score) and `efficiency` (scatter of the peaks about a power of the measure) say how well the measure
-    tells. `rocking` counts the blocks of the efficiency, which lifted off, reached a thousandth of α and stand;
-    `independence` says what the intervals take to be independent.
+    If F is the normal distribution (probit), it is the lognormal curve with the median `median`, exp(−a/b), and the
+    dispersion `beta`, 1/b; if F is logistic (logit), it is logistic regression. `median_ci` and `beta_ci` are
+    confidence intervals, and `coefficients` are a and b with their `standard_errors`. `log_likelihood`, `auc` (area
+    under the receiver operating characteristic), `brier` (Brier score) and `efficiency` (scatter of the peaks about a
+    power of the measure) show how well the measure predicts the outcome. `rocking` is the number of blocks behind the
+    efficiency, which lifted off, reached a thousandth of α and stand. `independence` names the units that the intervals
+    treat as independent.
     """
 
     im: str
     """The intensity measure."""
     unit: str
-    """Its unit; empty where the table has none."""
+    """Unit of the measure; empty if the table has none."""
     limit: str | float
-    """What exceeds: "overturned", or a rotation |θ|/α [1]."""
+    """The limit: "overturned", or a rotation |θ|/α [1]."""
     ci: float
-    """Confidence of intervals and bands."""
+    """Confidence level of intervals and bands."""
     measures: Floats
-    """The intensity measure of each row that tells, shape (n,)."""
+    """The intensity measure of each row in the fit, shape (n,)."""
     fractions: Floats
-    """The part of its runs that exceeded the limit, 0 or 1 for a single run, shape (n,)."""
+    """The fraction of each row's runs that exceeded the limit, 0 or 1 for a single run, shape (n,)."""
     failed: int
-    """Rows that were left out because their runs failed."""
+    """Rows omitted because their runs failed."""
     undecided: int
-    """Rows that were left out because their duration was too short to tell."""
+    """Rows omitted because their duration was too short."""
     separated: int
-    """Rows that were left out because their runs ended at complete separation, which does not tell."""
+    """Rows omitted because their runs ended at complete separation, with the outcome open."""
     _given: tuple[Any, ...]
 
     def __new__(
@@ -95,12 +97,12 @@ class Fragility(_engine.Fragility):
         return (type(self), self._given)
 
     def curve(self, x: npt.ArrayLike) -> Floats:
-        """Probability that the limit is exceeded, at measures `x` > 0 of any shape [1]."""
+        """Returns the probability of exceeding the limit [1] at measures `x` > 0 of any array shape."""
         measures = np.asarray(x, dtype=np.float64)
         return self.probabilities(measures.ravel()).reshape(measures.shape)
 
     def band(self, x: npt.ArrayLike) -> tuple[Floats, Floats]:
-        """Lower and upper end of the confidence interval of that probability, point by point [1]."""
+        """Returns the lower and upper ends of the pointwise confidence interval of that probability [1]."""
         measures = np.asarray(x, dtype=np.float64)
         low, high = self.intervals(measures.ravel())
         return low.reshape(measures.shape), high.reshape(measures.shape)
@@ -108,18 +110,18 @@ class Fragility(_engine.Fragility):
     def plot(
         self, ax: "Axes | None" = None, *, label: str | None = None, color: Any = None, runs: bool = True, **style: Any
     ) -> "Axes":
-        """Draws the curve, its band and the runs by Matplotlib. Curves on the same axes share them.
+        """Draws the curve, its band and the runs with Matplotlib. Several curves can share axes.
 
         Parameters
         ----------
         ax : Axes, optional
-            Where to draw; without it on the current axes of pyplot, or on a new figure if these show something else.
+            Axes to draw on; by default pyplot's current axes, or a new figure if these show another kind of plot.
         label : str, optional
-            Name of the curve in the legend; without it the measure, the median and β.
+            Name of the curve in the legend; by default the measure, the median and β.
         color
-            Colour of the curve, of its band and of its runs.
+            Colour of the curve, its band and its runs.
         runs : bool
-            Whether to mark the runs, and the share of those that exceed in up to ten classes of equal size.
+            Whether to mark the runs, and the fraction that exceeds the limit in up to ten classes of equal size.
         **style
             Options of `Axes.plot` for the curve.
         """
@@ -164,38 +166,39 @@ def fragility(
     seed: int = 1,
     progress: bool | None = None,
 ) -> Fragility:
-    """Fits a fragility curve to the runs of a table, by the greatest likelihood.
+    """Fits a fragility curve to the runs of a table, by maximum likelihood.
 
-    J. W. Baker, Efficient analytical fragility function fitting using dynamic structural analysis, Earthquake Spectra 31
-    (2015) 579-599, without grouping by levels.
+    The method is that of J. W. Baker, Efficient analytical fragility function fitting using dynamic structural
+    analysis, Earthquake Spectra 31 (2015) 579-599, without grouping by levels.
 
     Parameters
     ----------
     table : Table, DataFrame or mapping
-        Runs, of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; or a table of your own
-        with the measure and an `outcome`, and `peak.theta/alpha` if the limit is a rotation. Left out are rows
-        without the measure, and those that do not tell: failed runs, and runs that ended at complete separation before they
-        had exceeded the limit.
+        Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; or your own table
+        with the measure and an `outcome`, and `peak.theta/alpha` if the limit is a rotation. The fit omits rows without
+        the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
+        decided.
     im : str
         Name of the column of the intensity measure, such as "PGV" or "p PGV/(g tan alpha)".
     limit : "overturned" or float
-        What exceeds: a block that overturned, or one that rotated further than this |θ|/α > 0 [1] or overturned.
+        The limit: overturning, or a rotation |θ|/α > 0 [1]; a block that overturned exceeds any rotation.
     ci : float
-        Confidence of intervals and bands, above 0 and below 1.
+        Confidence level of intervals and bands, above 0 and below 1.
     link : {"probit", "logit"}
         Normal or logistic distribution: a lognormal curve, or logistic regression.
     intervals : {"profile", "bootstrap"}
-        Those of the profile likelihood, clustered by record where several runs share one, or of a bootstrap of whole
-        records. `Fragility.independence` says which. Runs without records are independent.
+        Profile-likelihood intervals, clustered by record if several runs share one, or intervals from a bootstrap of
+        whole records. `Fragility.independence` names the rule. Runs without records are independent.
     samples, seed : int
-        How many samples a bootstrap takes, and the number from which they follow.
+        Number of bootstrap samples, and their random seed.
     progress : bool, optional
-        Whether to show a bar of tqdm.
+        Whether to show a tqdm progress bar.
 
     Raises
     ------
     ValueError
-        There is no best curve: no such measure, a single class, or classes that do not overlap; or an option is not valid.
+        The measure does not exist, no best curve exists (a single class, or classes that do not overlap), or an option
+        is invalid.
 
     Examples
     --------
@@ -229,7 +232,7 @@ def fragility(
     undecided = (outcome == "undecided") & ~exceeded
     failed = outcome == "failed"
     if "ensemble.samples" in table:
-        # Of an ensemble the samples count, not the run in its middle; there is nothing where all of them failed.
+        # The samples of an ensemble count, not the run in its middle; the probability is nan if all samples failed.
         exceeds = limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
         fraction = _numbers(table, f"P({exceeds})")
         separated, unknown = np.zeros_like(exceeded), np.isnan(fraction)
@@ -240,10 +243,10 @@ def fragility(
         rocked &= np.asarray(table["events.liftoffs"]) > 0
     peak = np.where(rocked, peak, np.nan)
     names = [np.asarray(table[column], dtype=str).tolist() for column in ("record", "vertical") if column in table]
-    # Numbers in the order of their first appearance, on which the samples of a bootstrap depend.
+    # Numbered in order of first appearance, since bootstrap samples depend on the order.
     numbers: dict[tuple[str, ...], int] = {}
     shared: list[tuple[str, ...]] = list(zip(*names, strict=True)) if names else [()] * len(outcome)
-    # A row without records has a motion of its own.
+    # A row without records has its own motion.
     keys = [key if any(key) else ("", "", str(row)) for row, key in enumerate(shared)]
     motions = np.array([numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64)
     measures = _numbers(table, im)
@@ -273,7 +276,7 @@ def _numbers(table: Any, name: str) -> Floats:
 
 
 def _outcomes(table: Any) -> npt.NDArray[Any]:
-    """Returns the outcomes in lower case; an unknown word would count as a block that stands."""
+    """Returns the outcomes in lower case. An unknown word is an error, since it would count as a standing block."""
     column = _column(table, "outcome")
     outcome = np.char.lower(column.astype(str))
     unknown = np.flatnonzero(~np.isin(outcome, get_args(Outcome)))

@@ -1,4 +1,4 @@
-"""Tables of results as HTML, which notebooks show."""
+"""HTML tables of results for notebooks."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def html_table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """Returns a table with a line above it; numbers have six digits."""
+    """Returns a table with a caption; numbers have six digits."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
     body = "".join("<tr>" + "".join(f"<td>{escape(_text(value))}</td>" for value in row) + "</tr>" for row in rows)
     header = f"<thead><tr>{head}</tr></thead>" if headings else ""

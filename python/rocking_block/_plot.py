@@ -1,4 +1,4 @@
-"""Pictures on axes of Matplotlib."""
+"""Matplotlib plots."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from rocking_block._run import Run
     from rocking_block._table import Table
 
-# Colours that differ in lightness, so that colour-blind readers and grey prints tell them apart (P. Tol, Colour Schemes,
-# SRON/EPS/TN/09-002 (2021), "high-contrast"); from the fourth curve on the dashes differ besides.
+# Colours of different lightness, which colour-blind readers and grey prints can distinguish (P. Tol, Colour Schemes,
+# SRON/EPS/TN/09-002 (2021), "high-contrast"); from the fourth curve on the dashes differ as well.
 _COLOURS = ("#004488", "#DDAA33", "#BB5566", "#000000")
 _DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1.5, 2)))
 _MARKS = {"completed": "o", "overturned": "x", "separated": "^", "undecided": "s", "failed": "*"}
 _INK, _BAND = "#404040", "0.93"
 _ROTATION = "peak.theta/alpha"
-# Rotations |θ|/α beyond this are cut.
+# Rotations |θ|/α beyond this are clipped.
 _CUT = 1.5
-# Where a table is drawn over one of these by default, if it varies.
+# Default horizontal axes of a table: the first of these that varies.
 _ABSCISSAS = ("2pi/p", "PGV", "PGA", "scale", "p", "alpha", "eta", "xi_v", "epsilon", "restitution_factor")
 _MOTIONS = ("record", "vertical", "scale")
 _OF_BLOCK = ("foundation", "alpha", "p", "eta", "xi_v", "width", "height", "K", "C", "mass", "gamma", "epsilon", "g",
              "restitution_factor")
-# Columns that follow from others, which need no curves of their own beside them.
+# Columns that follow from others and need no curves of their own.
 _FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 
 
@@ -64,7 +64,7 @@ def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any
     elif run.t[-1] > panels[-1].get_xlim()[1]:
         panels[-1].set_xlim(right=run.t[-1])
     if ax is None:
-        # A title goes to the top.
+        # The title goes above the top panel.
         pyplot.sca(rotation)
     return rotation if isinstance(ax, Axes) else panels
 
@@ -103,7 +103,7 @@ def _reactions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str,
     weight = run.block.mass * run.block.g
     axes.plot(run.t, run.N_L / weight, **style, linewidth=0.8, label="left corner" if first else None)
     axes.plot(run.t, run.N_R / weight, **style, linewidth=0.8, alpha=0.45, label="right corner" if first else None)
-    # A landing on stiff supports or a rigid base may be hundreds of weights for an instant.
+    # A landing on stiff supports or a rigid base may reach hundreds of times the weight for an instant.
     highest = float(np.max(np.maximum(run.N_L, run.N_R))) / weight
     if first:
         _contact(axes, run)
@@ -146,7 +146,7 @@ def record(record: "Record", ax: Axes | None, style: dict[str, Any]) -> Axes:
 def fragility(
     fit: "Fragility", ax: Axes | None, label: str | None, color: Any, runs: bool, style: dict[str, Any]
 ) -> Axes:
-    """Draws a curve and its band; runs are marks at 0 and 1, and rings the share of those that exceed."""
+    """Draws a curve and its band; marks at 0 and 1 are runs, rings the fraction of those that exceed the limit."""
     axes = _axes(ax, "fragility", (7.0, 4.5))
     number = _add(axes, "fragility")
     first, look = number == 0, _look(number, color)
@@ -176,7 +176,7 @@ def fragility(
         over = over if axes.get_xlabel() == over else "intensity measure"
         what = what if axes.get_ylabel() == what else "probability"
     axes.set(xlabel=over, ylabel=what, ylim=(-0.04, 1.04), xlim=(low, high))
-    # Curves rise from the left; the marks of the runs are above.
+    # Curves rise from the left, and the marks of the runs are above them.
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.95), frameon=False, fontsize="small")
     return axes
 
@@ -184,10 +184,10 @@ def fragility(
 def table(
     table: "Table", x: str | None, y: str, by: str | Sequence[str] | None, ax: Axes | None, style: dict[str, Any]
 ) -> Axes:
-    """Draws a column over another, in curves or points."""
+    """Draws one column over another, as curves or points."""
     varying = [name for name in table if table.rows and len(np.unique(table[name])) > 1]
     if x is None:
-        # A spectrum has curves over the size; runs under many records have points over a measure of those.
+        # A spectrum has curves over the size; runs under many records have points over a measure of the records.
         known = (*_ABSCISSAS, *(name for name in varying if _is_parameter(name)))
         fitting = [name for name in known if name in varying and table[name].dtype.kind in "fiu"]
         if "2pi/p" in fitting and not _makes_curves(table, "2pi/p", _tell_apart(varying, "2pi/p", y)):
@@ -219,7 +219,7 @@ def table(
             others = tuple(_MARKS.values())
             mark = _MARKS.get(key[0], "o") if by == ["outcome"] else others[number // len(_COLOURS) % len(others)]
             look = {"color": look["color"], "linestyle": "", "marker": mark, "markersize": 4, "alpha": 0.7}
-            # At the edge instead of beyond it, so that none is lost.
+            # Points beyond the edge are drawn on it, so that none is lost.
             values = np.minimum(values, _CUT) if y == _ROTATION else values
         label = ", ".join(_named(name, value) for name, value in zip(by, key))
         axes.plot(table[x][rows], values, clip_on=single, **_style({"linewidth": 1.2, "label": label or None} | look, style))
@@ -236,7 +236,7 @@ def table(
 
 
 def _tell_apart(varying: Sequence[str], x: str, y: str) -> list[str]:
-    """Returns the parameters that tell curves over x apart."""
+    """Returns the parameters that distinguish curves over x."""
     return [name for name in varying if _is_parameter(name) and name not in (x, y, *_FOLLOWS.get(x, ()))]
 
 
@@ -245,15 +245,15 @@ def _is_parameter(name: str) -> bool:
 
 
 def _makes_curves(table: "Table", x: str, by: Sequence[str]) -> bool:
-    """Whether each x is a single row of each of a few groups."""
+    """Whether each of a few groups has a single row per x."""
     groups = _groups(table, by)
     return len(groups) <= 8 and all(len(np.unique(table[x][rows])) == len(rows) > 1 for rows in groups.values())
 
 
 def _groups(table: "Table", by: Sequence[str]) -> dict[tuple[Any, ...], npt.NDArray[np.intp]]:
-    """Returns the rows of each combination of values, in the order of their first appearance."""
+    """Returns the rows of each combination of values, in order of first appearance."""
     groups: dict[tuple[Any, ...], list[int]] = {}
-    # Numbers of unique values, since nan is not equal to itself.
+    # Indices of unique values, since nan does not equal itself.
     unique = [np.unique(table[name], return_inverse=True) for name in by]
     keys = zip(*(places.tolist() for _, places in unique), strict=True) if by else [()] * table.rows
     for row, key in enumerate(keys):
@@ -271,7 +271,7 @@ def _named(name: str, value: Any) -> str:
 
 
 def _axes(ax: Axes | None, kind: str, size: tuple[float, float]) -> Axes:
-    """Returns the axes to draw on; a picture of another kind on the current axes is left alone."""
+    """Returns the axes to draw on; a plot of another kind on the current axes is left alone."""
     if ax is not None:
         if not isinstance(ax, Axes):
             raise TypeError(f"ax = {ax!r}; expected Axes of Matplotlib")
@@ -288,7 +288,7 @@ def _axes(ax: Axes | None, kind: str, size: tuple[float, float]) -> Axes:
 
 
 def _make_room(figure: Figure, size: tuple[float, float]) -> None:
-    """Gives an empty figure that nobody has sized its size, and a layout that leaves room for legends."""
+    """Sets the size of an empty figure with the default size, and a layout with room for legends."""
     if tuple(figure.get_size_inches()) == tuple(pyplot.rcParams["figure.figsize"]):
         figure.set_size_inches(*size)
     if figure.get_layout_engine() is None:
@@ -296,12 +296,12 @@ def _make_room(figure: Figure, size: tuple[float, float]) -> None:
 
 
 def _drawn(axes: Axes, kind: str) -> int:
-    """Returns how many pictures of a kind are on the axes."""
+    """Returns the number of plots of a kind on the axes."""
     return int(getattr(axes, "_rocking_block", {}).get(kind, 0))
 
 
 def _add(axes: Axes, kind: str) -> int:
-    """Counts a picture on the axes; returns how many were there before."""
+    """Counts a plot on the axes; returns the previous count."""
     before = _drawn(axes, kind)
     counts = getattr(axes, "_rocking_block", {})
     axes._rocking_block = counts | {kind: before + 1}  # type: ignore[attr-defined]
@@ -309,18 +309,18 @@ def _add(axes: Axes, kind: str) -> int:
 
 
 def _look(number: int, color: Any) -> dict[str, Any]:
-    """Returns colour and dashes of the curve of this number."""
+    """Returns colour and dashes of the n-th curve."""
     dashes = _DASHES[number // len(_COLOURS) % len(_DASHES)]
     return {"color": color if color is not None else _COLOURS[number % len(_COLOURS)], "linestyle": dashes}
 
 
 def _style(usual: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
-    """Returns options of `Axes.plot`; those that are given, also in their short forms, go before the usual ones."""
+    """Returns options of `Axes.plot`; explicit ones, including their short forms, override the defaults."""
     return usual | dict(normalize_kwargs(given, Line2D))
 
 
 def _cut(axes: Axes, rotation: npt.NDArray[Any]) -> None:
-    """Cuts rotations beyond the limit, and says up to where they go."""
+    """Clips rotations beyond the limit, and states the largest."""
     finite = np.abs(rotation[np.isfinite(rotation)])
     greatest = max(float(finite.max(initial=0.0)), getattr(axes, "_rocking_block_greatest", 0.0))
     axes._rocking_block_greatest = greatest  # type: ignore[attr-defined]

@@ -16,24 +16,25 @@ from rocking_block._words import Floats, Shape, chosen, number
 class Pulse:
     """A pulse of horizontal ground acceleration, zero outside its duration.
 
-    Cycloidal pulses of Palmeri & Makris (2008), Table I: type A is "one-sine", type B "one-cosine", each over one period;
-    "c1" and "c2" bring the ground back after one and a half and two and a half periods, less their phase.
+    Cycloidal pulses of Palmeri & Makris (2008), Table I: type A is "one-sine", type B "one-cosine", each over one
+    period; "c1" and "c2" return the ground to its place after one and a half and two and a half periods, minus their
+    phase.
 
     Parameters
     ----------
     shape : {"one-sine", "one-cosine", "c1", "c2"}
         Shape of the acceleration.
     amplitude : float, optional
-        Amplitude a_p of the acceleration [m/s²]; only a search for it does without.
+        Amplitude a_p of the acceleration [m/s²]; only a search for it can omit it.
     period : float
         Period T_p [s], > 0.
     start : float
-        Time at which it begins [s].
+        Start time [s].
 
     Raises
     ------
     ValueError
-        An unknown shape, or a number that makes no pulse.
+        An unknown shape, or an invalid number.
 
     Warns
     -----
@@ -67,17 +68,17 @@ class Pulse:
 
     @property
     def duration(self) -> float:
-        """Time from its beginning to its end [s]."""
+        """Duration [s]."""
         return _engine.pulse_duration(self)
 
     def acceleration(self, t: npt.ArrayLike) -> Floats:
-        """Ground acceleration at times `t` [s], of any shape [m/s²]."""
+        """Returns the ground acceleration [m/s²] at times `t` [s] of any array shape."""
         times = np.asarray(t, dtype=np.float64)
         return np.array(_engine.pulse_acceleration(self, times.ravel())).reshape(times.shape)
 
 
 def as_pulse(given: object) -> Pulse | None:
-    """Refuses what is not a pulse."""
+    """Returns a pulse unchanged; anything else is an error."""
     if given is not None and not isinstance(given, Pulse):
         raise TypeError(f'pulse = {given!r}; expected a Pulse, as in Pulse("one-sine", amplitude=3.0, period=1.2)')
     return given

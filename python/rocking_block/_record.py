@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-# No earthquake has had a third of this acceleration [m/s²]; beyond it the unit is mistaken as a rule.
+# No earthquake has reached a third of this acceleration [m/s²]; a larger value usually means a wrong unit.
 IMPLAUSIBLE = 100.0
 
 
 class Record(_engine.Record):
-    """A ground acceleration, linear between evenly spaced samples and zero outside. It cannot be changed.
+    """A ground acceleration, linear between evenly spaced samples and zero outside. It is immutable.
 
     Parameters
     ----------
     acceleration : array_like, shape (n,)
-        Samples [m/s²], n ≥ 2. As a horizontal record positive to the right, as a vertical one positive up.
+        Samples [m/s²], n ≥ 2; positive to the right in a horizontal record, upwards in a vertical one.
     dt : float
         Time between two samples [s], > 0.
     name : str
@@ -37,12 +37,12 @@ class Record(_engine.Record):
     Raises
     ------
     ValueError
-        Too few samples, one that is not finite, or no time step.
+        Too few samples, a sample that is not finite, or no time step.
 
     Warns
     -----
     UserWarning
-        A PGA above 100 m/s², which no earthquake has: as a rule the samples are in another unit.
+        A PGA above 100 m/s², which no earthquake has: the samples are probably in another unit.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class Record(_engine.Record):
         return self.start + np.arange(len(self), dtype=np.float64) * self.dt
 
     def scaled(self, factor: float) -> "Record":
-        """The record with all accelerations multiplied by a factor.
+        """Returns the record with all accelerations multiplied by a factor.
 
         >>> import rocking_block as rb
         >>> rb.Record([0.0, 3.0, -2.0], dt=0.5).scaled(-2).pga
@@ -82,12 +82,12 @@ class Record(_engine.Record):
         return Record(self.acceleration * factor, self.dt, self.name, self.start)
 
     def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
-        """Draws the acceleration over time by Matplotlib.
+        """Draws the acceleration over time with Matplotlib.
 
         Parameters
         ----------
         ax : Axes, optional
-            Where to draw; without it on the current axes of pyplot, or on a new figure if these show something else.
+            Axes to draw on; by default pyplot's current axes, or a new figure if these show another kind of plot.
         **style
             Options of `Axes.plot`, such as `label`.
         """
@@ -121,8 +121,8 @@ def read_record(
 ) -> Record:
     """Reads an accelerogram: PEER AT2 in all its variants, USGS SMC, COSMOS, CSMIP, ESM ASC, or columns (CSV).
 
-    The format is told from the content. What the file does not say is given by the options, and what it does say must
-    agree with them.
+    The content determines the format. The options supply the information that the file lacks, and must agree with the
+    information that it has.
 
     Parameters
     ----------
@@ -135,19 +135,19 @@ def read_record(
     format : {"peer", "smc", "columns", "cosmos", "csmip", "esm"}, optional
         Format of the file.
     channel : int, optional
-        Channel, from 1, of a COSMOS or CSMIP file that has several.
+        Channel, from 1, of a COSMOS or CSMIP file with several.
     time_column, acceleration_column : int or str, optional
         Columns of a table, by number from 1 or by name.
     g : float
-        Gravity by which values in g are read [m/s²].
+        Gravity that converts values in g [m/s²].
 
     Raises
     ------
     OSError
         The file cannot be read.
     ValueError
-        It is not an accelerogram, is incomplete, or leaves open what no option says; the message is one line with the
-        place in the file, what was found and what was expected.
+        The file is not an accelerogram, or is incomplete, or lacks information that no option supplies. The message is
+        one line with the place in the file, the value found and the one expected.
     """
     read = _engine.read_record(
         path,
@@ -163,7 +163,7 @@ def read_record(
 
 
 def as_record(name: str, given: object, g: float) -> Record:
-    """Returns a record as it is, and a file as it is read."""
+    """Returns a record unchanged, or reads it from a file."""
     if isinstance(given, str | os.PathLike):
         return read_record(given, g=g)
     if not isinstance(given, Record):

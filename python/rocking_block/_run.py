@@ -1,4 +1,4 @@
-"""Histories of a block."""
+"""The history of a block."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Event:
-    """A change of what touches what."""
+    """A change of contact."""
 
     t: float
     """Time [s]."""
@@ -34,7 +34,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Peak:
-    """Greatest absolute values of a run, from between its rows too."""
+    """Largest absolute values of a run, including those between its rows."""
 
     theta: float
     """Rotation [rad]."""
@@ -45,21 +45,21 @@ class Peak:
     uplift: float
     """Height of a corner above its support [m]."""
     friction_demand: float
-    """|H|/(N_L + N_R) [1]: the friction that the assumption of no sliding needs."""
+    """|H|/(N_L + N_R) [1]: the coefficient of friction that prevents sliding."""
 
 
 @dataclass(frozen=True)
 class Counts:
-    """What was counted in a run."""
+    """Counters of a run."""
 
     impacts: int
     """Landings of a corner."""
     liftoffs: int
-    """Corners that lifted."""
+    """Lift-offs of a corner."""
     steps: int
-    """Steps of the integrator that were accepted."""
+    """Accepted steps of the integrator."""
     rejected: int
-    """Steps that were repeated with a smaller size."""
+    """Rejected steps, repeated with a smaller size."""
     evaluations: int
     """Evaluations of the equations of motion."""
 
@@ -77,42 +77,43 @@ class Energy:
     impacts: Floats
     """Lost at impacts."""
     constraint: Floats
-    """What comes and goes with the horizontal constraint."""
+    """Gained or lost when the horizontal constraint changes."""
     residual: Floats
-    """What the sum misses: round-off and integration error."""
+    """Error of the energy balance: round-off and integration error."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """What a block did, in rows at evenly spaced times and at the end of the run: arrays of shape (n,), SI units, angles in
-    radians, names of the FMU's variables. `Block.run` makes it.
+    """The history of a block, in rows at evenly spaced times and at the end of the run; made by `Block.run`.
 
-    `run["theta"]` is any column by its name; `run.theta` those without a dot in their name, and `run.energy.total` the
-    energies.
+    Columns are arrays of shape (n,) in SI units, with angles in radians, under the names of the FMU's variables.
+    `run["theta"]` gives any column by its name; columns without a dot in their name are attributes, as in `run.theta`,
+    and energies are in `run.energy`, as in `run.energy.total`.
     """
 
     block: _engine.Block
     """The block."""
     columns: dict[str, Floats]
-    """All columns by their names, those of the table of `rocking simulate`."""
+    """All columns by name, as in the table of `rocking simulate`."""
     events: tuple[Event, ...]
-    """What happened, in order."""
+    """Events in order of time."""
     peak: Peak
-    """Greatest absolute values."""
+    """Largest absolute values."""
     counts: Counts
-    """What was counted."""
+    """Counters."""
     outcome: Outcome
-    """"completed", "overturned", "separated" or "undecided" where the duration was too short to tell.
+    """How the run ended: "completed", "overturned", "separated", or "undecided" if the duration was too short.
 
-    A block that leaves its supports with |θ| ≥ α and growing overturned."""
+    A block that leaves its supports with |θ| ≥ α and growing has overturned.
+    """
     end_time: float
-    """When the run ended [s]."""
+    """End of the run [s]."""
     has_come_down: bool
-    """Whether, at the end, the ground is at rest and the block is, too, or is bound to come to rest."""
+    """Whether, at the end, the ground is at rest and the block is at rest or bound to come to rest."""
 
     @staticmethod
     def of(block: _engine.Block, made: dict[str, Any]) -> "Run":
-        """The run of what the engine made."""
+        """Builds a run from the engine's result."""
         for column in made["columns"].values():
             column.setflags(write=False)
         return Run(
@@ -159,12 +160,12 @@ class Run:
 
     @property
     def v_dot(self) -> Floats:
-        """Its rate [m/s]."""
+        """Rate of `v` [m/s]."""
         return self.columns["v_dot"]
 
     @property
     def v_ddot(self) -> Floats:
-        """Its acceleration [m/s²]."""
+        """Acceleration of `v` [m/s²]."""
         return self.columns["v_ddot"]
 
     @property
@@ -174,12 +175,12 @@ class Run:
 
     @property
     def u_dot(self) -> Floats:
-        """Its rate [m/s]."""
+        """Rate of `u` [m/s]."""
         return self.columns["u_dot"]
 
     @property
     def u_ddot(self) -> Floats:
-        """Its acceleration [m/s²]."""
+        """Acceleration of `u` [m/s²]."""
         return self.columns["u_ddot"]
 
     @property
@@ -224,7 +225,7 @@ class Run:
 
     @property
     def a_gx(self) -> Floats:
-        """Horizontal ground acceleration, with the pulse [m/s²], positive to the right."""
+        """Horizontal ground acceleration [m/s²], including the pulse, positive to the right."""
         return self.columns["a_gx"]
 
     @property
@@ -238,7 +239,7 @@ class Run:
         return Energy(**{field.name: self.columns[f"energy.{field.name}"] for field in fields(Energy)})
 
     def to_frame(self) -> "pandas.DataFrame":
-        """The columns over time, as a pandas DataFrame with the index `t` [s].
+        """Returns the columns as a pandas DataFrame with the index `t` [s].
 
         >>> import rocking_block as rb
         >>> rb.Block().run(theta=0.1, duration=1.0).to_frame().shape
@@ -257,25 +258,25 @@ class Run:
         self, ax: "Sequence[Axes] | None" = None, *, label: str | None = None, color: Any = None, **style: Any
     ) -> "npt.NDArray[Any]": ...
     def plot(self, ax: Any = None, *, label: str | None = None, color: Any = None, **style: Any) -> Any:
-        """Draws rotation, reactions of the corners and ground acceleration over time, by Matplotlib.
+        """Draws rotation, corner reactions and ground acceleration over time with Matplotlib.
 
-        Runs that are drawn on the same axes share them, each in a colour of its own.
+        Several runs can share axes; each has its own colour.
 
         Parameters
         ----------
         ax : Axes or sequence of Axes, optional
-            Where to draw: the rotation alone, or the rotation, the reactions and the ground acceleration on as many axes.
-            Without it the panels are those of the current figure of pyplot, if it is empty or shows other runs, or else
-            those of a new figure.
+            Axes to draw on: one for the rotation alone, or three for rotation, reactions and ground acceleration. By
+            default the panels of pyplot's current figure, if it is empty or shows other runs, or else those of a new
+            figure.
         label : str, optional
-            Name of the run in legends; without it the block's parameters.
+            Name of the run in legends; by default the block's parameters.
         color, **style
             Colour of the rotation, and options of `Axes.plot` for it.
 
         Returns
         -------
         Axes or array of Axes
-            The axes that were drawn on.
+            The axes drawn on.
         """
         from rocking_block import _plot
 

@@ -1,4 +1,4 @@
-"""Where the outcome of a run changes."""
+"""Searches for the values at which the outcome of a run changes."""
 
 import os
 from dataclasses import dataclass
@@ -12,21 +12,27 @@ from rocking_block._words import OnSeparation, run_options, ticking
 
 @dataclass(frozen=True)
 class Search:
-    """What a search found. Outcomes of rocking blocks are not monotonic: a block may stand more and fall under less."""
+    """The result of a search.
+
+    Outcomes of rocking blocks are not monotonic: a block may survive a strong pulse and overturn under a weaker one.
+    """
 
     parameter: str
-    """What was searched over, with its unit."""
+    """Name and unit of the searched parameter."""
     least: float | None
-    """The number that was searched for; None where the range has none."""
+    """The value found; None if the range has none."""
     bound: str
-    """"none" where `least` was found; "upper" where the range begins at it, so that the true value is at most that (or runs below
-    it failed); "lower" where the true value lies beyond the range."""
+    """How `least` bounds the true value.
+
+    "none" if `least` is the true value; "upper" if the range begins at it, so that the true value is at most that (or
+    runs below it failed); "lower" if the true value lies beyond the range.
+    """
     stretches: tuple[tuple[float, float, str], ...]
-    """Where each outcome begins and ends, in order, and the outcome."""
+    """Intervals of equal outcome, in order: start, stop, outcome."""
     spacing: float
-    """Distance of the values that were scanned: what is narrower may be missed."""
+    """Distance between the scanned values; a narrower interval may be missed."""
     resolution: float
-    """Width to which each change is closed in."""
+    """Width to which each change is bisected."""
 
     def __repr__(self) -> str:
         said = {"upper": "at most ", "lower": "more than "}.get(self.bound, "")
@@ -51,38 +57,39 @@ def search_overturning(
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Search:
-    """The least amplitude of a pulse, or factor on a record, that overturns a block; as `rocking search overturning`.
+    """Finds the least amplitude of a pulse, or factor on a record, that overturns a block.
 
-    A range of strengths is scanned, and every change of outcome that the scan sees is closed in by bisection.
+    It scans a range of strengths and bisects every change of outcome that the scan finds, as `rocking search
+    overturning` does.
 
     Parameters
     ----------
     block : Block
         The block.
     pulse : Pulse
-        Shape, period and start of a pulse; its amplitude [m/s²] is what is searched for, and not read.
+        Shape, period and start of a pulse. Its own amplitude is ignored; the search is over the amplitude [m/s²].
     record, vertical : Record or path
-        Instead of a pulse, records, the factor on which [1] is searched for.
+        Records instead of a pulse; the search is over the factor on them [1].
     start, stop : float, optional
-        Range of the amplitude or factor. Without `stop` it ends at ten times a PGA of g tan α. Without `start` it begins at
-        0, or on a rigid base without a vertical record at g tan α, below which no block rocks there.
+        Range of the amplitude or factor. By default it ends at ten times a PGA of g tan α. It begins at 0 or, on a
+        rigid base without a vertical record, at g tan α, below which no block rocks there.
     points : int
-        Values that are scanned, evenly spaced.
+        Number of scanned values, evenly spaced.
     resolution : float
-        Width to which a change is closed in, in the unit of the amplitude or factor.
+        Width to which a change is bisected, in the unit of the amplitude or factor.
     tolerance : float
-        As in `Block.run`; looser by default, since outcomes need no more.
+        As in `Block.run`; looser by default, which is enough for outcomes.
     on_separation
         As in `Block.run`.
     threads : int, optional
-        Threads; without it one for each core.
+        Number of threads; by default one per core.
     progress : bool, optional
-        Whether to show a bar of tqdm.
+        Whether to show a tqdm progress bar.
 
     Raises
     ------
     ValueError
-        An option that is not valid.
+        An invalid option.
 
     Examples
     --------
@@ -118,13 +125,14 @@ def search_damping(
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Search:
-    """The least damping ratio ξ_v from which on a block in free vibration does not separate; as `rocking search damping`
-    (Palmeri & Makris 2008, Figure 9).
+    """Finds the least damping ratio ξ_v above which a block in free vibration never separates.
+
+    This is Figure 9 of Palmeri & Makris (2008), as computed by `rocking search damping`.
 
     Parameters
     ----------
     block : Block
-        The block on viscoelastic supports; its own ξ_v is not read.
+        The block on viscoelastic supports; its own ξ_v is ignored.
     rate : float
         Rate of rotation at the start over α p [1].
     start, stop : float
@@ -135,7 +143,7 @@ def search_damping(
     Raises
     ------
     ValueError
-        An option that is not valid, or a rigid base.
+        An invalid option, or a rigid base.
     """
     scan = _scan(start, stop, points, resolution, threads)
     options = run_options(tolerance, "terminate")

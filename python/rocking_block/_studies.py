@@ -16,7 +16,7 @@ from rocking_block._record import Record, as_record
 from rocking_block._table import Table, of_program
 from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, run_options, ticking
 
-# One record or several, as they are or as files.
+# One record or several, as objects or as files.
 Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
 
 _UNITS = {
@@ -69,58 +69,59 @@ def spectrum(
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
-    """What becomes of blocks of all sizes on any number of foundations, on all cores; the same numbers to the last bit as
-    those of `rocking spectrum`.
+    """Computes the outcomes and peaks of blocks of all sizes on any number of foundations, on all cores.
 
-    `alpha`, `eta`, `xi_v`, `epsilon` and `restitution_factor` broadcast with each other as NumPy does: each of their
-    elements is a curve, and each curve has all sizes `p`. So `eta=[40, 80]` are two curves, `eta=[40, 80], xi_v=[0.1, 0.4]`
-    are two as well, and `eta=[[40], [80]], xi_v=[0.1, 0.4]` are four. `outcomes` takes blocks one by one.
+    Results equal those of `rocking spectrum` to the last bit. `alpha`, `eta`, `xi_v`, `epsilon` and
+    `restitution_factor` broadcast as in NumPy: each element is a curve, and each curve has all sizes `p`. `eta=[40,
+    80]` gives two curves, as does `eta=[40, 80], xi_v=[0.1, 0.4]`; `eta=[[40], [80]], xi_v=[0.1, 0.4]` gives four.
+    `outcomes` takes individual blocks.
 
     Parameters
     ----------
     p : array_like
-        Frequency parameters of the sizes [rad/s].
+        Frequency parameters that define the sizes [rad/s].
     alpha, eta, xi_v, epsilon, restitution_factor : array_like
         As in `Block`.
     foundation, mass, gamma, g
         As in `Block`.
     records, vertical : Record, path, or sequence of them
-        Horizontal and vertical records, as many of both if there are both. Files are read by `read_record`.
+        Horizontal and vertical records, of equal number if both are given. Files are read with `read_record`.
     scale : array_like, up to one dimension
         Factors on the records [1].
     periods : array_like
-        Periods [s] of Sa and Sv among the records' intensity measures in the table, which are those of `intensity`.
+        Periods [s] at which Sa and Sv join the records' intensity measures in the table; see `intensity`.
     pulse : Pulse, optional
         A pulse, alone or added to each record.
     tolerance : float
-        As in `Block.run`; looser by default, since outcomes and peaks need no more.
+        As in `Block.run`; looser by default, which is enough for outcomes and peaks.
     on_overturning
         As in `Block.run`.
     on_separation : {"fly", "terminate", "hold"}
-        Blocks that leave the ground fly on, unless it says otherwise.
+        Blocks that leave the ground fly on by default.
     duration : float, optional
-        Duration of each run [s]; without it, until the ground has come to rest and the block has come down.
+        Duration of each run [s]; by default until the ground has come to rest and the block has come down.
     step : float, optional
-        Longest time between two stops of a run [s]; without it only the records' samples and the pulse's ends are.
+        Longest time between two stops of a run [s]; by default a run stops only at the records' samples and the pulse's
+        ends.
     friction : float, optional
-        Coefficient of friction [1]: adds the column `friction_demand>0.5` (for 0.5) of the longest time [s] in one piece for
-        which |H|/(N_L + N_R) exceeds it, looked at each millisecond. That tells whether a block would slide, unlike
-        `peak.friction_demand`, which has no bound where the reactions vanish for an instant.
+        Coefficient of friction [1]: adds the column `friction_demand>0.5` (for 0.5), the longest uninterrupted time [s]
+        for which |H|/(N_L + N_R) exceeds it, checked every millisecond. It shows whether a block would slide, unlike
+        `peak.friction_demand`, which is unbounded when the reactions vanish for an instant.
     threads : int, optional
-        Threads; without it one for each core. Their number changes no bit.
+        Number of threads; by default one per core. It changes no bit.
     progress : bool, optional
-        Whether to show a bar of tqdm; without it, after a second where somebody sees it.
+        Whether to show a tqdm progress bar; by default after a second, if the output is interactive.
 
     Returns
     -------
     Table
-        A row for each record × scale × curve × size, in this order; `shape` has the axes of those that were arrays. Records
-        without a name are called by their number, from 0.
+        One row per record × scale × curve × size, in this order; `shape` has an axis for each array argument. Unnamed
+        records are numbered from 0.
 
     Raises
     ------
     ValueError
-        A parameter of which no block can be made, nothing that moves the ground, or an option that is not valid.
+        An invalid parameter or option, or nothing that moves the ground.
     OSError
         A file cannot be read.
 
@@ -172,7 +173,7 @@ def spectrum(
 
 
 def blocks(**parameters: npt.ArrayLike) -> list[Block]:
-    """Blocks of parameters that broadcast as NumPy does, in the order of the elements.
+    """Returns blocks from parameters that broadcast as in NumPy, in the order of the elements.
 
     Parameters
     ----------
@@ -208,7 +209,7 @@ def outcomes(
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
-    """What becomes of each of these blocks under each of these records, on all cores.
+    """Computes the outcome and peaks of each block under each record, on all cores.
 
     Parameters
     ----------
@@ -216,12 +217,12 @@ def outcomes(
         The blocks.
     records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step, friction,
     threads, progress
-        As in `spectrum`; a file in g is read by 9.81 m/s².
+        As in `spectrum`; files in g are converted with 9.81 m/s².
 
     Returns
     -------
     Table
-        A row for each record × scale × block, in this order.
+        One row per record × scale × block, in this order.
 
     Raises
     ------
@@ -255,31 +256,32 @@ def sweep(
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
-    """Any parameters of the FMU over grids or Latin hypercubes, under any number of records and scale factors: the table
-    of `rocking sweep`, to the last bit.
+    """Runs a study over any parameters of the FMU, records and scale factors, on grids or Latin hypercubes.
+
+    The table equals that of `rocking sweep` to the last bit.
 
     Parameters
     ----------
     study : path or mapping
-        A study file (TOML), or what one would hold as a dictionary; files in it are called from the file's folder, or from
-        the working directory.
+        A study file (TOML), or its content as a dictionary. Paths in it are relative to the file's folder, or to the
+        working directory.
     on_separation : {"fly", "terminate"}, optional
-        What happens at complete separation, where the study does not name it; without it the block flies on.
+        Action at complete separation if the study does not name it; by default the block flies on.
     threads, progress
         As in `spectrum`.
 
     Returns
     -------
     Table
-        A row for each combination × record × scale; parameters by their names in the FMU, without the
-        group: `alpha` for `dimensionless.alpha`.
+        One row per combination × record × scale. Parameters have their names in the FMU without the group: `alpha` for
+        `dimensionless.alpha`.
 
     Raises
     ------
     OSError
         The study cannot be read.
     ValueError
-        It says something wrong; the message has its line, what was found and what was expected.
+        The study has a mistake; the message has its line, the value found and the one expected.
 
     Warns
     -----
@@ -312,7 +314,7 @@ def sweep(
 
 
 def _refuse(unread: bool, given: Mapping[str, object], why: str) -> None:
-    """Refuses what nothing would read, in the engine's words."""
+    """Raises the engine's error for arguments without effect."""
     for name, value in given.items():
         if unread and value is not None:
             raise ValueError(f"{name} has no effect {why}")
@@ -375,7 +377,7 @@ def _outcomes(
         )
 
     def of_motion(values: Sequence[Any], count: int) -> npt.NDArray[Any]:
-        """A column of values of the records, or of the scales, the latter in turn for each record."""
+        """Returns a column of values of the records, or of the scales, repeated for each record."""
         return np.tile(np.repeat(np.array(values), len(many) * count), number * len(factors) // (len(values) * count))
 
     columns: dict[str, npt.ArrayLike] = {}
@@ -401,7 +403,8 @@ def _outcomes(
     one = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
     axes = (*(() if one else (number,)), *scales.shape, *shape)
     above = {name: "s" for name in columns if name.startswith("friction_demand>")}
-    return Table(columns, {name: unit for name, unit in (_UNITS | dict(units) | above).items() if name in columns}, axes)
+    return Table(columns, {name: unit for name, unit in (_UNITS | dict(units) | above).items() if name in columns},
+    axes)
 
 
 def _read(name: str, records: Records | None, g: float) -> list[Record]:
@@ -415,8 +418,7 @@ def _read(name: str, records: Records | None, g: float) -> list[Record]:
 
 
 def _names(records: Sequence[Record]) -> list[str]:
-    """Names by which records can be told apart: those without one have their number, and of those that are called the same
-    all but the first have it besides."""
+    """Returns distinct names: unnamed records get their number, and repeated names have it appended."""
     names: list[str] = []
     for number, record in enumerate(records):
         name = record.name or str(number)

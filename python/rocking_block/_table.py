@@ -1,4 +1,4 @@
-"""Results of many runs: columns of one length."""
+"""Results of many runs: columns of equal length."""
 
 import math
 import os
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-# A heading of the program is the name and, in brackets, the unit.
+# Columns of whole numbers.
 _COUNTS = ("flights", "events.impacts", "events.liftoffs")
 
 
 class Table(dict[str, npt.NDArray[Any]]):
-    """Columns by their names, each an array of shape (n,), a row for each run. The names are those of the program's tables.
+    """Named columns, each an array of shape (n,), with one row per run. The names are those of the program's tables.
 
-    A table is a dictionary that cannot be changed, so `pandas.DataFrame(table)` works. `table["p"]` is a column, and
-    `table[table["outcome"] == "completed"]` a table of the rows under a mask; row numbers and slices work as well.
+    A table is an immutable dictionary, so `pandas.DataFrame(table)` works. `table["p"]` is a column, and
+    `table[table["outcome"] == "completed"]` is a table of the rows selected by a mask; row numbers and slices work as well.
 
     Parameters
     ----------
     columns : mapping of str to array_like
-        The columns, all of one length.
+        The columns, all of equal length.
     units : mapping of str to str
         Units of the columns that have one.
     shape : tuple of int, optional
-        Shape of the study: `table["outcome"].reshape(table.shape)` has an axis for each argument that was an array.
+        Shape of the study: `table["outcome"].reshape(table.shape)` has one axis per array argument.
 
     Examples
     --------
@@ -53,7 +53,7 @@ class Table(dict[str, npt.NDArray[Any]]):
         units: Mapping[str, str] | None = None,
         shape: tuple[int, ...] | None = None,
     ) -> None:
-        # Views, so that arrays of the caller stay writable.
+        # Views keep the caller's arrays writable.
         super().__init__({name: np.asarray(column).view() for name, column in columns.items()})
         for name, column in self.items():
             if column.ndim != 1:
@@ -101,7 +101,7 @@ class Table(dict[str, npt.NDArray[Any]]):
             raise KeyError(f"there is no column {key!r}; expected one of {', '.join(self)}") from None
 
     def _refuse_change(self, *_: Any, **__: Any) -> NoReturn:
-        """Refuses: a table cannot be changed."""
+        """Raises an error: a table is immutable."""
         raise TypeError("a Table cannot be changed; make another, as in Table({**table, ...}, table.units)")
 
     __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = _refuse_change
@@ -111,7 +111,7 @@ class Table(dict[str, npt.NDArray[Any]]):
         return (Table, (dict(self), self._units, self._shape))
 
     def __eq__(self, other: object) -> bool:
-        """Whether all columns, units and the shape are the same; nan is the same as nan."""
+        """Compares all columns, units and the shape; nan equals nan."""
         if not isinstance(other, Table):
             return NotImplemented
         kept = list(self) == list(other) and self._units == other._units and self._shape == other._shape
@@ -126,7 +126,7 @@ class Table(dict[str, npt.NDArray[Any]]):
     __hash__ = None
 
     def to_frame(self) -> "pandas.DataFrame":
-        """The table as a pandas DataFrame; its `attrs["units"]` are the units."""
+        """Returns a pandas DataFrame, with the units in `attrs["units"]`."""
         with optional("to_frame", "pandas"):
             import pandas
 
@@ -135,7 +135,7 @@ class Table(dict[str, npt.NDArray[Any]]):
         return frame
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table as a Parquet file, by pyarrow; the fields' metadata have the units."""
+        """Writes a Parquet file with pyarrow, with the units in the fields' metadata."""
         with optional("to_parquet", "pyarrow"):
             import pyarrow
             import pyarrow.parquet
@@ -157,26 +157,27 @@ class Table(dict[str, npt.NDArray[Any]]):
         ax: "Axes | None" = None,
         **style: Any,
     ) -> "Axes":
-        """Draws one column over another by Matplotlib: curves where each x is a single row, and points elsewhere.
+        """Draws one column over another with Matplotlib: curves if each x has a single row, otherwise points.
 
         Parameters
         ----------
         x : str, optional
-            Column along the axis; without it the first of 2pi/p, PGV, scale and the blocks' parameters that varies.
+            Column on the horizontal axis; by default the first that varies of 2pi/p, PGV, scale and the blocks'
+            parameters.
         y : str
-            Column up the axis. Rotations above 1.5 |θ|/α are cut, and the picture says up to where they go.
+            Column on the vertical axis. Rotations above 1.5 |θ|/α are clipped, and the plot states the largest.
         by : str or sequence of str, optional
-            Columns that tell curves apart; without them the records' and blocks' parameters that vary beside x. Points have a
-            mark for each outcome then.
+            Columns that distinguish curves; by default the parameters of records and blocks that vary besides x. Points
+            then have a marker per outcome.
         ax : Axes, optional
-            Where to draw; without it on the current axes of pyplot, or on a new figure if these show something else.
+            Axes to draw on; by default pyplot's current axes, or a new figure if these show another kind of plot.
         **style
             Options of `Axes.plot`.
 
         Raises
         ------
         ValueError
-            There is no such column, or it has no numbers.
+            A column does not exist, or is not numeric.
         """
         from rocking_block import _plot
 
@@ -202,7 +203,7 @@ class Table(dict[str, npt.NDArray[Any]]):
 
 
 def of_program(headings: list[str], columns: list[Any]) -> Table:
-    """The table of headings as the program writes them, and their columns."""
+    """Returns a table from columns and the program's headings: a name and, in brackets, a unit."""
     named, units = {}, {}
     for heading, column in zip(headings, columns, strict=True):
         name, unit = heading, None

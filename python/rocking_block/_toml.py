@@ -9,7 +9,7 @@ import numpy as np
 
 
 def text(study: Mapping[str, Any]) -> str:
-    """The study as TOML: each of its tables under a heading, each of their values on a line.
+    """Returns the study as TOML: a heading per table, a line per value.
 
     >>> print(text({"study": {"design": "grid"}, "records": ["a.AT2", {"horizontal": "b.csv", "dt": 0.01}]}))
     [study]
@@ -58,5 +58,5 @@ def _value(name: str, value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    # A string of JSON is one of TOML but for the one control character that JSON leaves as it is.
+    # JSON strings are TOML strings, except for one control character that JSON does not escape.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -19,7 +19,7 @@ Outcome = Literal["completed", "overturned", "separated", "undecided", "failed"]
 
 
 def chosen(name: str, found: object, words: tuple[str, ...]) -> str:
-    """Returns the word that was chosen; case, hyphens and underscores do not matter. The error lists the words."""
+    """Returns the chosen word, ignoring case, hyphens and underscores. The error lists the words."""
     for word in words:
         if isinstance(found, str) and _letters(found) == _letters(word):
             return word
@@ -32,7 +32,7 @@ def _letters(word: str) -> str:
 
 
 def number(name: str, given: Any) -> float:
-    """Returns a number as a float, and refuses texts and lists by the name of the argument."""
+    """Returns a number as a float. Strings and lists are errors that name the argument."""
     try:
         if not isinstance(given, str | bytes):
             return float(given)
@@ -48,7 +48,7 @@ def run_options(
     duration: float | None = None,
     step: float | None = None,
 ) -> dict[str, Any]:
-    """Returns the options of runs as the engine reads them."""
+    """Returns the run options in the engine's form."""
     return {
         "tolerance": number("tolerance", tolerance),
         "on_separation": chosen("on_separation", on_separation, get_args(OnSeparation)),
@@ -60,11 +60,11 @@ def run_options(
 
 @contextmanager
 def optional(what: str, package: str) -> Iterator[None]:
-    """Says how to install a package that an import in the block does not find."""
+    """Explains how to install a package that an import in the block does not find."""
     try:
         yield
     except ModuleNotFoundError as error:
-        # A package that is there but misses one of its own says more itself.
+        # If an installed package lacks one of its own dependencies, its message says more.
         if error.name is None or error.name.partition(".")[0] != package:
             raise
         message = f"{what} needs {package}; python -m pip install {package}"
@@ -73,14 +73,17 @@ def optional(what: str, package: str) -> Iterator[None]:
 
 @contextmanager
 def ticking(progress: bool | None) -> Iterator[Callable[[int, int], object]]:
-    """What long work calls with how much of it is done and how much there is: a bar of tqdm after a second's work, where
-    tqdm is installed and somebody looks at it; with True in any case, with False in none."""
+    """Yields a callback that takes the amount of work done and the total, and shows a tqdm bar.
+
+    By default the bar appears after a second's work, if tqdm is installed and the output is interactive; with True it
+    always appears, with False never.
+    """
     if progress is False:
         yield lambda done, total: None
         return
     try:
         with warnings.catch_warnings():
-            # A notebook without ipywidgets has bars of text.
+            # Without ipywidgets a notebook shows text bars.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     except ImportError:

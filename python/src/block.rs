@@ -8,13 +8,14 @@ use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Physical};
+use rocking_block::words::Words;
 
-use crate::options::{invalid, word};
+use crate::options::{choice, invalid};
 
-/// The foundations by their words.
-const FOUNDATIONS: [(&str, Foundation); 2] = [("viscoelastic", Foundation::Viscoelastic), ("rigid", Foundation::Rigid)];
+/// All foundations.
+const FOUNDATIONS: [Foundation; 2] = [Foundation::Viscoelastic, Foundation::Rigid];
 
-/// What was given of a block; the rest follows.
+/// The explicit parameters of a block; the others follow.
 #[derive(Clone, Debug, Default)]
 struct Given {
     alpha: Option<f64>,
@@ -44,7 +45,7 @@ impl Given {
         ]
     }
 
-    /// Refuses the first of these parameters that was given.
+    /// Returns an error for the first of these parameters that was given.
     fn refuse(&self, names: &[&str], why: &str) -> PyResult<()> {
         match self.named().into_iter().find(|(name, value)| value.is_some() && names.contains(name)) {
             Some((name, _)) => Err(PyValueError::new_err(format!("{name} has no effect {why}"))),
@@ -78,7 +79,7 @@ impl Given {
             (Foundation::Viscoelastic, ..) => {
                 return Err(missing("K and C; expected both and mass, or foundation=\"rigid\""));
             }
-            // The rigid base reads neither; any that make a block will do.
+            // The rigid base ignores both; any valid values will do.
             (Foundation::Rigid, ..) => (common.mass * common.gravity / height, 0.0),
         };
         let physical = Physical { width, height, stiffness, damping };
@@ -86,7 +87,7 @@ impl Given {
     }
 }
 
-/// The parameters of a block; the class of the same name in Python adds what it does.
+/// The parameters of a block; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -104,7 +105,7 @@ impl Hash for Block {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let engine::Block { alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, .. } =
             self.block;
-        // Adding zero makes one of both zeros, which are equal.
+        // Adding zero turns −0 into 0, so that equal blocks have equal hashes.
         [alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor]
             .map(|value| (value + 0.0).to_bits())
             .hash(state);
@@ -136,7 +137,7 @@ impl Block {
         foundation: &str,
         restitution_factor: Option<f64>,
     ) -> PyResult<Block> {
-        let foundation = word("foundation", foundation, &FOUNDATIONS)?;
+        let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let given = Given { alpha, p, eta, xi_v, width, height, stiffness: K, damping: C, restitution_factor };
         let restitution_factor = restitution_factor.unwrap_or(1.0);
         let common =
@@ -153,7 +154,7 @@ impl Block {
         Ok(((), self.parameters(py)?))
     }
 
-    /// The parameters that make this block: those that were given, and those that all blocks have.
+    /// Returns the parameters that define this block: the explicit ones and those common to all blocks.
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
         for (name, value) in self.given.named() {
@@ -171,7 +172,7 @@ impl Block {
 
     #[getter]
     fn foundation(&self) -> &'static str {
-        foundation_word(self.block.foundation)
+        self.block.foundation.word()
     }
 
     #[getter]
@@ -283,7 +284,7 @@ impl Block {
 }
 
 impl Block {
-    /// A value that a rigid base has not.
+    /// Returns a value that a rigid base lacks.
     fn of_supports(&self, value: f64) -> f64 {
         match self.block.foundation {
             Foundation::Viscoelastic => value,
@@ -292,8 +293,8 @@ impl Block {
     }
 }
 
-/// Warns of the first block that falls over by itself: the moment of its supports per radian, 2 K b², is at most that of its
-/// weight, M g h. `stack_level` is that of the line that the warning names.
+/// Warns of the first block that falls over by itself. Its supports' moment per radian, 2 K b², is at most that of its
+/// weight, M g h. `stack_level` selects the line that the warning names.
 fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
     let least = |block: &engine::Block| block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
     let is_soft =
@@ -308,22 +309,17 @@ fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32)
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, stack_level)
 }
 
-fn foundation_word(foundation: Foundation) -> &'static str {
-    FOUNDATIONS.iter().find(|(_, known)| *known == foundation).map_or("", |(word, _)| word)
-}
-
-/// Many blocks on one kind of foundation.
+/// Many blocks on the same kind of foundation.
 #[pyclass(frozen, module = "rocking_block._engine")]
 pub struct Blocks {
     pub blocks: Vec<engine::Block>,
-    /// η as it was given: that of a block is ω_v/p, which may be off by rounding.
+    /// The explicit η: a block's ω_v/p may differ from it by rounding.
     eta: Vec<f64>,
 }
 
 #[pymethods]
 impl Blocks {
-    /// The blocks of arrays of one length; those of η and ξ_v are not read on a rigid base, that of the factor not on
-    /// supports.
+    /// Returns blocks from arrays of equal length. A rigid base ignores η and ξ_v, supports ignore the factor.
     #[new]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -339,7 +335,7 @@ impl Blocks {
         gamma: f64,
         g: f64,
     ) -> PyResult<Blocks> {
-        let foundation = word("foundation", foundation, &FOUNDATIONS)?;
+        let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let (alpha, p, eta) = (alpha.as_slice()?, p.as_slice()?, eta.as_slice()?);
         let (xi_v, epsilon, factor) = (xi_v.as_slice()?, epsilon.as_slice()?, restitution_factor.as_slice()?);
         let block = |i: usize| {
@@ -353,7 +349,7 @@ impl Blocks {
         Ok(Blocks { blocks, eta: eta.to_vec() })
     }
 
-    /// The blocks of a list.
+    /// Returns the blocks of a list.
     #[staticmethod]
     fn of(blocks: Vec<PyRef<Block>>) -> Blocks {
         Blocks {
@@ -366,7 +362,7 @@ impl Blocks {
         self.blocks.len()
     }
 
-    /// One parameter of all blocks, by its name.
+    /// Returns one parameter of all blocks by name.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let of: fn(&Block) -> f64 = match name {
             "alpha" => Block::alpha,
@@ -386,13 +382,13 @@ impl Blocks {
         Ok(PyArray1::from_iter(py, self.blocks.iter().zip(&self.eta).map(seen)))
     }
 
-    /// What each block stands on.
+    /// Returns the foundation of each block.
     fn foundations(&self) -> Vec<&'static str> {
-        self.blocks.iter().map(|block| foundation_word(block.foundation)).collect()
+        self.blocks.iter().map(|block| block.foundation.word()).collect()
     }
 }
 
-/// A hash of numbers, which no two runs of Python have differently.
+/// Returns a hash of numbers that is the same in every Python process.
 pub fn hash(parts: impl Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
     parts.hash(&mut hasher);

@@ -1,24 +1,24 @@
-//! What blocks did over how strong the ground moved → a fragility curve.
+//! Outcomes over an intensity measure → a fragility curve.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use rocking_block::study::fragility::{Assessment, Case, Interval, Link, Uncertainty};
+use rocking_studies::fragility::{Assessment, Case, Interval, Link, Uncertainty};
 
-use crate::options::{finite, invalid, whole, word};
+use crate::options::{choice, finite, invalid, whole};
 use crate::work::wait;
 
-/// Lower and upper end; an end that the data do not bound is that of what is possible.
+/// Lower and upper ends; an end that the data do not bound is the limit of the possible values.
 type Ends = (f64, f64);
 
-/// A curve, how sure it is and how well it tells the outcomes; the class of the same name in Python adds its documentation.
+/// A curve with its uncertainty and predictive power; the Python class of the same name has the documentation.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
 pub struct Fragility(Assessment);
 
 #[pymethods]
 impl Fragility {
-    /// Rows of a table that tell: the measure, the part that exceeded the limit, the peak of the blocks that rock and stand
-    /// and the number of the ground motion; nan where there is no measure or peak. With `samples` intervals are those of a
-    /// bootstrap, without of the profile likelihood.
+    /// Fits decided rows of a table: the measure, the fraction that exceeded the limit, the peak of the blocks that rock and
+    /// stand, and the number of the ground motion; a missing measure or peak is nan. With `samples` the intervals come from
+    /// a bootstrap, otherwise from the profile likelihood.
     #[new]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -33,7 +33,7 @@ impl Fragility {
         seed: i64,
         tick: &Bound<PyAny>,
     ) -> PyResult<Fragility> {
-        let link = word("link", link, &[("probit", Link::Probit), ("logit", Link::Logit)])?;
+        let link = choice("link", link, &[Link::Probit, Link::Logit])?;
         finite("ci", ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
         let seed = whole("seed", seed, 0..=i64::MAX)?;
         let samples = samples.map(|samples| whole("samples", samples, 2..=1_000_000)).transpose()?;
@@ -70,7 +70,7 @@ impl Fragility {
 
     #[getter]
     fn beta_ci(&self) -> Ends {
-        // The dispersion of a probability that falls as the measure grows is negative.
+        // If the probability falls as the measure grows, the dispersion is negative.
         match self.0.fit.dispersion() > 0.0 {
             true => ends(self.0.dispersion, 0.0, f64::INFINITY),
             false => ends(self.0.dispersion, f64::NEG_INFINITY, 0.0),
@@ -117,7 +117,7 @@ impl Fragility {
         self.0.independence.to_string()
     }
 
-    /// Probabilities at measures above zero.
+    /// Returns the probabilities at measures above zero.
     fn probabilities<'py>(
         &self,
         py: Python<'py>,
@@ -127,7 +127,7 @@ impl Fragility {
         Ok(PyArray1::from_iter(py, probabilities))
     }
 
-    /// Ends of the interval of the probability at measures above zero, point by point.
+    /// Returns the ends of the pointwise interval of the probability at measures above zero.
     fn intervals<'py>(
         &self,
         py: Python<'py>,
@@ -140,7 +140,7 @@ impl Fragility {
     }
 }
 
-/// Measures of which there is a probability.
+/// Checks that measures are above zero.
 fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
     let measures = measures.as_array().to_vec();
     measures.iter().try_for_each(|&measure| finite("x", measure, |x| x > 0.0, "a measure > 0"))?;

@@ -1,24 +1,24 @@
-//! A block and what moves it → columns over time.
+//! A block and its excitation → columns over time.
 
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rocking_block::block::Corner;
 use rocking_block::block::Foundation;
-use rocking_block::contact::Corner;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
-use rocking_block::study::history::{History, Run};
-use rocking_block::study::outcome::End;
-use rocking_block::study::table::COLUMNS;
-use rocking_block::system::surfaces::EventKind;
+use rocking_block::system::events::EventKind;
+use rocking_studies::run::outcome::End;
+use rocking_studies::run::table::COLUMNS;
+use rocking_studies::run::{History, Run};
 
 use crate::block::Block;
 use crate::options::{PulseOptions, RunOptions, finite, ground, invalid};
 use crate::record::Record;
 use crate::work::wait;
 
-/// Where a block is at the beginning: a dictionary of these names.
+/// The initial state of a block: a dictionary with these keys.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Beginning {
@@ -41,7 +41,7 @@ impl Beginning {
     }
 }
 
-/// The history of a run: a dictionary of `columns`, `events`, `peak`, `counts` and how it ended.
+/// Returns the history of a run: a dictionary with `columns`, `events`, `peak`, `counts` and the outcome.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn history<'py>(

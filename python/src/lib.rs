@@ -1,4 +1,4 @@
-//! The engine of the Python package `rocking_block`: what goes between NumPy and the crate `rocking-block`, and nothing
+//! The engine of the Python package `rocking_block`: conversions between NumPy and the crate `rocking-block`, and nothing
 //! else. Names, defaults and documentation are those of the Python modules beside it; `_engine.pyi` has the types.
 //!
 //! | module | in → out |
@@ -6,11 +6,11 @@
 //! | `block` | parameters → a block, or many |
 //! | `record` | a file or an array → a record |
 //! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
-//! | `history` | a block and what moves it → columns over time |
+//! | `history` | a block and its excitation → columns over time |
 //! | `studies` | many blocks under many ground motions → a column each |
 //! | `fragility` | outcomes over an intensity measure → a curve |
-//! | `search` | a range → where the outcome changes |
-//! | `work` | long work → its result, while Python shows progress and takes Ctrl-C |
+//! | `search` | a range → the values at which the outcome changes |
+//! | `work` | long work → its result, while Python shows progress and handles Ctrl-C |
 
 mod block;
 mod fragility;

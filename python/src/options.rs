@@ -6,27 +6,28 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::records::ground::Ground;
+use rocking_block::ground::Ground;
 use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
-use rocking_block::study::history::{LONGEST, SHORTEST};
-use rocking_block::study::runner;
+use rocking_block::words::Words;
+use rocking_studies::output::runner;
+use rocking_studies::run::{MAX_DURATION, MIN_STEP};
 
 use crate::record::Record;
 
-/// An error of the engine, in its words, as a `ValueError`.
+/// Converts an error of the engine to a `ValueError` with the same message.
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// The value that a word stands for, in any case; the error lists the words.
-pub fn word<T: Copy>(name: &str, found: &str, words: &[(&str, T)]) -> PyResult<T> {
-    words.iter().find(|(word, _)| word.eq_ignore_ascii_case(found)).map(|(_, value)| *value).ok_or_else(|| {
-        let known: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+/// Returns the choice of a word in any case; the error lists the words of all choices.
+pub fn choice<T: Words>(name: &str, found: &str, choices: &[T]) -> PyResult<T> {
+    T::named(found).filter(|choice| choices.contains(choice)).ok_or_else(|| {
+        let known: Vec<String> = choices.iter().map(|choice| format!("\"{}\"", choice.word())).collect();
         PyValueError::new_err(format!("{name} = \"{found}\"; expected one of {}", known.join(", ")))
     })
 }
 
-/// Refuses a value, with a sentence that names it.
+/// Returns an error that names a value.
 pub fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> PyResult<()> {
     if value.is_finite() && fits(value) {
         return Ok(());
@@ -34,7 +35,7 @@ pub fn finite(name: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str
     Err(PyValueError::new_err(format!("{name} = {value}; expected {expected}")))
 }
 
-/// A whole number in a range, both ends included.
+/// Returns a whole number in a range, both ends included.
 pub fn whole(name: &str, value: i64, range: RangeInclusive<i64>) -> PyResult<u64> {
     match u64::try_from(value) {
         Ok(found) if range.contains(&value) => Ok(found),
@@ -45,46 +46,45 @@ pub fn whole(name: &str, value: i64, range: RangeInclusive<i64>) -> PyResult<u64
     }
 }
 
-/// A pool of so many threads; without a number, one for each core.
+/// Returns a pool with this number of threads; by default one per core.
 pub fn pool(threads: Option<i64>) -> PyResult<ThreadPool> {
     let threads = threads.map(|threads| whole("threads", threads, 1..=1024)).transpose()?;
     runner::pool(threads.map(|threads| threads as usize)).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
-/// How a run is made: a dictionary of these names.
+/// Options of a run: a dictionary with these keys.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct RunOptions {
     tolerance: f64,
     on_separation: String,
     on_overturning: String,
-    /// Duration (s); without it, until the block has come down.
+    /// Duration (s); by default until the block has come down.
     pub duration: Option<f64>,
-    /// Time between rows, or the longest between two stops (s).
+    /// Time between rows, or the longest time between two stops (s).
     pub step: Option<f64>,
 }
 
 impl RunOptions {
-    /// Settings of the engine.
+    /// Returns the settings of the engine.
     pub fn settings(&self) -> PyResult<Settings> {
-        let separations =
-            [("terminate", OnSeparation::Terminate), ("hold", OnSeparation::Hold), ("fly", OnSeparation::Fly)];
-        let overturnings = [("terminate", OnOverturning::Terminate), ("hold", OnOverturning::Hold)];
+        let separations = [OnSeparation::Terminate, OnSeparation::Hold, OnSeparation::Fly];
+        let overturnings = [OnOverturning::Terminate, OnOverturning::Hold];
         finite("tolerance", self.tolerance, Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
         Ok(Settings {
             tolerance: self.tolerance,
-            on_separation: word("on_separation", &self.on_separation, &separations)?,
-            on_overturning: word("on_overturning", &self.on_overturning, &overturnings)?,
+            on_separation: choice("on_separation", &self.on_separation, &separations)?,
+            on_overturning: choice("on_overturning", &self.on_overturning, &overturnings)?,
         })
     }
 
-    /// Refuses a duration that would never end, and stops that come too close.
+    /// Checks that the duration is finite and the stops are not too close.
     pub fn check_times(&self) -> PyResult<()> {
         if let Some(duration) = self.duration {
-            finite("duration", duration, |x| x > 0.0 && x <= LONGEST, "a time > 0 s, at most 1e6 s")?;
+            finite("duration", duration, |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?;
         }
         match self.step {
-            Some(step) => finite("step", step, |x| x >= SHORTEST, "a time of at least 1e-6 s"),
+            Some(step) => finite("step", step, |x| x >= MIN_STEP, "a time of at least 1e-6 s"),
             None => Ok(()),
         }
     }
@@ -100,15 +100,10 @@ pub struct PulseOptions {
 }
 
 impl PulseOptions {
-    /// The pulse; without an amplitude it has that of `instead`.
+    /// Returns the pulse; a missing amplitude is replaced by `instead`.
     fn pulse(&self, instead: Option<f64>) -> PyResult<Pulse> {
-        let shapes = [
-            ("one-sine", PulseShape::OneSine),
-            ("one-cosine", PulseShape::OneCosine),
-            ("c1", PulseShape::C1),
-            ("c2", PulseShape::C2),
-        ];
-        let shape = word("shape", &self.shape, &shapes)?;
+        let shapes = [PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
+        let shape = choice("shape", &self.shape, &shapes)?;
         let amplitude = instead.or(self.amplitude);
         let missing = || PyValueError::new_err("amplitude is missing; expected that of the pulse, a_p [m/s2]");
         let amplitude = amplitude.ok_or_else(missing)?;
@@ -119,31 +114,31 @@ impl PulseOptions {
         Ok(Pulse { shape, amplitude, period, start })
     }
 
-    /// The pulse of an option that may be missing.
+    /// Returns the pulse of an option that may be missing.
     pub fn pulse_or_none(pulse: Option<&PulseOptions>) -> PyResult<Pulse> {
         pulse.map_or(Ok(Pulse::NONE), |pulse| pulse.pulse(None))
     }
 
-    /// The pulse of which the amplitude is searched for.
+    /// Returns the pulse for a search over its amplitude.
     pub fn without_amplitude(&self) -> PyResult<Pulse> {
         self.pulse(Some(0.0))
     }
 }
 
-/// Refuses a pulse that is not valid; its amplitude may be missing.
+/// Checks a pulse; its amplitude may be missing.
 #[pyfunction]
 pub fn check_pulse(pulse: PulseOptions) -> PyResult<()> {
     pulse.pulse(pulse.amplitude.or(Some(0.0))).map(|_| ())
 }
 
-/// Ground accelerations of a pulse at these times (m/s²).
+/// Returns the ground accelerations of a pulse at these times (m/s²).
 #[pyfunction]
 pub fn pulse_acceleration(pulse: PulseOptions, times: Vec<f64>) -> PyResult<Vec<f64>> {
     let pulse = pulse.pulse(None)?;
     Ok(times.into_iter().map(|time| pulse.acceleration(time)).collect())
 }
 
-/// Duration of a pulse (s).
+/// Returns the duration of a pulse (s).
 #[pyfunction]
 pub fn pulse_duration(pulse: PulseOptions) -> PyResult<f64> {
     Ok(pulse.without_amplitude()?.duration())

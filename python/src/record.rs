@@ -7,19 +7,19 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rocking_block::records::ground::Ground;
-use rocking_block::records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
-use rocking_block::study::ground_files::{Name, Said};
-use rocking_block::study::intensity::{Measure, PERIODS, pga, pgv};
+use rocking_block::ground::Ground;
+use rocking_records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
+use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
+use rocking_studies::intensity::{Measure, PERIODS, pga, pgv};
 
 use crate::block::hash;
 use crate::options::{finite, invalid, whole};
 
-/// The samples of a record; the class of the same name in Python adds what it can do.
+/// The samples of a record; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
 pub struct Record {
     pub record: engine::Record,
-    /// The samples as an array that cannot be written to.
+    /// Returns the samples as a read-only array.
     acceleration: Py<PyArray1<f64>>,
 }
 
@@ -118,7 +118,7 @@ impl Record {
     }
 }
 
-/// The intensity measures of a record that are asked for: those without a period, and Sa and Sv at each of `periods` (s).
+/// Returns the requested intensity measures of a record: those without a period, and Sa and Sv at each of `periods` (s).
 pub fn measures(periods: &[f64]) -> PyResult<Vec<Measure>> {
     periods
         .iter()
@@ -126,7 +126,7 @@ pub fn measures(periods: &[f64]) -> PyResult<Vec<Measure>> {
     Ok(Measure::of_record(periods))
 }
 
-/// Name and value of each intensity measure of a record.
+/// Returns the name and value of each intensity measure of a record.
 #[pyfunction]
 pub fn intensity(py: Python, record: &Bound<Record>, periods: Vec<f64>, g: f64) -> PyResult<Vec<(String, f64)>> {
     finite("g", g, |x| x > 0.0, "an acceleration > 0 m/s2")?;
@@ -151,7 +151,7 @@ impl From<ColumnOption> for Column {
     }
 }
 
-/// Samples, time step (s), title and beginning (s) of a file.
+/// Returns samples, time step (s), title and start (s) of a file.
 #[pyfunction]
 #[pyo3(signature = (path, *, unit, dt, format, channel, time_column, acceleration_column, g))]
 #[allow(clippy::too_many_arguments)]
@@ -179,7 +179,7 @@ pub fn read_record(
             .map(|channel| channel as usize),
     };
     let record = py.detach(|| engine::read(&path, &options)).map_err(refused)?;
-    let said = Said { of_both: options, ..Said::default() };
+    let said = RecordOptions { both: options, ..RecordOptions::default() };
     let ground = Ground { horizontal: Some(record.clone()), vertical: None };
     if let Some((name, needed)) = said.unread(&[ground]) {
         return Err(PyValueError::new_err(format!("{} has no effect without {needed}", name.key())));
@@ -188,7 +188,7 @@ pub fn read_record(
     Ok((PyArray1::from_vec(py, acceleration).unbind(), time_step, title, start_time))
 }
 
-/// What the operating system refuses is an `OSError`, what a file says a `ValueError`.
+/// Converts errors of the operating system to an `OSError`, and errors in a file to a `ValueError`.
 fn refused(error: RecordError) -> PyErr {
     let message = error.to_string();
     match &error {
@@ -197,6 +197,6 @@ fn refused(error: RecordError) -> PyErr {
             ErrorKind::PermissionDenied => PyPermissionError::new_err(message),
             _ => PyOSError::new_err(message),
         },
-        _ => PyValueError::new_err(error.naming(|setting| Name { setting, vertical: false }.key())),
+        _ => PyValueError::new_err(error.naming(|setting| RecordOption { setting, vertical: false }.key())),
     }
 }

@@ -1,18 +1,18 @@
-//! A range → where the outcome changes.
+//! A range → the values at which the outcome changes.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rocking_block::block::{Common, Dimensionless, Foundation};
 use rocking_block::numerics::wide::Width;
-use rocking_block::study::outcome::End;
-use rocking_block::study::search::{self, Found, Scan, Shaking, Threshold};
+use rocking_studies::run::outcome::End;
+use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 
 use crate::block::Block;
 use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, whole};
 use crate::record::Record;
 use crate::work::wait;
 
-/// What is scanned and how closely: a dictionary of these names.
+/// Range and resolution of a scan: a dictionary with these keys.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct ScanOptions {
@@ -24,7 +24,7 @@ pub struct ScanOptions {
 }
 
 impl ScanOptions {
-    /// The scan; without ends, between those of `instead`.
+    /// Returns the scan; missing ends are those of `instead`.
     fn scan(&self, instead: [f64; 2]) -> PyResult<Scan> {
         let (from, to) = (self.from.unwrap_or(instead[0]), self.to.unwrap_or(instead[1]));
         finite("start", from, |_| true, "a finite number")?;
@@ -34,15 +34,15 @@ impl ScanOptions {
     }
 }
 
-/// The number that is searched for, how the scan bounds it, the stretches of one outcome, and the spacing of the scan.
+/// The value found, its bound, the intervals of equal outcome, and the spacing of the scan.
 type Answer = (Option<f64>, &'static str, Vec<(f64, f64, &'static str)>, f64);
 
-fn answer(found: &Found<End>, threshold: Threshold) -> Answer {
+fn answer(found: &OutcomeMap<End>, threshold: Threshold) -> Answer {
     let stretches = found.stretches().into_iter().map(|(from, to, end)| (from, to, end.word()));
     (threshold.value(), threshold.bound(), stretches.collect(), found.spacing)
 }
 
-/// Stretches of the amplitude of a pulse, or of the factor on records, by what becomes of the block.
+/// Finds intervals of equal outcome over the amplitude of a pulse or the factor on records.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn search_overturning<'py>(
@@ -73,7 +73,7 @@ pub fn search_overturning<'py>(
     Ok(answer(&found, found.overturning()))
 }
 
-/// Stretches of the damping ratio of the supports by what becomes of the block in free vibration.
+/// Finds intervals of equal outcome over the damping ratio of the supports, in free vibration.
 #[pyfunction]
 pub fn search_damping<'py>(
     py: Python<'py>,

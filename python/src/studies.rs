@@ -9,35 +9,35 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
-use rocking_block::model::variables::Variable;
+use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
-use rocking_block::records::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation};
-use rocking_block::study::friction;
-use rocking_block::study::history::Run;
-use rocking_block::study::intensity::Measure;
-use rocking_block::study::outcome::Outcome;
-use rocking_block::study::runner::{self, Study, StudyRow};
-use rocking_block::study::study_file::StudyFileError;
-use rocking_block::study::sweep::Motion;
-use rocking_block::study::sweep_file;
-use rocking_block::study::together;
+use rocking_block::unit::variables::Variable;
+use rocking_studies::input::study_file::StudyFileError;
+use rocking_studies::intensity::Measure;
+use rocking_studies::output::runner::{self, Study, StudyRow};
+use rocking_studies::run::Run;
+use rocking_studies::run::batch;
+use rocking_studies::run::outcome::Outcome;
+use rocking_studies::run::sliding;
+use rocking_studies::sweep::file;
+use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::block::Blocks;
-use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, word};
+use crate::options::{PulseOptions, RunOptions, choice, finite, ground, invalid, pool};
 use crate::record::{Record, measures};
 use crate::work::{Progress, wait};
 
-/// A horizontal and a vertical record, each of which may be missing.
+/// A horizontal and a vertical record; each may be missing.
 type Pair<'py> = (Option<Bound<'py, Record>>, Option<Bound<'py, Record>>);
 
-/// Columns, units of those that have one, and why the first run failed that did.
+/// Columns, their units, and the reason of the first failed run.
 type Outcomes<'py> = (Bound<'py, PyDict>, Vec<(String, &'static str)>, Option<String>);
 
-/// Headings, columns, and why the first run failed that did.
+/// Headings, columns, and the reason of the first failed run.
 type Table<'py> = (Vec<String>, Vec<Bound<'py, PyAny>>, Option<String>);
 
-/// Rows, each of so many runs, in their order; where nobody waits for them any more, the thread unwinds.
+/// Yields rows of several runs each, in order; the thread unwinds when nobody waits for them any more.
 fn rows<T: Send>(
     pool: &ThreadPool,
     count: u64,
@@ -46,7 +46,7 @@ fn rows<T: Send>(
     make: impl Fn(Range<u64>) -> Vec<T> + Sync,
 ) -> Vec<T> {
     let mut rows = Vec::new();
-    // The first rows come when their batch is done.
+    // The first rows arrive when their batch is done.
     progress.show(0, count);
     let make = |numbers| {
         progress.end_if_abandoned();
@@ -60,7 +60,7 @@ fn rows<T: Send>(
     done.map_or_else(|never| match never {}, |()| rows)
 }
 
-/// What becomes of each block under each ground motion: the columns, one row after the other block by block, then scale by
+/// Computes the outcome of each block under each ground motion: columns with rows ordered block by block, then scale by
 /// scale, then pair by pair.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
@@ -98,7 +98,8 @@ pub fn outcomes<'py>(
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
     let columns_of = shown.clone();
     let made = wait(py, tick, move |progress| {
-        let motion = |number: u64| Motion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
+        let motion =
+            |number: u64| GroundMotion::new(Default::default(), grounds[number as usize].clone(), &of_record, g);
         let motions =
             rows(&pool, grounds.len() as u64, 1, &Progress::default(), |numbers| numbers.map(motion).collect());
         let case = |number: u64| {
@@ -126,7 +127,7 @@ pub fn outcomes<'py>(
         };
         let width = Width::widest();
         rows(&pool, count, 1, progress, |numbers| {
-            let outcomes = together::outcomes(width, numbers.clone().map(run), || ());
+            let outcomes = batch::outcomes(width, numbers.clone().map(run), || ());
             numbers.zip(outcomes).map(row).collect()
         })
     })?;
@@ -138,13 +139,13 @@ pub fn outcomes<'py>(
     }
     if let Some(friction) = friction {
         let above = PyArray1::from_iter(py, made.iter().map(|row| row.2[columns_of.len()]));
-        columns.set_item(friction::name(friction), above)?;
+        columns.set_item(sliding::name(friction), above)?;
     }
     let units = columns_of.iter().map(|measure| (measure.to_string(), measure.unit()));
     Ok((columns, units.collect(), failure))
 }
 
-/// The columns of outcomes, each with the slenderness of its block (rad).
+/// Returns the columns of outcomes, each with the slenderness of its block (rad).
 fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)]) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
     columns.set_item("outcome", made.iter().map(|(outcome, ..)| outcome.end.word()).collect::<Vec<_>>())?;
@@ -173,7 +174,7 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)]) -> PyResult<
     Ok(columns)
 }
 
-/// The table of a study file; columns with a unit are numbers.
+/// Returns the table of a study file; columns with a unit are numeric.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn sweep<'py>(
@@ -185,22 +186,22 @@ pub fn sweep<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Table<'py>> {
-    // Lines are told of a file; the text of a dictionary was seen by nobody.
+    // Line numbers help with a file; nobody has seen the text of a dictionary.
     let told = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
     let name_shown = name.unwrap_or("the study");
     let (file, content) = (name_shown.to_string(), text.to_string());
-    // To see that all combinations make blocks takes a while where there are many.
-    let mut study = wait(py, tick, move |_| sweep_file::read(&file, &content, &folder))?.map_err(told)?;
+    // With many combinations it takes a while to check that all make valid blocks.
+    let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(told)?;
     if let Some(on_separation) = on_separation {
-        let words = [("terminate", OnSeparation::Terminate), ("fly", OnSeparation::Fly)];
-        if study.factors.iter().any(|factor| factor.parameter.metadata.variable == Variable::OnSeparation) {
+        let choices = [OnSeparation::Terminate, OnSeparation::Fly];
+        if study.parameters.iter().any(|swept| swept.parameter.metadata.variable == Variable::OnSeparation) {
             let message = format!("on_separation: {name_shown} names it as well; expected one of the two");
             return Err(PyValueError::new_err(message));
         }
-        study.on_separation = word("on_separation", on_separation, &words)?;
+        study.on_separation = choice("on_separation", on_separation, &choices)?;
     }
     let pool = pool(threads)?;
-    let headings = study.head().columns;
+    let headings = study.header().columns;
     let count = study.rows();
     let made: Vec<StudyRow> = wait(py, tick, move |progress| {
         let width = Width::widest();
@@ -212,7 +213,7 @@ pub fn sweep<'py>(
         if !heading.ends_with(']') {
             return Ok(fields.collect::<Vec<_>>().into_pyobject(py)?.into_any());
         }
-        // Nothing stands where there is no such number.
+        // A missing number is an empty cell.
         let numbers = fields.map(|field| if field.is_empty() { Ok(f64::NAN) } else { field.parse::<f64>() });
         let numbers = numbers.collect::<Result<Vec<f64>, _>>().map_err(invalid)?;
         Ok(PyArray1::from_vec(py, numbers).into_any())

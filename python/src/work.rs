@@ -1,4 +1,4 @@
-//! Long work → its result, while Python shows progress and takes Ctrl-C.
+//! Long work → its result, while Python shows progress and handles Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// How often Python gets a look at the progress and at signals: seldom enough to cost nothing, and often enough to seem
+/// Interval between Python's checks of progress and signals: long enough to cost nothing, short enough to seem
 /// immediate.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How far work is, and whether somebody still waits for it.
+/// Progress of the work, and whether somebody still waits for it.
 #[derive(Default)]
 pub struct Progress {
     done: AtomicU64,
@@ -21,22 +21,22 @@ pub struct Progress {
     abandoned: AtomicBool,
 }
 
-/// With this a thread unwinds whose work nobody waits for any more.
+/// The payload with which a thread unwinds when nobody waits for its work any more.
 struct Abandoned;
 
 impl Progress {
-    /// Notes how far the work is.
+    /// Records the progress.
     pub fn show(&self, done: u64, total: u64) {
         self.total.store(total, Ordering::Relaxed);
         self.done.fetch_max(done, Ordering::Relaxed);
     }
 
-    /// Whether nobody waits for the result any more.
+    /// Returns true if nobody waits for the result any more.
     pub fn is_abandoned(&self) -> bool {
         self.abandoned.load(Ordering::Relaxed)
     }
 
-    /// Ends the thread if nobody waits for its result any more. It unwinds without a panic's message.
+    /// Ends the thread if nobody waits for its result any more. It unwinds without a panic message.
     pub fn end_if_abandoned(&self) {
         if self.is_abandoned() {
             resume_unwind(Box::new(Abandoned));
@@ -44,9 +44,9 @@ impl Progress {
     }
 }
 
-/// Does work on a thread of its own, without the lock of the interpreter. `tick(done, total)` is called about 20 times a
+/// Does work on a separate thread, without the interpreter lock. `tick(done, total)` is called about 20 times a
 /// second, and Python's signals are handled as often. An exception of either, such as `KeyboardInterrupt`, is raised at
-/// once; the work ends by itself at its next look at its progress.
+/// once; the work ends by itself when it next reports progress.
 pub fn wait<T: Send + 'static>(
     py: Python,
     tick: &Bound<PyAny>,
@@ -56,10 +56,10 @@ pub fn wait<T: Send + 'static>(
     let (sender, receiver) = channel();
     let shared = Arc::clone(&progress);
     std::thread::Builder::new().name("rocking-block".into()).spawn(move || {
-        // Nobody listens if the work was abandoned.
+        // There is no receiver if the work was abandoned.
         let _ = sender.send(catch_unwind(AssertUnwindSafe(|| work(&shared))));
     })?;
-    // A receiver may not be shared, and detaching wants to.
+    // A receiver cannot be shared, but detaching requires it.
     let receiver = std::sync::Mutex::new(receiver);
     loop {
         let received = py.detach(|| match receiver.lock() {

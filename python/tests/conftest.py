@@ -17,6 +17,10 @@ sys.path.insert(0, str(ROOT / "tests/python"))
 RECORDS = {name: ROOT / "records" / name for name in ("np01002p_4225a_a.smc", "0111a.smc")}
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "check: left to scripts/check: other masters, experiments, examples, type checkers")
+
+
 @pytest.fixture(scope="session")
 def rocking(tmp_path_factory):
     """Runs the program with some options and gives the columns of the table that it writes, as text."""
@@ -68,7 +72,7 @@ def same(values, column):
 
 
 def pytest_runtest_logreport(report):
-    """What is skipped is told at the end of scripts/test."""
+    """Records skipped tests for the end of scripts/test and scripts/check."""
     path = os.environ.get("ROCKING_BLOCK_SKIPPED")
     if report.skipped and path:
         with open(path, "a") as file:

@@ -1,4 +1,4 @@
-"""What README and the examples say of the package holds."""
+"""The Python page and the examples of the package: they run, and their claims hold."""
 
 import importlib.util
 import re
@@ -16,14 +16,13 @@ EXAMPLES = ROOT / "examples/python"
 sys.path.insert(0, str(EXAMPLES))
 
 
-def test_the_examples_of_the_readme(capsys, monkeypatch):
+def test_the_examples_of_the_page(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
-    codes = [code for code in re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-             if "fmpy" not in code]
+    codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
     assert len(codes) == 2
     names = {}
     for code in codes:
-        exec(compile(code, "README.md", "exec"), names)
+        exec(compile(code, "python.md", "exec"), names)
     said = re.search(r"print\(run\)  # (.*)", codes[0])[1]
     assert capsys.readouterr().out.startswith(f"{said}\n")
     assert isinstance(names["fit"], rb.Fragility) and names["table"].shape == (20, 5, 8)
@@ -37,6 +36,7 @@ def test_a_record_in_a_frame(capsys, monkeypatch, tmp_path):
     assert (tmp_path / "one_record.png").stat().st_size > 20_000
 
 
+@pytest.mark.check
 def test_velocity_tells_overturning_better_than_acceleration():
     """The claim of the examples' page, for a sixteenth of the blocks and motions."""
     from ensemble import motions
@@ -49,6 +49,7 @@ def test_velocity_tells_overturning_better_than_acceleration():
     assert velocity > 0.95 and acceleration < 0.7
 
 
+@pytest.mark.check
 def test_a_cabinet_on_an_opensees_frame():
     if importlib.util.find_spec("openseespylinux") is None:
         pytest.skip("openseespy has no build for this platform or is not installed")

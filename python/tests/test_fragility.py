@@ -1,4 +1,4 @@
-"""Fragility curves, against statsmodels and against what was planted."""
+"""Fragility curves compared with statsmodels and with known curves."""
 
 import pickle
 

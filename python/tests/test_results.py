@@ -161,16 +161,19 @@ def check(*command, cwd=PACKAGE):
     assert result.returncode == 0, result.stdout + result.stderr
 
 
+@pytest.mark.check
 def test_mypy_finds_the_package_and_its_use_well_typed():
     pytest.importorskip("mypy")
     check("mypy", "--strict", "rocking_block", "tests/usage.py")
 
 
+@pytest.mark.check
 def test_pyright_finds_the_package_and_its_use_well_typed():
     pytest.importorskip("pyright")
     check("pyright", "--pythonpath", sys.executable, "rocking_block", "tests/usage.py")
 
 
+@pytest.mark.check
 def test_the_compiled_part_is_as_its_types_say(tmp_path):
     pytest.importorskip("mypy")
     check("mypy.stubtest", "--ignore-missing-stub", "rocking_block._engine", cwd=tmp_path)

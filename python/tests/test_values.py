@@ -1,4 +1,4 @@
-"""Blocks, records and pulses as values; what is refused, and in which words."""
+"""Blocks, records and pulses as values; invalid arguments and their messages."""
 
 import copy
 import multiprocessing

@@ -9,7 +9,7 @@ use std::mem::MaybeUninit;
 
 use libc::size_t;
 
-use crate::model::fault::Fault;
+use crate::unit::fault::Fault;
 
 /// Refuses what cannot be an array of `count` elements.
 fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {

@@ -33,8 +33,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::fmi::arrays::{Room, place};
 use crate::fmi::instance::{Answer, Instance};
 use crate::fmi::{Call, Status, Version};
-use crate::model::fault::Fault;
-use crate::model::unit::Unit;
+use crate::unit::fault::Fault;
+use crate::unit::instance::Unit;
 
 /// No call is under way.
 const FREE: u8 = 0;
@@ -295,9 +295,9 @@ mod tests {
     use super::*;
     use std::ffi::CStr;
 
-    use crate::fmi::log::{Log, Messenger};
-    use crate::model::life_cycle::Phase;
-    use crate::model::unit::Interface;
+    use crate::fmi::log::{Category, Log, Messenger, Wanted};
+    use crate::unit::instance::Interface;
+    use crate::unit::life_cycle::Phase;
 
     /// A version with one function, which every state allows, and a logger that panics.
     struct Any;
@@ -327,6 +327,10 @@ mod tests {
     }
 
     impl Messenger for Panicking {
+        fn wanted(before: Wanted, _: bool, _: Option<&[Category]>) -> Wanted {
+            before
+        }
+
         fn send(&self, _: &CStr, _: Status, _: &CStr, _: &CStr) {
             panic!("broken logger");
         }

@@ -5,11 +5,11 @@ use std::mem::MaybeUninit;
 
 use crate::fmi::log::{Category, Log};
 use crate::fmi::{Call, Status, Version};
-use crate::model::fault::Fault;
-use crate::model::life_cycle::Phase;
-use crate::model::unit::exchange::{AfterEvent, counted};
-use crate::model::unit::{Interface, Unit};
-use crate::model::variables::{Kind, VARIABLES};
+use crate::unit::fault::Fault;
+use crate::unit::instance::exchange::{AfterEvent, counted};
+use crate::unit::instance::{Interface, Unit};
+use crate::unit::life_cycle::Phase;
+use crate::unit::variables::{Kind, VARIABLES};
 
 /// What a call answers; a fault is answered with the status for an error.
 pub type Answer = Result<Status, Fault>;
@@ -166,16 +166,17 @@ impl<V: Version> Instance<V> {
         write(self.unit.output_derivatives(references, orders)?, values)
     }
 
-    /// Derivatives in a direction.
+    /// Derivatives in a direction of variables and, in FMI 3.0, of time.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
         knowns: &[u32],
         direction: &[f64],
+        time: f64,
         sensitivities: &mut [MaybeUninit<f64>],
     ) -> Answer {
         let mut lost = false;
-        let results = self.unit.directional_derivative(unknowns, knowns, direction)?;
+        let results = self.unit.directional_derivative(unknowns, knowns, direction, time)?;
         write(results.inspect(|result| lost |= result.as_ref().is_ok_and(|x| !x.is_finite())), sensitivities)?;
         if lost { Ok(self.answer_without_numbers("a derivative")) } else { Ok(Status::Ok) }
     }

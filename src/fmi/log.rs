@@ -49,8 +49,14 @@ impl Category {
     }
 }
 
+/// Whether messages of each category are logged, by its place in [`Category::ALL`].
+pub type Wanted = [bool; Category::ALL.len()];
+
 /// The importer's logger.
 pub trait Messenger {
+    /// The categories that are logged after a call for those `listed`, or for all, where those `before` were logged until then.
+    fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted;
+
     /// Hands a message over.
     fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr);
 }
@@ -60,26 +66,20 @@ pub trait Messenger {
 pub struct Log<M> {
     messenger: M,
     instance: CString,
-    wanted: [bool; Category::ALL.len()],
+    wanted: Wanted,
 }
 
 impl<M: Messenger> Log<M> {
-    /// A log through the importer's logger. Warnings and errors are logged in any case, the rest if `logging`.
+    /// A log through the importer's logger, of what its version of FMI lets through with or without `logging`.
     pub fn new(messenger: M, instance: CString, logging: bool) -> Log<M> {
         let mut log = Log { messenger, instance, wanted: [true; Category::ALL.len()] };
         log.choose(logging, None);
         log
     }
 
-    /// Which categories are logged from now on: with `logging` those listed, or all if none is; without it only warnings
-    /// and errors, of which the importer has to know.
+    /// Chooses the categories that are logged from now on.
     pub fn choose(&mut self, logging: bool, listed: Option<&[Category]>) {
-        self.wanted = Category::ALL.map(|category| match (logging, listed) {
-            (true, None) => true,
-            (true, Some(listed)) => listed.contains(&category),
-            // The standard (2.0.4, 2.1.3) has discarded steps shown in debug mode only.
-            (false, _) => !matches!(category, Category::Discard | Category::Events | Category::Steps),
-        });
+        self.wanted = M::wanted(self.wanted, logging, listed);
     }
 
     /// Whether this category is logged.

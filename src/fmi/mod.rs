@@ -5,12 +5,14 @@
 
 pub mod arrays;
 pub mod boundary;
+pub mod fmi2;
+pub mod fmi3;
 pub mod instance;
 pub mod log;
 
 use crate::fmi::log::Messenger;
-use crate::model::life_cycle::Phase;
-use crate::model::unit::Interface;
+use crate::unit::instance::Interface;
+use crate::unit::life_cycle::Phase;
 
 /// A version of the standard, and what an instance has of it alone.
 pub trait Version {

@@ -6,7 +6,6 @@
 //! to them.
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
-use crate::numerics::control::size_factor;
 use crate::numerics::numbers::Numbers;
 use crate::numerics::{Equations, Quadratures, Rate, Real, State};
 
@@ -23,7 +22,7 @@ pub struct Step<R: Real = f64> {
     pub start: State<R>,
     /// State at its end.
     pub end: State<R>,
-    /// What is integrated along, over the step.
+    /// Integrals of the quadratures over the step.
     pub work: Quadratures<R>,
     stages: [State<R>; 12],
     quadratures: [Quadratures<R>; 12],
@@ -105,7 +104,7 @@ impl<R: Real> Step<R> {
         }
     }
 
-    /// Estimated error of the step, in units of what is allowed: a step above 1 is to be repeated.
+    /// Estimated error of the step, in units of the allowed error: a step above 1 is repeated.
     ///
     /// `weights` are the reciprocals of the errors allowed in each component of the state. Not a number if a stage is not:
     /// such a step is to be repeated, too.
@@ -115,17 +114,11 @@ impl<R: Real> Step<R> {
         let third = difference!(self.stages, 3).weighted(weights).square();
         let denominator = fifth + third * 0.01;
         // Zero where both are; a sum that is no number is not positive either, and stays none.
-        R::where_less(R::from(0.0), denominator, self.size * fifth / denominator.sqrt(), denominator)
+        R::select_less(R::from(0.0), denominator, self.size * fifth / denominator.sqrt(), denominator)
     }
 }
 
 impl Step {
-    /// The factor by which the step size may change after a step of this error: `0.9 error^(−1/8)` within 1/3 … 6.
-    /// Square roots are rounded alike everywhere, which a power is not.
-    pub fn size_factor(error: f64) -> f64 {
-        size_factor(error.sqrt().sqrt().sqrt())
-    }
-
     /// The motion inside the step; evaluates `rate` three times. `end` is the rate at the end.
     #[inline(never)]
     pub fn dense(&self, end: Rate, equations: &impl Equations) -> DenseOutput {
@@ -220,7 +213,7 @@ impl DenseOutput {
         evaluate(&self.state, elapsed / self.size)
     }
 
-    /// What is integrated along, from the beginning of the step to `elapsed`.
+    /// Integrals of the quadratures from the beginning of the step to `elapsed`.
     pub fn work(&self, elapsed: f64) -> Quadratures {
         evaluate(&self.work, elapsed / self.size)
     }

@@ -2,68 +2,42 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`scalar`] | the operations that formulas need of a number, plain, one per lane, or dual |
+//! | [`dual`] | a number with its derivative |
+//! | [`numbers`] | a vector of numbers, such as a state, and operations on all of them |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
 //! | [`short`] | the same of order 5, to a stop close ahead, with fewer evaluations |
 //! | [`control`] | the error of a step → the size of the next |
-//! | [`numbers`] | what steps are made of: the components of a state, and operations on all of them |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
 //! | [`wide`] | several numbers side by side → the same operations on each, by the processor's vectors |
 
 mod coefficients;
 pub mod control;
 pub mod dop853;
+pub mod dual;
 pub mod numbers;
 pub mod roots;
+pub mod scalar;
 pub mod short;
-#[cfg(feature = "studies")]
+#[cfg(feature = "lanes")]
 pub mod wide;
 
-use std::ops::{Add, Div, Mul, Sub};
+pub use scalar::Real;
 
 use numbers::Numbers;
 
 /// The state of a system with four degrees, second-order in two of them: `[x, ẋ, y, ẏ]`.
 pub type State<R = f64> = Numbers<R, 4>;
 
-/// What is integrated along with the state and does not act back on it: its rates, or their integrals.
+/// Quantities that are integrated with the state and do not act back on it: their rates, or their integrals.
 pub type Quadratures<R = f64> = Numbers<R, 2>;
 
-/// The numbers that steps are made of: `f64`, or several of them side by side.
-pub trait Real:
-    Copy
-    + Default
-    + From<f64>
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Mul<f64, Output = Self>
-{
-    /// The square root.
-    fn sqrt(self) -> Self;
-
-    /// `yes` where `a < b`, `no` elsewhere.
-    fn where_less(a: Self, b: Self, yes: Self, no: Self) -> Self;
-}
-
-impl Real for f64 {
-    #[inline(always)]
-    fn sqrt(self) -> f64 {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn where_less(a: f64, b: f64, yes: f64, no: f64) -> f64 {
-        if a < b { yes } else { no }
-    }
-}
-
-/// What a right-hand side gives.
+/// The result of a right-hand side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rate<R: Real = f64> {
     /// Rate of the state.
     pub state: State<R>,
-    /// Rates of what is integrated along.
+    /// Rates of the quadratures.
     pub quadratures: Quadratures<R>,
 }
 

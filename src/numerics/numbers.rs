@@ -1,4 +1,4 @@
-//! Numbers that are integrated together: the components of a state, or of what is integrated along with it.
+//! Vectors of numbers that are integrated together: states, and quadratures.
 //!
 //! The order of operations is part of a run's bits, so it is written here.
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::numerics::Real;
 
-/// So many numbers, as a vector; in each lane, where `R` has several.
+/// A vector of N numbers, one per lane if `R` is a lane type.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[R; N]: Serialize", deserialize = "[R; N]: Deserialize<'de>"))]
 pub struct Numbers<R, const N: usize>(pub [R; N]);

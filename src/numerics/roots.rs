@@ -68,7 +68,7 @@ fn tip(start: Sample, end: Sample, duration: f64) -> f64 {
 
 /// The first time in `[0, duration]` at which `function` falls through zero; `None` if it does not.
 ///
-/// `start` and `end` are the function's samples at 0 and `duration`. What lies within `rounding` of zero at the start
+/// `start` and `end` are the function's samples at 0 and `duration`. A value within `rounding` of zero at the start
 /// counts as a zero that the function is leaving upwards, see [`leaves_downwards`]: it is muted until it has left it. Between
 /// samples the function may dip below zero and come back; the dip's bottom is looked for where the rate changes sign. The
 /// result is within rounding of a sign change, see [`sign_change`].

@@ -1,4 +1,4 @@
-//! The block in motion → its energies, and what became of them since the start.
+//! The block in motion → its energies, and their sums since the start.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct EnergySums {
     pub constraint: f64,
 }
 
-/// Energies at one time (J), and what became of them since the start.
+/// Energies at one time (J), and their sums since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energies {
     /// Total energy, zero at rest.
@@ -38,7 +38,7 @@ pub struct Energies {
     pub impacts: f64,
     /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
     pub constraint: f64,
-    /// What the sum misses: `total − initial − input + dashpots + impacts`, round-off and integration error.
+    /// The balance: `total − initial − input + dashpots + impacts`, round-off and integration error.
     pub residual: f64,
 }
 
@@ -71,7 +71,7 @@ impl Simulation {
         }
         self.shown(inputs, |now| {
             let block = now.block;
-            let (kinetic, potential) = energy(block, now.regime, &now.along(Forcing::default()));
+            let (kinetic, potential) = energy(block, now.regime, &now.with_rates(Forcing::default()));
             let [input, dashpots] = now.instant.powers(block, now.regime, now.forcing);
             let [kinetic, potential, input, dashpots] =
                 [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);

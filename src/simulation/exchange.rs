@@ -1,25 +1,24 @@
-//! The block stepped from outside: its continuous states, their derivatives, event indicators, and what an event makes
-//! of it.
+//! The block stepped from outside: its continuous states, their derivatives, event indicators, and the effects of events.
 //!
 //! The equations, surfaces and transitions are those of [`Simulation::advance`]; who steps has only to find where an
-//! indicator falls through zero. In flight and while what touches slides, the horizontal motion is integrated, too, so that
+//! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated, too, so that
 //! inputs may be any functions of time.
 
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
-use crate::dual::Dual64;
-use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::excitation::{Excitation, Inputs};
 use crate::numerics::dop853::DenseOutput;
+use crate::numerics::dual::Dual64;
 use crate::numerics::roots::Sample;
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
-use crate::simulation::{Energies, Simulation, SimulationError};
-use crate::system::dynamics::{Footing, Powers, State, energy, height_of_what_stands, instant};
-use crate::system::held::{Held, instant_held};
-use crate::system::law::{AnyLaw, Law};
-use crate::system::now::{Motion, Now, Pose};
-use crate::system::surfaces::{Event, ROUNDING, Surface};
+use crate::simulation::peaks::Peaks;
+use crate::simulation::{Energies, Pending, Simulation, SimulationError};
+use crate::system::dynamics::{Footing, Held, Powers, State, energy, foot_height, instant, instant_held};
+use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::events::{Event, ROUNDING, Surface, watched};
+use crate::system::law::AnyLaw;
 
 /// How many continuous states there are.
 pub const STATES: usize = 8;
@@ -30,7 +29,7 @@ pub const STATES: usize = 8;
 /// are integrated along, and the motion does not depend on them. Each event sets them to the values that follow.
 pub type States = [f64; STATES];
 
-/// How many event indicators there are: of the corners L and R, of the quarter turn, and of what slides.
+/// How many event indicators there are: of the corners L and R, of the quarter turn, and of a foot that slides.
 pub const INDICATORS: usize = 4;
 
 /// How far below the rigid base a corner is when its landing is found, as a part of R0: far less than the last of the
@@ -40,32 +39,59 @@ const SMALLEST_GAP: f64 = 1e-20;
 /// How fast an indicator changes at most, as a multiple of p times its rounding, that an event left without a rate.
 const NO_RATE: f64 = 1e3;
 
-/// The indicator of what can end nothing at present.
+/// The indicator in place of a function that is not watched at present.
 const IDLE: f64 = 1.0;
+
+/// How far after an event the next one is foreseen, as a multiple of 1/p.
+///
+/// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative tolerance
+/// of 1e-6 has a hundred times that to resolve where the block takes longer.
+const FORESIGHT: f64 = 0.05;
+
+/// The tolerance of steps to a foreseen event.
+const TOLERANCE_AHEAD: f64 = 1e-12;
+
+/// The next event, where it follows so soon on the last one that an importer's solver need not resolve the motion in between: ever
+/// shorter impacts of rocking that dies out, or bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Foreseen {
+    /// The block right before the event.
+    pose: Pose,
+    /// The surface that it falls through.
+    surface: Surface,
+    /// The greatest values until then.
+    peaks: Peaks,
+    /// The inputs that lead there.
+    inputs: Inputs,
+}
 
 /// The present smooth piece of a motion that is stepped from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Piece {
+pub(super) struct ExchangePiece {
     /// Time from which the excitation is seen (s): at its end it is still that of the piece.
     since: f64,
     /// Rounding that is added to each indicator: a motion that begins on a surface has not fallen through it.
     offsets: [f64; INDICATORS],
     /// The block at the end of the last completed step, or right after the last event.
     last: Option<Pose>,
+    /// The next event, if it is known.
+    foreseen: Option<Foreseen>,
 }
 
-impl Piece {
+impl ExchangePiece {
     /// Whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         let last = self.last.is_none_or(|pose| pose.is_finite());
-        last && self.since.is_finite() && self.offsets.iter().all(|offset| offset.is_finite())
+        let foreseen = self.foreseen.is_none_or(|foreseen| foreseen.pose.is_finite());
+        last && foreseen && self.since.is_finite() && self.offsets.iter().all(|offset| offset.is_finite())
     }
 }
 
 impl Simulation {
     /// From here on the block is stepped from outside.
     pub fn begin_exchange(&mut self) {
-        self.piece = Some(Piece { since: self.pose.time, offsets: [IDLE; INDICATORS], last: None });
+        let (since, offsets) = (self.pose.time, [IDLE; INDICATORS]);
+        self.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });
     }
 
     /// Time from which the present smooth piece of the excitation is seen (s).
@@ -97,7 +123,7 @@ impl Simulation {
         }
         self.pose.time = time;
         let held = self.is_frozen().then_some(self.pose);
-        let [w, w_dot] = height_of_what_stands(&block, regime, [theta, theta_dot, v, v_dot]);
+        let [w, w_dot] = foot_height(&block, regime, [theta, theta_dot, v, v_dot]);
         self.pose.state = State::from([theta, theta_dot, w, w_dot]);
         if let Footing::Free { .. } = self.pose.footing {
             self.pose.footing = Footing::Free { u, u_dot };
@@ -125,20 +151,9 @@ impl Simulation {
         [x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot, powers[0], powers[1]]
     }
 
-    /// Sizes that the states typically have, for error control: nothing of them is zero.
-    pub fn nominals(&self) -> States {
-        let Block { alpha, p, r0, mass, gravity, omega_v, foundation, .. } = *self.block();
-        let (vertical, rate) = match foundation {
-            Foundation::Viscoelastic => (self.block().static_deflection(), omega_v),
-            Foundation::Rigid => (r0 * alpha * alpha, p),
-        };
-        let barrier = mass * gravity * r0 * alpha * alpha;
-        [alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p, barrier, barrier]
-    }
-
     /// The event indicators: an event is due where one falls below zero.
     pub fn indicators(&self, inputs: &Inputs) -> [f64; INDICATORS] {
-        if self.ending.is_some() {
+        if self.ending.is_some() || self.foreseen().is_some_and(|foreseen| self.pose.time < foreseen.pose.time) {
             return [IDLE; INDICATORS];
         }
         let (block, excitation) = (self.block(), self.excitation(inputs));
@@ -153,20 +168,32 @@ impl Simulation {
     }
 
     fn all_surfaces(&self) -> [Option<Surface>; INDICATORS] {
-        AnyLaw::of(self.block(), &self.pose).surfaces()
+        watched(AnyLaw::of(self.block(), &self.pose))
     }
 
     /// What becomes of the block where it is: a new smooth piece of the excitation begins, and what has fallen through a
-    /// surface passes into the motion after it. Events are reported to `observer`.
-    pub fn pass_events(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
+    /// surface passes into the motion after it. Events are reported to `observer`. The inputs act at least until `until` (s).
+    pub fn pass_events(
+        &mut self,
+        inputs: &Inputs,
+        until: f64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
         let offsets = self.piece.map(|piece| piece.offsets);
+        let foreseen = self.foreseen().filter(|foreseen| foreseen.pose.time == self.pose.time);
         self.begin_exchange();
         let block = self.system.block;
         let excitation = self.excitation(inputs);
+        if let Some(Foreseen { pose, peaks, .. }) = foreseen {
+            (self.pose, self.peaks) = (pose, peaks);
+        }
         let mut now = self.now(&block, &excitation);
+        if let Some(Foreseen { surface, .. }) = foreseen {
+            now = self.apply(surface, &now, observer)?;
+        }
         // At the beginning no offset is known.
         let mut offsets =
-            offsets.filter(|offsets| *offsets != [IDLE; INDICATORS]).unwrap_or_else(|| self.offsets(&now));
+            offsets.filter(|o| foreseen.is_none() && *o != [IDLE; INDICATORS]).unwrap_or_else(|| self.offsets(&now));
         while self.ending.is_none() {
             let surfaces = self.all_surfaces().into_iter().zip(offsets);
             let fallen = surfaces.filter_map(|(surface, offset)| {
@@ -177,9 +204,44 @@ impl Simulation {
             now = self.apply(surface, &now, observer)?;
             offsets = self.offsets(&now);
         }
-        self.piece = Some(Piece { since: self.pose.time, offsets: self.offsets(&now), last: Some(self.pose) });
         self.peaks.include(&now.channels());
+        let (since, last, foreseen) = (self.pose.time, Some(self.pose), self.foresee(inputs, until));
+        self.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
         Ok(())
+    }
+
+    fn foreseen(&self) -> Option<Foreseen> {
+        self.piece.and_then(|piece| piece.foreseen)
+    }
+
+    /// The next event under these inputs, if it comes soon and before `until` (s).
+    fn foresee(&self, inputs: &Inputs, until: f64) -> Option<Foreseen> {
+        if self.ending.is_some() {
+            return None;
+        }
+        let horizon = FORESIGHT / self.block().p;
+        let stops = [Some(self.pose.time + horizon), Some(until), self.pulse.next_kink(self.pose.time)];
+        let mut ahead = self.clone();
+        ahead.settings.tolerance = TOLERANCE_AHEAD;
+        let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
+        ahead.advance_to_event(stop, self.pose.time, inputs, &mut |_| ()).ok()?;
+        let Pending { surface, .. } = ahead.pending?;
+        // A corner may be held or let go on the way, which is no event that anybody is told of.
+        let direct = ahead.pose.contacts == self.pose.contacts && ahead.last_event == self.last_event;
+        direct.then_some(Foreseen { pose: ahead.pose, surface, peaks: ahead.peaks, inputs: *inputs })
+    }
+
+    /// Forgets an event that was foreseen under other inputs than these.
+    pub fn change_inputs(&mut self, inputs: &Inputs) {
+        if let Some(piece) = &mut self.piece {
+            piece.foreseen = piece.foreseen.filter(|foreseen| foreseen.inputs == *inputs);
+        }
+    }
+
+    /// The next time (s) at which the importer has to stop: the first kink of the pulse, or an event that is foreseen.
+    pub fn next_stop(&self) -> Option<f64> {
+        let foreseen = self.foreseen().map(|foreseen| foreseen.pose.time);
+        [self.pulse.next_kink(self.pose.time), foreseen].into_iter().flatten().reduce(f64::min)
     }
 
     /// Time of the last completed step, or of the last event if that came later (s).
@@ -218,25 +280,28 @@ impl Simulation {
         }
     }
 
-    /// The first kink of the pulse after the present time (s).
-    pub fn next_kink(&self) -> Option<f64> {
-        self.pulse.next_kink(self.pose.time)
-    }
-
     /// What a user sees, the energies, and the derivatives of the states, each with its exact derivative in the direction
-    /// whose components are `states` and the values of `inputs`.
-    pub fn directional(&self, at: &Inputs, states: &States, inputs: &Inputs) -> (Observation<Dual64>, Energies) {
+    /// whose components are `states`, the values of `inputs` and `time`, on which the pulse and supports that creep depend by
+    /// themselves.
+    pub fn directional(
+        &self,
+        at: &Inputs,
+        states: &States,
+        inputs: &Inputs,
+        time: f64,
+    ) -> (Observation<Dual64>, Energies) {
         let (block, excitation) = (self.block(), self.excitation(at));
         let mut states = *states;
         if self.is_frozen() {
             (states[1], states[3], states[5]) = (0.0, 0.0, 0.0);
         }
-        let direction = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
+        let time = if self.ending.is_some() { 0.0 } else { time };
+        let direction = self.direction(inputs, time);
         let now = self.now(block, &excitation);
         let x = &now.instant;
         let dual = |value: f64, i: usize| Dual64::new(value, states[i]);
         let motion = [dual(x.theta, 0), dual(x.theta_dot, 1), dual(x.v, 2), dual(x.v_dot, 3)];
-        let [w, w_dot] = height_of_what_stands(block, now.regime, motion);
+        let [w, w_dot] = foot_height(block, now.regime, motion);
         let footing = match now.footing {
             grips @ Footing::Grips { .. } => grips.map(Dual64::from),
             Footing::Free { u, u_dot } => Footing::Free { u: dual(u, 4), u_dot: dual(u_dot, 5) },
@@ -244,14 +309,16 @@ impl Simulation {
         let forcing = now.forcing.with_derivative(direction);
         let x = match now.held {
             Some(Held { corner, top }) => {
-                let held = Held { corner, top: top.map(Dual64::from) };
+                let Held { top: moving, .. } = Held { corner, top }.with_rates(block);
+                let held = Held { corner, top: moving.map(|top| Dual64::new(top.re, time * top.eps)) };
                 instant_held(block, [motion[0], motion[1]], held, footing, forcing)
             }
             None => instant(block, now.regime, [motion[0], motion[1], w, w_dot], footing, forcing),
         };
-        let time = self.ending.map_or(self.pose.time, |(_, ended)| ended);
-        let tops = Motion::from_pose(block, &self.pose, &excitation).tops(time);
-        let seen = observe(block, now.regime, &x, tops.map(|top| Dual64::from(top.value)), forcing);
+        let held_since = self.ending.map_or(self.pose.time, |(_, ended)| ended);
+        let support_heights = Motion::from_pose(block, &self.pose, &excitation).support_heights(held_since);
+        let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));
+        let seen = observe(block, now.regime, &x, support_heights, forcing);
         let (kinetic, potential) = energy(block, now.regime, &x);
         let [kinetic, potential] = [kinetic, potential].map(|part| part.eps * block.mass);
         let (total, input, dashpots) = (kinetic + potential, states[6], states[7]);
@@ -262,7 +329,7 @@ impl Simulation {
 
     /// The rounding of each indicator, twice; where an event left a surface without a rate, but beyond it by the importer's tolerance,
     /// also the way back.
-    fn offsets(&self, now: &Now) -> [f64; INDICATORS] {
+    fn offsets(&self, now: &Evaluation) -> [f64; INDICATORS] {
         self.all_surfaces().map(|surface| {
             let Some(surface) = surface else { return IDLE };
             let rounding = match (surface, now.block.foundation) {
@@ -283,12 +350,23 @@ impl Simulation {
     }
 }
 
+/// Sizes that the states typically have, for error control: nothing of them is zero.
+pub fn nominals(block: &Block) -> States {
+    let Block { alpha, p, r0, mass, gravity, omega_v, foundation, .. } = *block;
+    let (vertical, rate) = match foundation {
+        Foundation::Viscoelastic => (block.static_deflection(), omega_v),
+        Foundation::Rigid => (r0 * alpha * alpha, p),
+    };
+    let barrier = mass * gravity * r0 * alpha * alpha;
+    [alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p, barrier, barrier]
+}
+
 /// The indicator of a surface with its `offset`, as a part of the function's size.
 ///
 /// A function falls through zero only while it falls. So the indicator is positive while the function rises, and clearly
 /// positive right after an event that leaves the function at zero: it grows with the rate. A solver's first steps get the sign of
 /// the rate right, but may get that of the value wrong.
-fn indicator_of(surface: Surface, now: &Now, offset: f64) -> f64 {
+fn indicator_of(surface: Surface, now: &Evaluation, offset: f64) -> f64 {
     let size = surface.rounding(now.block) / ROUNDING;
     let sample = surface.sample(now);
     let value = sample.value + offset;

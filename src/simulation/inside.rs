@@ -1,13 +1,13 @@
-//! A step → what happens inside: the motion between its ends, and the first surface through which it falls.
+//! A step → the motion between its ends, and the first surface through which it falls.
 
 use crate::block::Foundation;
-use crate::contact::Regime;
+use crate::block::Regime;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::{Rate, roots};
 use crate::system::dynamics::State;
+use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::events::{Surface, watched};
 use crate::system::law::Law;
-use crate::system::now::{Motion, Now};
-use crate::system::surfaces::Surface;
 
 /// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
 /// that would keep it short, while the heights of its corners swing with the angle.
@@ -33,12 +33,17 @@ pub(super) fn turn_in_flight(law: impl Law, start: &State, end: &State, size: f6
 
 /// Whether a surface may be fallen through between two instants.
 #[inline(always)]
-pub(super) fn may_hold_event(law: impl Law, here: &Now, there: &Now) -> bool {
+pub(super) fn may_hold_event(law: impl Law, here: &Evaluation, there: &Evaluation) -> bool {
     let may_fall = |surface: Surface| {
         let rounding = surface.rounding(here.block);
-        roots::may_fall(surface.sample(here), surface.sample(there), rounding, there.time - here.time)
+        roots::may_fall(
+            surface.sample_on(law.foundation(), here),
+            surface.sample_on(law.foundation(), there),
+            rounding,
+            there.time - here.time,
+        )
     };
-    law.surfaces().into_iter().flatten().any(may_fall)
+    watched(law).into_iter().flatten().any(may_fall)
 }
 
 /// A fall through a surface between two instants.
@@ -55,12 +60,12 @@ pub(super) struct Fall {
 
 /// The first surface through which the motion falls between two instants.
 #[inline(always)]
-pub(super) fn first_event<L: Law>(here: &Now, there: &Now, inside: &mut Inside<L>) -> Option<Fall> {
+pub(super) fn first_event<L: Law>(here: &Evaluation, there: &Evaluation, inside: &mut Inside<L>) -> Option<Fall> {
     let mut first: Option<Fall> = None;
     let duration = there.time - here.time;
     let law = inside.motion.law();
     let turns_far = turn_in_flight(law, &here.state, &there.state, duration) > SMALL_TURN;
-    for surface in law.surfaces().into_iter().flatten() {
+    for surface in watched(law).into_iter().flatten() {
         let rounding = surface.rounding(here.block);
         let (start, end) = (surface.sample(here), surface.sample(there));
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
@@ -115,7 +120,7 @@ impl<'a, L: Law> Inside<'_, 'a, L> {
 
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
-    pub(super) fn at(&mut self, elapsed: f64) -> Now<'a> {
+    pub(super) fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
         let dense = self.dense();
         let (time, state) = (dense.time + elapsed, dense.state(elapsed));
         self.motion.at(time, state)

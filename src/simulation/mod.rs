@@ -1,10 +1,10 @@
 //! The loop: step → locate the first event → apply it there → settle the regime → go on.
 
-mod beginning;
 mod energies;
 pub mod exchange;
+mod initial_sensitivity;
 mod inside;
-#[cfg(feature = "studies")]
+#[cfg(feature = "lanes")]
 pub mod lanes;
 pub mod outputs;
 pub mod peaks;
@@ -13,22 +13,22 @@ mod stepping;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
-use crate::contact::Regime;
+use crate::block::Regime;
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
 use crate::system::dynamics::State;
-use crate::system::now::{Motion, Now, Pose};
-use crate::system::surfaces::{Event, EventKind, Surface};
-use crate::system::transitions::{Tally, Transition};
+use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
 use peaks::Peaks;
 
-pub use crate::system::transitions::{Initial, Start};
-pub use beginning::AtBeginning;
+pub use crate::system::beginning::Initial;
+pub use crate::system::initial_sensitivity::Start;
 pub use energies::{Energies, EnergySums};
-use exchange::Piece;
+use exchange::ExchangePiece;
+pub use initial_sensitivity::AtBeginning;
 
-/// What happens at complete separation, by the numbers of the FMU's `on_separation`.
+/// Choices at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(i32)]
 pub enum OnSeparation {
@@ -40,7 +40,7 @@ pub enum OnSeparation {
     Fly = 3,
 }
 
-/// What happens at overturning, by the numbers of the FMU's `on_overturning`.
+/// Choices at overturning, by the numbers of the FMU's `on_overturning`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(i32)]
 pub enum OnOverturning {
@@ -63,7 +63,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The least and the greatest tolerance that is followed; what lies outside is taken as the nearer one.
+    /// The least and the greatest tolerance that is followed; one outside is taken as the nearer of them.
     pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
 
     /// The tolerance of studies, whose runs tell whether a block overturns and how far it tilts: docs/performance.md has what that
@@ -144,7 +144,7 @@ pub enum Progress {
 /// A run that cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
-    /// The step size fell below what time can resolve.
+    /// The step size fell below the resolution of time.
     #[error("the step size fell to {size:e} s at t = {time} s: the tolerance {tolerance:e} cannot be met there")]
     StepTooSmall {
         /// Time (s).
@@ -205,9 +205,8 @@ pub struct Simulation {
     pulse: Pulse,
     pose: Pose,
     /// Where the block is stepped from outside, the present piece of its motion.
-    piece: Option<Piece>,
+    piece: Option<ExchangePiece>,
     control: StepControl,
-    short_size: f64,
     ending: Option<(Ending, f64)>,
     sums: EnergySums,
     peaks: Peaks,
@@ -226,7 +225,7 @@ struct Pending {
     piece: f64,
 }
 
-/// What is done about an event.
+/// The treatment of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum AtEvent {
     /// It is applied.
@@ -258,7 +257,6 @@ impl Simulation {
             pose: system.beginning(initial, time, &excitation),
             piece: None,
             control: StepControl::NEW,
-            short_size: f64::INFINITY,
             ending: None,
             sums: EnergySums::default(),
             peaks: Peaks::default(),
@@ -352,7 +350,7 @@ impl Simulation {
     }
 
     /// Whether the motion is to stop at `now`, where it has come to a surface, before the event is applied.
-    fn stops(&self, at_event: AtEvent, surface: Surface, now: &Now) -> bool {
+    fn stops(&self, at_event: AtEvent, surface: Surface, now: &Evaluation) -> bool {
         let AtEvent::StopAfter(time) = at_event else { return false };
         if now.time <= time {
             return false;
@@ -370,15 +368,14 @@ impl Simulation {
     }
 
     /// Whether a state that came from outside can be resumed: all numbers finite, and the tolerance one that
-    /// is followed. The block is checked by whoever knows what it was made from.
+    /// is followed. The block is checked by the caller, who knows its parameters.
     pub fn is_valid(&self) -> bool {
-        let Simulation { settings, pulse, pose, piece, control, short_size, sums, last_event, .. } = self;
+        let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
         let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts, sums.constraint];
         let others = [*last_event, pulse.amplitude, pulse.period, pulse.start];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
             && control.is_valid()
-            && *short_size > 0.0
             && pulse.period > 0.0
             && piece.is_none_or(|piece| piece.is_finite())
             && pose.is_finite()
@@ -395,7 +392,7 @@ impl Simulation {
         self.pose.time
     }
 
-    /// Present state `[θ, θ̇, w, ẇ]`; what w is depends on the regime, see [`crate::system::dynamics`].
+    /// Present state `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`crate::system::dynamics`].
     pub fn state(&self) -> &State {
         &self.pose.state
     }
@@ -432,26 +429,28 @@ impl Simulation {
     }
 
     /// The block now, under this excitation.
-    fn now<'a>(&self, block: &'a Block, excitation: &'a Excitation) -> Now<'a> {
+    fn now<'a>(&self, block: &'a Block, excitation: &'a Excitation) -> Evaluation<'a> {
         Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
     }
 
-    /// What becomes of the block at `now`, when the motion has fallen through a surface.
-    /// Gives the block as it goes on.
+    /// Applies the event at `now`, when the motion has fallen through a surface, and returns the block as it goes on.
     fn apply<'a>(
         &mut self,
         surface: Surface,
-        now: &Now<'a>,
+        now: &Evaluation<'a>,
         observer: &mut dyn FnMut(&Event),
-    ) -> Result<Now<'a>, SimulationError> {
+    ) -> Result<Evaluation<'a>, SimulationError> {
         const MOST_EVENTS_IN_AN_INSTANT: u32 = 64;
         let time = self.pose.time;
         self.events_in_this_instant += 1;
         if self.events_in_this_instant > MOST_EVENTS_IN_AN_INSTANT {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
-        let Transition { pose, happened, tally } = self.system.transition(&self.pose, now, surface);
-        let Tally { impacts, liftoffs, constraint, evaluations } = tally;
+        let Transition { pose, happened, counts, path } = self.system.transition(&self.pose, now, surface);
+        if path.overflows() {
+            return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
+        }
+        let TransitionCounts { impacts, liftoffs, constraint, evaluations } = counts;
         self.pose = pose;
         self.last_event = time;
         self.counts.impacts += impacts;

@@ -1,14 +1,14 @@
-//! State, regime and excitation of an instant → what a user sees, with exact derivatives where asked for.
+//! State, regime and excitation of an instant → the observed quantities, with exact derivatives where asked for.
 
 use crate::block::Block;
-use crate::contact::{Corner, Regime};
-use crate::dual::Dual64;
+use crate::block::{Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
+use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
-use crate::scalar::{Beside, Scalar};
+use crate::numerics::scalar::{Beside, Real, Scalar};
 use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
 use crate::system::dynamics::{Instant, instant};
-use crate::system::now::{Motion, Now};
+use crate::system::evaluation::{Evaluation, Motion};
 
 /// Greatest friction demand that is reported: where the supports bear almost nothing the ratio has no bound.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
@@ -52,13 +52,13 @@ pub struct Observation<T> {
     pub power: [T; 2],
 }
 
-/// The observation that belongs to the equations of motion at an instant; `tops` are the heights of the supports.
+/// The observation that belongs to the equations of motion at an instant; `support_heights` are the heights of the supports.
 #[inline(always)]
 pub fn observe<P: Scalar, T: Beside<P>>(
     block: &Block<P>,
     regime: Regime,
     x: &Instant<T>,
-    tops: [T; 2],
+    support_heights: [T; 2],
     forcing: Forcing<T>,
 ) -> Observation<T> {
     let reaction = [x.reaction[0] * block.mass, x.reaction[1] * block.mass];
@@ -79,7 +79,7 @@ pub fn observe<P: Scalar, T: Beside<P>>(
         horizontal,
         base_moment: (reaction[0] - reaction[1]) * block.b,
         corner: x.corner,
-        uplift: [uplift(regime, x, tops, Corner::Left), uplift(regime, x, tops, Corner::Right)],
+        uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
         friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
         power: [power[0] * block.mass, power[1] * block.mass],
     }
@@ -88,16 +88,16 @@ pub fn observe<P: Scalar, T: Beside<P>>(
 /// The gap of a corner, not below zero. Its rate is that of the gap even where round-off leaves it below zero, as at a landing:
 /// the peaks bound the motion inside a step by the rates at its ends.
 #[inline(always)]
-fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, tops: [T; 2], corner: Corner) -> T {
+fn uplift<T: Scalar>(regime: Regime, x: &Instant<T>, support_heights: [T; 2], corner: Corner) -> T {
     let (i, zero) = (corner.index(), T::Real::from(0.0));
-    let gap = x.corner[i] - tops[i];
+    let gap = x.corner[i] - support_heights[i];
     let below = T::Real::select_less(gap.value(), zero, gap.value(), zero);
     if regime.touches(corner) { T::constant(zero) } else { gap - T::constant(below) }
 }
 
 #[inline(always)]
 fn friction_demand<T: Scalar>(regime: Regime, horizontal: T, vertical: T) -> T {
-    // Of what is not negative only zero is less.
+    // The only number below this one that is not negative is zero.
     const LEAST_ABOVE_ZERO: f64 = f64::from_bits(1);
     let zero = T::from(0.0);
     if regime == Regime::Separated {
@@ -158,26 +158,35 @@ impl<T: Scalar> Observation<T> {
     }
 }
 
-impl Now<'_> {
-    /// What a user sees.
-    pub fn observe(&self) -> Observation<f64> {
-        observe(self.block, self.regime, &self.instant, self.tops.map(|top| top.value), self.forcing)
-    }
-
-    /// What a user sees and, in the dual parts, its exact rate of change along the motion.
-    pub fn observe_rates(&self) -> Observation<Dual64> {
-        let tops = self.tops.map(|Sample { value, rate }| Dual64::new(value, rate));
+impl<R: Real> Evaluation<'_, R>
+where
+    Dual<R>: Beside<R>,
+{
+    /// The observed quantities with, in the dual parts, their exact rates of change along the motion.
+    #[inline(always)]
+    pub fn observe_rates(&self) -> Observation<Dual<R>> {
+        let support_heights = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
         let rate = self.forcing_rate();
-        observe(self.block, self.regime, &self.along(rate), tops, self.forcing.with_derivative(rate))
+        let forcing = self.forcing.with_derivative(rate);
+        observe(self.block, self.regime, &self.with_rates(rate), support_heights, forcing)
+    }
+}
+
+impl Evaluation<'_> {
+    /// The observed quantities.
+    pub fn observe(&self) -> Observation<f64> {
+        observe(self.block, self.regime, &self.instant, self.support_heights.map(|top| top.value), self.forcing)
     }
 
-    /// What a user sees and, in the dual parts, its exact derivative with respect to the forcing in a direction.
-    pub fn observe_direction(&self, direction: Forcing<f64>) -> Observation<Dual64> {
+    /// The observed quantities with, in the dual parts, their exact derivatives with respect to the forcing in a direction, and to `time`,
+    /// with which supports creep.
+    pub fn observe_direction(&self, direction: Forcing<f64>, time: f64) -> Observation<Dual64> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
         let footing = self.footing.map(Dual64::from);
         let forcing = self.forcing.with_derivative(direction);
         let x = instant(self.block, self.regime, state, footing, forcing);
-        observe(self.block, self.regime, &x, self.tops.map(|top| Dual64::from(top.value)), forcing)
+        let support_heights = self.support_heights.map(|top| Dual64::new(top.value, time * top.rate));
+        observe(self.block, self.regime, &x, support_heights, forcing)
     }
 }
 
@@ -191,7 +200,7 @@ impl Simulation {
         }
     }
 
-    /// What a user sees now, under these inputs, as the block goes on from here: on the rigid base a corner that would have
+    /// The observed quantities under these inputs, as the block goes on from here: on the rigid base a corner that would have
     /// to be pulled has lifted. The next step counts its event.
     pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
         let seen = self.shown(inputs, |now| now.observe());
@@ -204,22 +213,31 @@ impl Simulation {
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// The same with, in the dual parts, the exact derivatives with respect to the inputs in the direction whose
-    /// components are the values of `direction`: at this instant, so with state and regime as they are.
-    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs) -> Observation<Dual64> {
-        let direction = Excitation::from_time(0.0, direction, &Pulse::NONE, self.block()).at(direction.time);
-        let seen = self.shown(inputs, |now| now.observe_direction(direction));
+    /// The same with, in the dual parts, the exact derivatives with respect to the inputs and to time in the direction whose
+    /// components are the values of `direction` and `time`: at this instant, so with state and regime as they are.
+    pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
+        let time = if self.ending.is_some() { 0.0 } else { time };
+        let direction = self.direction(direction, time);
+        let seen = self.shown(inputs, |now| now.observe_direction(direction, time));
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
+    /// The change of the forcing in the direction of these inputs, and of time by the pulse.
+    pub(super) fn direction(&self, inputs: &Inputs, time: f64) -> Forcing<f64> {
+        let block = self.block();
+        let given = Excitation::from_time(0.0, inputs, &Pulse::NONE, block).at(inputs.time);
+        let pulse = Excitation::from_time(self.piece_time(), &Inputs::default(), &self.pulse, block);
+        Forcing { x: given.x + time * pulse.rate_at(self.pose.time).x, ..given }
+    }
+
     /// Looks at the block as it goes on from here under these inputs.
-    pub(super) fn shown<R>(&self, inputs: &Inputs, look: impl FnOnce(&Now) -> R) -> R {
+    pub(super) fn shown<R>(&self, inputs: &Inputs, look: impl FnOnce(&Evaluation) -> R) -> R {
         let (Simulation { system, pose, .. }, block) = (self, self.block());
         let excitation = self.excitation(inputs);
         let mut now = self.now(block, &excitation);
         if let Some((_, ended)) = self.ending {
             // Under a block that is held the supports are, too.
-            now.tops = Motion::from_pose(block, pose, &excitation).tops(ended);
+            now.support_heights = Motion::from_pose(block, pose, &excitation).support_heights(ended);
         } else if let Some(released) = system.released(pose, &now) {
             now = Motion::from_pose(block, &released, &excitation).at(released.time, released.state);
         }

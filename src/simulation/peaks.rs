@@ -4,15 +4,13 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Block;
-use crate::contact::{Corner, Regime};
-use crate::dual::Dual;
+use crate::block::Corner;
+use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
-use crate::scalar::Real;
+use crate::numerics::scalar::{Beside, Real};
 use crate::simulation::outputs::Observation;
-use crate::system::dynamics::Instant;
-use crate::system::now::Now;
-use crate::system::surfaces::reaction_rate;
+use crate::system::evaluation::Evaluation;
+use crate::system::events::{landing, lift_off};
 
 /// Greatest absolute values since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,7 +27,7 @@ pub struct Peaks {
     pub friction_demand: f64,
 }
 
-/// A quantity of which the greatest absolute value is a peak.
+/// A quantity whose greatest absolute value is a peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Rotation θ (rad).
@@ -44,7 +42,7 @@ pub enum Channel {
     FrictionDemand,
 }
 
-/// The quantities of which the greatest absolute values are peaks, with their rates of change.
+/// The quantities whose greatest absolute values are peaks, with their rates of change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Channels<R = f64> {
     /// Rotation θ (rad).
@@ -137,7 +135,7 @@ impl Peaks {
         may
     }
 
-    /// Takes in what happens in a step of `duration` between two instants; `inside` gives the values at a time after
+    /// Takes in a step of `duration` between two instants; `inside` gives the values at a time after
     /// the first, and is asked only where a peak may be.
     #[inline(always)]
     pub fn include_step(
@@ -160,7 +158,7 @@ impl Peaks {
 
     /// The rate at which a peak rises: with a value that stands at it and grows.
     pub fn rate(&self, channel: Channel, now: &Channels) -> f64 {
-        // The step's last instant and what is seen there are the same number up to rounding.
+        // The value at the step's last instant and the observed one are the same number up to rounding.
         const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
         let of_it = now.candidates().into_iter().filter(|&(of, _)| of == channel).map(|(_, sample)| sample);
         of_it
@@ -172,7 +170,7 @@ impl Peaks {
 impl Channels {
     /// The peaks of a motion that begins with these values, and in place of their rates derivatives in a direction: how the peaks
     /// change in that direction. Where several values are greatest, or all are zero, it is the one that grows most that matters.
-    pub fn peaks_along(&self) -> Peaks {
+    pub fn peak_sensitivity(&self) -> Peaks {
         // Both reactions of a block at rest are the same number up to rounding.
         const SAME: f64 = 1.0 - 1e-13;
         let along = |channel: Channel| {
@@ -214,49 +212,51 @@ fn sample<R: Real>(x: Dual<R>) -> Sample<R> {
     Sample { value: x.re, rate: x.eps }
 }
 
-/// [`Now::cheap_channels`], of any numbers, inlined for a `regime` that the compiler knows; `tops` are the heights of the
-/// supports.
-#[inline(always)]
-pub fn cheap_channels<R: Real>(block: &Block<R>, regime: Regime, x: &Instant<R>, tops: [Sample<R>; 2]) -> Channels<R> {
-    Channels {
-        theta: Sample { value: x.theta, rate: x.theta_dot },
-        reaction: [reaction(block, regime, x, Corner::Left), reaction(block, regime, x, Corner::Right)],
-        horizontal: Sample::default(),
-        uplift: [uplift(regime, x, tops, Corner::Left), uplift(regime, x, tops, Corner::Right)],
-        friction_demand: Sample::default(),
-    }
-}
-
-#[inline(always)]
-fn reaction<R: Real>(block: &Block<R>, regime: Regime, x: &Instant<R>, corner: Corner) -> Sample<R> {
-    let i = corner.index();
-    let rate = reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]);
-    match regime.touches(corner) {
-        true => Sample { value: block.mass * x.reaction[i], rate: block.mass * rate },
-        false => Sample::default(),
-    }
-}
-
-#[inline(always)]
-fn uplift<R: Real>(regime: Regime, x: &Instant<R>, tops: [Sample<R>; 2], corner: Corner) -> Sample<R> {
-    let (i, top) = (corner.index(), tops[corner.index()]);
-    match regime.touches(corner) {
-        true => Sample::default(),
-        false => Sample { value: x.corner[i] - top.value, rate: x.corner_dot[i] - top.rate },
-    }
-}
-
-impl Now<'_> {
-    /// What the peaks are the greatest values of, with all rates.
-    #[inline(never)]
-    pub fn channels(&self) -> Channels {
+impl<R: Real> Evaluation<'_, R>
+where
+    Dual<R>: Beside<R>,
+{
+    /// The quantities whose greatest values are peaks, with all rates.
+    #[inline(always)]
+    pub fn channels_inlined(&self) -> Channels<R> {
         channels(&self.observe_rates())
     }
 
     /// The same without those that take dual numbers to get their rates: zeros stand for H and the friction demand, and on
     /// the rigid base for the rates of the reactions.
     #[inline(always)]
-    pub fn cheap_channels(&self) -> Channels {
-        cheap_channels(self.block, self.regime, &self.instant, self.tops)
+    pub fn cheap_channels(&self) -> Channels<R> {
+        Channels {
+            theta: Sample { value: self.instant.theta, rate: self.instant.theta_dot },
+            reaction: [self.reaction(Corner::Left), self.reaction(Corner::Right)],
+            horizontal: Sample::default(),
+            uplift: [self.uplift(Corner::Left), self.uplift(Corner::Right)],
+            friction_demand: Sample::default(),
+        }
+    }
+
+    #[inline(always)]
+    fn reaction(&self, corner: Corner) -> Sample<R> {
+        if !self.regime.touches(corner) {
+            return Sample::default();
+        }
+        let Sample { value, rate } = lift_off::on_support(self.block, &self.instant, corner);
+        Sample { value: self.block.mass * value, rate: self.block.mass * rate }
+    }
+
+    #[inline(always)]
+    fn uplift(&self, corner: Corner) -> Sample<R> {
+        if self.regime.touches(corner) {
+            return Sample::default();
+        }
+        landing::gap(&self.instant, self.support_heights, corner)
+    }
+}
+
+impl Evaluation<'_> {
+    /// [`Evaluation::channels_inlined`], not inlined.
+    #[inline(never)]
+    pub fn channels(&self) -> Channels {
+        self.channels_inlined()
     }
 }

@@ -1,9 +1,11 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
+use crate::block::Regime;
 use crate::block::{Block, Foundation};
-use crate::contact::Regime;
 use crate::excitation::Excitation;
-use crate::numerics::control::StepControl;
+use crate::numerics::control::{
+    LONGEST, ShortStepTo, eighth_root, is_resolved, near_a_peak, short_factor, shortest, size_factor,
+};
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::inside::{
@@ -12,33 +14,35 @@ use crate::simulation::inside::{
 use crate::simulation::peaks::{Channels, Peaks};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Powers, State};
+use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::events::{Event, Surface};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
-use crate::system::now::{Motion, Now, Pose};
-use crate::system::surfaces::{Event, Surface};
 
-/// A piece of time in which the excitation is smooth, and what is done about events in it.
-struct Piece<'a> {
+/// A piece of time in which the excitation is smooth, and the treatment of events in it.
+struct SmoothPiece<'a> {
     block: &'a Block,
     excitation: &'a Excitation,
     /// Where it begins (s).
     since: f64,
-    /// Where it ends (s).
+    /// Where steps end (s).
     stop: f64,
+    /// Where it ends (s), which only a block at rest reaches if that is later.
+    end: f64,
     at_event: AtEvent,
-    /// Whether one step is taken, or as many as lead to its end.
+    /// Whether a single step is taken, or all to the end.
     single: bool,
 }
 
-/// What is known where steps begin.
+/// The history of the instant at which steps begin.
 #[derive(Clone, Copy)]
-pub(super) struct Beginning {
+pub(super) struct StepStart {
     /// Whether the smooth piece begins here.
     pub(super) of_piece: bool,
     /// Whether a short step from here, and from here only, has made too great an error already.
     pub(super) short_failed: bool,
 }
 
-/// What a step may be.
+/// Limits of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Reciprocals of the errors that a step may make in each component of the state.
@@ -51,22 +55,17 @@ pub(super) struct Limits {
     pub(super) short_share: f64,
 }
 
-/// Steps that a call may take. What a call asks for in good faith takes far fewer; with this many it ends in seconds.
+/// Steps that a call may take. A call in good faith takes far fewer; one with this many ends in seconds.
 pub(super) const MOST_STEPS: u64 = 2_000_000;
 
-/// The longest step over the reciprocal of the fastest circular frequency.
-pub(super) const LONGEST: f64 = 2.0;
-
-/// The growth of what is tried where a short step failed: another is tried before long, since the motion may have become slower.
-pub(super) const SHORT_GROWTH: f64 = 1.1;
-
-/// The least part of the size of a short step that failed by its error which the next one has.
-pub(super) const LEAST_SHORT_FACTOR: f64 = 0.1;
+/// A bound on the way of a call, over [`MOST_STEPS`] divided by the fastest circular frequency: far more than the longest step, and little
+/// enough that the clock resolves the motion.
+const OUT_OF_REACH: f64 = 1e3;
 
 /// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
 const SHORTENED: f64 = 0.125;
 
-/// The part of the longest step below which such a rise is taken for none: what falls has done so when the step ends.
+/// The part of the longest step below which such a rise is taken for none: the fall is placed at the end of the step.
 const SHORTEST_RISE: f64 = 1e-10;
 
 /// The part of a step that the clock resolves where a shorter one is tried.
@@ -78,18 +77,6 @@ const SHORT_SHARE: f64 = 0.1;
 
 /// The least loose tolerance: from it on a short step may make the whole error.
 const LOOSE: f64 = 1e-6;
-
-impl Limits {
-    /// The part of a peak that a value at one end of a step reaches if it may grow above the peak inside.
-    ///
-    /// In a step of h at a circular frequency ω an oscillation of amplitude A rises by at most A (ωh)²/8 above its ends; this
-    /// is eight times as much, since the value may be a sum of larger ones, and at least half, since that is all
-    /// that a sinusoid rises in the longest step.
-    pub(super) fn near_a_peak(&self, elapsed: f64) -> f64 {
-        let phase = LONGEST * elapsed / self.longest;
-        (1.0 - phase * phase).max(0.5)
-    }
-}
 
 impl Simulation {
     /// Steps from the present time to `stop`, over which the excitation is smooth, or to the end of the run, or to an event at
@@ -103,61 +90,70 @@ impl Simulation {
         at_event: AtEvent,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let piece = Piece { block, excitation, since: self.pose.time, stop, at_event, single: false };
+        let (end, stop) = (stop, self.within_reach(stop));
+        let piece = SmoothPiece { block, excitation, since: self.pose.time, stop, end, at_event, single: false };
         self.counts.evaluations += 1;
-        let mut beginning = Beginning { of_piece: true, short_failed: false };
+        let mut start = StepStart { of_piece: true, short_failed: false };
         while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
-            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, beginning, budget, observer))?;
-            beginning.of_piece = false;
+            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, start, budget, observer))?;
+            start.of_piece = false;
         }
         Ok(())
     }
 
+    /// A stop to which the steps of a call do not lead, in place of one so far away that the clock would not resolve the motion
+    /// on the way: by then the block rests, or the call fails.
+    fn within_reach(&self, stop: f64) -> f64 {
+        let Block { omega_v, p, .. } = *self.block();
+        let beyond = self.pose.time + OUT_OF_REACH * MOST_STEPS as f64 / omega_v.max(p);
+        if self.pose.time < beyond { stop.min(beyond) } else { stop }
+    }
+
     /// A single step from the present time towards `stop`, over which the excitation is smooth.
-    #[cfg(feature = "studies")]
+    #[cfg(feature = "lanes")]
     pub(super) fn single_step(
         &mut self,
         stop: f64,
         excitation: &Excitation,
-        beginning: Beginning,
+        start: StepStart,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let block = &{ self.system.block };
         let since = self.pose.time;
-        let piece = Piece { block, excitation, since, stop, at_event: AtEvent::Apply, single: true };
-        in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, beginning, budget, observer))
+        let piece = SmoothPiece { block, excitation, since, stop, end: stop, at_event: AtEvent::Apply, single: true };
+        in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, start, budget, observer))
     }
 
-    /// Steps under one law to the end of the piece, or to what ends the law.
+    /// Steps under one law to the end of the piece, or of the law.
     #[inline(never)]
     fn steps(
         &mut self,
         law: impl Law,
-        piece: &Piece,
-        beginning: Beginning,
+        piece: &SmoothPiece,
+        start: StepStart,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let &Piece { block, excitation, stop, .. } = piece;
-        // Where an event has just looked at the block this looks again, and counts no evaluation, rather than copy what was seen.
+        let &SmoothPiece { block, excitation, stop, .. } = piece;
+        // After an event the block is evaluated once more, which is not counted, rather than copied.
         let mut here = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
-        if beginning.of_piece
+        if start.of_piece
             && let Some(corner) = self.system.leaving_rigid_base(&here)
         {
             return self.apply_or_stop(Surface::Reaction(corner), &here, piece, observer);
         }
         let steady = excitation.is_constant();
         let limits = self.limits(law, excitation.frequency());
-        let mut short_failed = beginning.short_failed;
+        let mut short_failed = start.short_failed;
         loop {
             if steady && here.rests() {
                 // Loads may have come at this instant.
                 self.peaks.include(&here.channels());
-                self.rest(stop);
+                self.rest(piece.end);
                 return Ok(());
             }
-            self.spend(budget, stop, limits.longest)?;
+            self.spend(budget, piece, limits.longest)?;
             let motion = Motion::under(law, block, &self.pose, excitation);
             if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
@@ -175,7 +171,7 @@ impl Simulation {
                     self.counts.evaluations += inside.evaluations;
                     self.counts.steps -= 1;
                     self.counts.rejected += 1;
-                    self.control = StepControl::of_size(SHORTENED * size);
+                    self.control.restart(SHORTENED * size);
                     short_failed = true;
                     continue;
                 }
@@ -188,7 +184,7 @@ impl Simulation {
                 work = inside.dense().work(elapsed);
             }
             let elapsed = event.map_or(size, |fall| fall.elapsed);
-            self.update_peaks(&here, &there, limits.near_a_peak(elapsed), &mut inside);
+            self.update_peaks(&here, &there, near_a_peak(elapsed, limits.longest), &mut inside);
             self.counts.evaluations += inside.evaluations;
             work[0] += here.footing.free_work(&there.footing);
             self.go_to(&there, work);
@@ -212,8 +208,8 @@ impl Simulation {
     fn apply_or_stop(
         &mut self,
         surface: Surface,
-        now: &Now,
-        piece: &Piece,
+        now: &Evaluation,
+        piece: &SmoothPiece,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         if self.stops(piece.at_event, surface, now) {
@@ -223,7 +219,7 @@ impl Simulation {
         self.apply(surface, now, observer).map(|_| ())
     }
 
-    /// A block at rest stays so while the excitation does not change; what is left of its motion goes.
+    /// A block at rest stays so while the excitation does not change; the rest of its motion is dropped.
     fn rest(&mut self, stop: f64) {
         self.pose.time = stop;
         self.pose.state[1] = 0.0;
@@ -232,11 +228,10 @@ impl Simulation {
     }
 
     /// Takes a step from the budget of a call. None can lead to a time near which the clock does not resolve the motion.
-    fn spend(&self, budget: &mut u64, until: f64, longest: f64) -> Result<(), SimulationError> {
+    fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
         let time = self.pose.time;
-        let resolved = f64::EPSILON * (until - time) < longest;
-        if *budget == 0 || !resolved {
-            return Err(SimulationError::TooManySteps { time, until, steps: MOST_STEPS - *budget });
+        if *budget == 0 || !is_resolved(piece.stop - time, longest) {
+            return Err(SimulationError::TooManySteps { time, until: piece.end, steps: MOST_STEPS - *budget });
         }
         *budget -= 1;
         Ok(())
@@ -244,26 +239,36 @@ impl Simulation {
 
     /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass.
     #[inline]
-    fn go_to(&mut self, there: &Now, work: Powers) {
+    fn go_to(&mut self, there: &Evaluation, work: Powers) {
         self.sums.input += work[0];
         self.sums.dashpots += work[1];
         if there.time > self.pose.time {
             self.events_in_this_instant = 0;
         }
-        let Now { time, state, footing, .. } = *there;
+        let Evaluation { time, state, footing, .. } = *there;
         self.pose = Pose { time, state, footing, ..self.pose };
     }
 
     /// Goes to `stop` by a short step if that is close enough and nothing happens on the way; whether it went.
     #[inline(always)]
-    fn short_step<'a, L: Law>(&mut self, stop: f64, motion: &Motion<'a, L>, here: &Now<'a>, limits: &Limits) -> bool {
+    fn short_step<'a, L: Law>(
+        &mut self,
+        stop: f64,
+        motion: &Motion<'a, L>,
+        here: &Evaluation<'a>,
+        limits: &Limits,
+    ) -> bool {
         let size = stop - self.pose.time;
-        if LONGEST * size > limits.longest || motion.law().held().is_some() {
+        if motion.law().held().is_some() {
             return false;
         }
-        if size > self.short_size {
-            self.short_size *= SHORT_GROWTH;
-            return false;
+        match self.control.short_step(size, limits.longest) {
+            ShortStepTo::TooFar => return false,
+            ShortStepTo::NotYet => {
+                self.control.grow_short();
+                return false;
+            }
+            ShortStepTo::Stop => {}
         }
         let step = ShortStep::attempt(here.time, size, here.state, here.rate, motion);
         let there = motion.at(stop, step.end);
@@ -272,16 +277,16 @@ impl Simulation {
             return false;
         }
         let error = step.error(there.rate, limits.weights, limits.work_weight) / limits.short_share;
-        // The root of order 4 is two square roots, and less than that of order 5.
-        let factor = (1.0 / error.sqrt().sqrt()).max(LEAST_SHORT_FACTOR);
-        if factor < 1.0 {
-            self.short_size = size * factor;
+        let factor = short_factor(error);
+        // A factor that is not a number is that of an error that is none.
+        if factor.is_nan() || factor < 1.0 {
+            self.control.reject_short(size, factor);
             return false;
         }
         if may_hold_event(motion.law(), here, &there) {
             return false;
         }
-        let [start, end] = self.channels_at_ends(here, &there, limits.near_a_peak(size));
+        let [start, end] = self.channels_at_ends(here, &there, near_a_peak(size, limits.longest));
         if self.peaks.may_rise_inside(&start, &end, size) {
             return false;
         }
@@ -301,18 +306,17 @@ impl Simulation {
         &mut self,
         stop: f64,
         motion: &Motion<'a, L>,
-        here: &Now<'a>,
+        here: &Evaluation<'a>,
         &Limits { weights, longest, .. }: &Limits,
     ) -> Result<Step, SimulationError> {
         let time = here.time;
-        // What the clock can resolve on the way. Near time zero it resolves far less, but such steps lead nowhere.
-        let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
+        let shortest = shortest(time, stop);
         let mut attempt = self.control.attempt(stop - time, longest, shortest);
         loop {
             let mut step = Step::attempt(time, attempt.size, here.state, here.rate, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(weights);
-            let factor = Step::size_factor(error);
+            let factor = size_factor(eighth_root(error));
             let turn = turn_in_flight(motion.law(), &here.state, &step.end, attempt.size);
             // Where the clock resolves no shorter step, none is asked for.
             let turns_far = turn > MOST_TURN && attempt.size > 2.0 * shortest;
@@ -338,11 +342,11 @@ impl Simulation {
         }
     }
 
-    /// What a step may be.
+    /// Limits of a step.
     ///
     /// An error counts as the velocity it amounts to: a displacement times the circular frequency of its motion, a
     /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
-    /// not more than what changes a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
+    /// not more than a change of a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
     pub(super) fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
@@ -355,7 +359,7 @@ impl Simulation {
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),
             (_, Regime::TiltingLeft | Regime::TiltingRight) => (p, omega_v * (0.5 * (1.0 + turning)).sqrt()),
         };
-        // What the dashpots slow down dies away at this rate at most.
+        // The greatest rate at which damped motion dies away.
         let decay = match (law.foundation(), law.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => 0.0,
             (_, Regime::FullContact) => 2.0 * xi_v * omega_v * turning.max(1.0),
@@ -372,7 +376,7 @@ impl Simulation {
         let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency);
         Limits {
             weights,
-            // The energy of a block that rocks with the velocity of which the rest is a part.
+            // The energy of a block that rocks with the velocity of the other weights.
             work_weight: allowed / ((i0 + r0 * r0) * alpha * p),
             longest,
             short_share: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_SHARE },
@@ -381,7 +385,13 @@ impl Simulation {
 
     /// Takes the step's peaks in.
     #[inline(always)]
-    pub(super) fn update_peaks<L: Law>(&mut self, here: &Now, there: &Now, near: f64, inside: &mut Inside<L>) {
+    pub(super) fn update_peaks<L: Law>(
+        &mut self,
+        here: &Evaluation,
+        there: &Evaluation,
+        near: f64,
+        inside: &mut Inside<L>,
+    ) {
         let duration = there.time - here.time;
         if duration <= 0.0 {
             return;
@@ -390,14 +400,14 @@ impl Simulation {
         self.peaks.include_step(&start, &end, duration, |after| inside.at(after).channels());
     }
 
-    /// What the peaks are compared with at both ends of a step. The rates of H and of the friction demand, and those of the
+    /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
     /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
     /// part of that, and are zero elsewhere.
     #[inline(always)]
-    pub(super) fn channels_at_ends(&self, here: &Now, there: &Now, near: f64) -> [Channels; 2] {
+    pub(super) fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
         let Block { mass, foundation, .. } = self.system.block;
         let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let close = |now: &Now| {
+        let close = |now: &Evaluation| {
             let [left, right] = now.instant.reaction;
             let shear = mass * now.instant.horizontal.abs();
             shear > near * horizontal

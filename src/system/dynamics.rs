@@ -1,20 +1,21 @@
-//! State, regime and excitation of an instant → accelerations, reactions, energy.
+//! State, regime and excitation of an instant → the sum of forces → accelerations and reactions, from the foot that stands.
 //!
-//! The vertical coordinate of the state, `w`, is the height of what stands: of the touching corner, of the middle of
-//! the base in full contact, of the centre of mass in flight. So the spring forces come from a number that is itself
-//! small, and the difference of `v` and `R0 [cos α − cos(α ± θ)]`, which cancels, is never formed.
+//! The vertical coordinate of the state, `w`, is the height of the foot (the touching corner, or the middle of the base in full
+//! contact), in flight that of the centre of mass. So the spring forces come from a number that is itself small, and the
+//! difference of `v` and `R0 [cos α − cos(α ± θ)]`, which cancels, is never formed.
 //!
-//! Within this module forces and energies are per unit of the block's mass; with `δ_s = g/ω_v²`, one support gives
-//! `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
+//! A foot that grips, a rigid base and a corner that is held are constraints: each adds the inertia of the centre of mass that it
+//! moves, or says how the block turns. Forces and energies are per unit of the block's mass.
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Foundation};
-use crate::contact::{Corner, Regime};
-use crate::dual::{Dual, Dual64};
+use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
 use crate::numerics;
-use crate::scalar::{Beside, Elementary, Real, Scalar};
+use crate::numerics::dual::Dual;
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::system::forces::{self, support};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State = numerics::State;
@@ -22,7 +23,7 @@ pub type State = numerics::State;
 /// Powers that are integrated along (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
 pub type Powers = numerics::Quadratures;
 
-/// Everything that the equations of motion say of one instant.
+/// The equations of motion, solved at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant<T> {
     /// Rotation θ (rad).
@@ -59,10 +60,10 @@ pub struct Instant<T> {
     pub horizontal: T,
 }
 
-/// What holds the block horizontally.
+/// The horizontal hold of the block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Footing<T> {
-    /// What touches does not slide: the middle of the base in full contact, the corner on one corner.
+    /// The foot does not slide.
     Grips {
         /// How far the block has moved to the right since the start (m), by flights and slides.
         offset: T,
@@ -85,7 +86,7 @@ impl<T> Footing<T> {
         }
     }
 
-    /// Whether what touches does not slide.
+    /// Whether the foot does not slide.
     pub fn grips(&self) -> bool {
         matches!(self, Footing::Grips { .. })
     }
@@ -113,6 +114,35 @@ impl Footing<f64> {
     }
 }
 
+/// A corner that is held on its support: it goes with it, and bears nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held<T> {
+    /// The corner.
+    pub corner: Corner,
+    /// Height of its support above its place under the block at rest (m), its rate (m/s) and its acceleration (m/s²).
+    pub top: [T; 3],
+}
+
+impl<R: Real> Held<R> {
+    /// The support at this height, which creeps at this rate: `C ÿ = −K ẏ`.
+    pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>) -> Held<R> {
+        Held { corner, top: [value, rate, creeping(block, rate)] }
+    }
+
+    /// The same with its rates of change in the dual parts.
+    pub fn with_rates(&self, block: &Block<R>) -> Held<Dual<R>> {
+        let [value, rate, acceleration] = self.top;
+        let jerk = creeping(block, acceleration);
+        let top = [Dual::new(value, rate), Dual::new(rate, acceleration), Dual::new(acceleration, jerk)];
+        Held { corner: self.corner, top }
+    }
+}
+
+/// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing moves.
+fn creeping<R: Real>(block: &Block<R>, rate: R) -> R {
+    R::select_less(R::from(0.0), rate.abs(), -(block.creep_rate() * rate), R::from(0.0))
+}
+
 /// The equations of motion at one instant.
 ///
 /// The excitation may be that of any smooth piece; see [`Forcing`] for signs.
@@ -127,8 +157,8 @@ pub fn instant<P: Scalar, T: Beside<P>>(
     instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
 }
 
-/// What `pick` takes of [`instant`]: only that is computed, since it is inlined into the equations of each regime. Of a
-/// `foundation` (that of the block) and a `regime` that the compiler knows only their equations are left.
+/// The part of [`instant`] that `pick` takes. It is inlined, so that only this part is computed, and for a constant `foundation`
+/// (that of the block) and `regime` the compiler removes the other branches.
 #[inline(always)]
 pub fn instant_of<P: Scalar, T: Beside<P>, R>(
     block: &Block<P>,
@@ -140,40 +170,38 @@ pub fn instant_of<P: Scalar, T: Beside<P>, R>(
     pick: impl Fn(Instant<T>) -> R,
 ) -> R {
     let posture = Posture::new(block, state, footing);
-    match (regime, foundation) {
-        (Regime::FullContact, Foundation::Viscoelastic) => pick(posture.full_contact(forcing)),
-        (Regime::FullContact, Foundation::Rigid) => pick(posture.at_rest(forcing)),
-        (Regime::TiltingLeft, Foundation::Viscoelastic) => pick(posture.on_support(Corner::Left, forcing)),
-        (Regime::TiltingRight, Foundation::Viscoelastic) => pick(posture.on_support(Corner::Right, forcing)),
-        (Regime::TiltingLeft, Foundation::Rigid) => pick(posture.on_rigid_base(Corner::Left, forcing)),
-        (Regime::TiltingRight, Foundation::Rigid) => pick(posture.on_rigid_base(Corner::Right, forcing)),
-        (Regime::Separated, _) => pick(posture.in_flight(forcing)),
+    match regime {
+        Regime::FullContact => pick(posture.on(Foot::Middle, foundation, forcing)),
+        Regime::TiltingLeft => pick(posture.on(Foot::Corner(Corner::Left), foundation, forcing)),
+        Regime::TiltingRight => pick(posture.on(Foot::Corner(Corner::Right), foundation, forcing)),
+        Regime::Separated => pick(posture.in_flight(forcing)),
     }
 }
 
-/// The equations of motion at an instant `x` with, in the dual parts, the exact rates of change along the motion while the
-/// forcing changes as its dual parts say.
-pub fn along(
-    block: &Block,
-    regime: Regime,
-    state: &State,
-    footing: Footing<f64>,
-    x: &Instant<f64>,
-    forcing: Forcing<Dual64>,
-) -> Instant<Dual64> {
-    along_of(block, regime, state.0, footing, x, forcing)
+/// The equations of motion where one of both corners is held; θ and θ̇ alone are the state.
+pub fn instant_held<P: Scalar, T: Beside<P>>(
+    block: &Block<P>,
+    [theta, theta_dot]: [T; 2],
+    held: Held<T>,
+    footing: Footing<T>,
+    forcing: Forcing<T>,
+) -> Instant<T> {
+    let zero = T::from(0.0);
+    Posture::new(block, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
-/// The same of any numbers, inlined into the equations of a `regime` that the compiler knows.
+/// The part that `pick` takes of the equations of motion at an instant `x` with, in the dual parts, the exact rates of change along
+/// the motion while the forcing changes as its dual parts say.
 #[inline(always)]
-pub fn along_of<R: Real>(
+pub fn instant_with_rates<R: Real, T>(
     block: &Block<R>,
     regime: Regime,
     [_, _, w, _]: [R; 4],
     footing: Footing<R>,
     x: &Instant<R>,
     forcing: Forcing<Dual<R>>,
-) -> Instant<Dual<R>>
+    pick: impl Fn(Instant<Dual<R>>) -> T,
+) -> T
 where
     Dual<R>: Beside<R>,
 {
@@ -187,209 +215,191 @@ where
         Footing::Grips { offset } => Footing::Grips { offset: Dual::new(offset, R::default()) },
         Footing::Free { u, u_dot } => Footing::Free { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot) },
     };
-    instant_of(block, block.foundation, regime, state, footing, forcing, |x| x)
+    instant_of(block, block.foundation, regime, state, footing, forcing, pick)
+}
+
+/// The same where a corner is held.
+pub fn instant_held_with_rates<R: Real>(
+    block: &Block<R>,
+    held: &Held<R>,
+    footing: Footing<R>,
+    x: &Instant<R>,
+    forcing: Forcing<Dual<R>>,
+) -> Instant<Dual<R>>
+where
+    Dual<R>: Beside<R>,
+{
+    let state = [Dual::new(x.theta, x.theta_dot), Dual::new(x.theta_dot, x.theta_ddot)];
+    instant_held(block, state, held.with_rates(block), footing.map(|x| Dual::new(x, R::default())), forcing)
 }
 
 /// The state with its sine and cosine.
-pub(super) struct Posture<'a, P, T> {
-    pub(super) block: &'a Block<P>,
-    pub(super) theta: T,
-    pub(super) theta_dot: T,
-    pub(super) w: T,
-    pub(super) w_dot: T,
-    pub(super) sin: T,
-    pub(super) cos: T,
-    pub(super) footing: Footing<T>,
-}
-
-/// Place, rate and acceleration of the centre of mass, and the reaction per mass.
-pub(super) struct Horizontal<T> {
-    pub(super) u: T,
-    pub(super) u_dot: T,
-    pub(super) u_ddot: T,
-    pub(super) reaction: T,
+struct Posture<'a, P, T> {
+    block: &'a Block<P>,
+    theta: T,
+    theta_dot: T,
+    w: T,
+    w_dot: T,
+    sin: T,
+    cos: T,
+    footing: Footing<T>,
 }
 
 impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     #[inline(always)]
-    pub(super) fn new(
-        block: &'a Block<P>,
-        [theta, theta_dot, w, w_dot]: [T; 4],
-        footing: Footing<T>,
-    ) -> Posture<'a, P, T> {
+    fn new(block: &'a Block<P>, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, P, T> {
         let (sin, cos) = theta.sin_cos();
         Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing }
     }
 
-    /// θ̈ from the moments per mass about the centre of mass: of the loads, of the vertical reactions, and of H/M, which
-    /// acts `arm` below. A foot that grips moves the centre of mass by `ü = arm θ̈ − centripetal`.
+    /// Eqs. (7)–(13), and Housner's block: the block on a foot, which supports or a rigid base bear.
     #[inline(always)]
-    fn turning(&self, arm: T, centripetal: T, vertical: T, forcing: Forcing<T>) -> T {
-        match self.footing {
-            Footing::Grips { .. } => {
-                (-(arm * (forcing.x - centripetal)) + vertical + forcing.moment) / (arm * arm + self.block.i0)
+    fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
+        let lever = self.block.lever(foot, self.sin, self.cos);
+        let centripetal = lever.q * (self.theta_dot * self.theta_dot);
+        match (foundation, foot) {
+            (Foundation::Viscoelastic, _) => {
+                let (reaction, lift, moment) = self.supports(foot);
+                let theta_ddot = self.turning(lever, moment, None, forcing);
+                let v_ddot = lift - self.block.gravity - forcing.z;
+                let w_ddot = v_ddot + lever.x * theta_ddot + centripetal;
+                self.moving(foot, [theta_ddot, v_ddot, w_ddot], reaction, forcing)
             }
-            Footing::Free { .. } => (vertical + forcing.moment) * T::from(P::from(1.0) / self.block.i0),
+            // The foot stays at its height: `v̈ = −X θ̈ − Q θ̇²`, and N follows.
+            (Foundation::Rigid, Foot::Corner(corner)) => {
+                let weight = forcing.z + self.block.gravity;
+                let theta_ddot = self.turning(lever, lever.x * (weight - centripetal), Some(lever.x), forcing);
+                let v_ddot = -(lever.x * theta_ddot) - centripetal;
+                let zero = T::from(0.0);
+                self.moving(foot, [theta_ddot, v_ddot, zero], at_corner(corner, v_ddot + weight), forcing)
+            }
+            (Foundation::Rigid, Foot::Middle) => self.at_rest(forcing),
         }
     }
 
-    /// Horizontal motion, given that of a foot that grips at its first place.
+    /// Reactions of the supports under a foot, their sum, and their moment about the centre of mass.
     #[inline(always)]
-    pub(super) fn horizontal(&self, u: T, u_dot: T, u_ddot: T, forcing: Forcing<T>) -> Horizontal<T> {
-        match self.footing {
-            Footing::Grips { offset } => Horizontal { u: u + offset, u_dot, u_ddot, reaction: u_ddot + forcing.x },
-            Footing::Free { u, u_dot } => Horizontal { u, u_dot, u_ddot: -forcing.x, reaction: T::from(0.0) },
+    fn supports(&self, foot: Foot) -> ([T; 2], T, T) {
+        match foot {
+            Foot::Middle => {
+                let (left, right) = (self.support(Corner::Left, foot), self.support(Corner::Right, foot));
+                ([left.0, right.0], left.0 + right.0, left.1 + right.1)
+            }
+            Foot::Corner(standing) => {
+                let (reaction, moment) = self.support(standing, foot);
+                (at_corner(standing, reaction), reaction, moment)
+            }
         }
     }
 
-    /// `1 − cos θ` without cancellation.
+    /// Reaction of the support under a corner, and its moment about the centre of mass.
     #[inline(always)]
-    pub(super) fn versine(&self) -> T {
-        self.sin * self.sin / (self.cos + 1.0)
+    fn support(&self, corner: Corner, foot: Foot) -> (T, T) {
+        let reaction = support::reaction(self.block, self.height(corner, foot), self.rate(corner, foot));
+        (reaction, reaction * self.block.lever(Foot::Corner(corner), self.sin, self.cos).x)
     }
 
-    /// Reaction of one support per mass, from its corner's height and rate; eq. (8).
+    /// θ̈ from the moments about the centre of mass: of the vertical reactions, of the loads, and of H, which acts Q below.
+    ///
+    /// A foot that grips moves the centre of mass by `ü = Q θ̈ − X θ̇²`, one that cannot sink by `v̈ = −X θ̈ − Q θ̇²` with X =
+    /// `unyielding`; their reactions are H and N.
     #[inline(always)]
-    pub(super) fn support(&self, height: T, rate: T) -> T {
-        let Block { gravity, omega_v, xi_v, .. } = *self.block;
-        -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * 0.5
-    }
-
-    /// Heights of the corners, their rates and their accelerations, from those of the middle of the base, b from either.
-    #[inline(always)]
-    pub(super) fn corners(&self, [middle, middle_dot, middle_ddot]: [T; 3], theta_ddot: T) -> [[T; 2]; 3] {
-        let Posture { theta_dot, sin, cos, .. } = *self;
-        let b = self.block.b;
-        let (tilt, tilt_dot) = (sin * b, cos * theta_dot * b);
-        let tilt_ddot = (cos * theta_ddot - sin * theta_dot * theta_dot) * b;
-        [
-            [middle + tilt, middle - tilt],
-            [middle_dot + tilt_dot, middle_dot - tilt_dot],
-            [middle_ddot + tilt_ddot, middle_ddot - tilt_ddot],
-        ]
-    }
-
-    /// Eqs. (7)–(10): both corners touch; w is the height of the middle of the base.
-    #[inline(always)]
-    fn full_contact(&self, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
-        let Block { b, h, gravity, omega_v, xi_v, .. } = *block;
-        let (omega2, damping) = (omega_v * omega_v, xi_v * 2.0 * omega_v);
-        let tilt = sin * b;
-        let tilt_dot = cos * theta_dot * b;
-        // v̈ + a_gz = (N_L + N_R)/M − g, and the couple of the supports: N_L − N_R.
-        let rise = -(w * omega2) - w_dot * damping;
-        let sum = rise + gravity;
-        let difference = -(tilt * omega2) - tilt_dot * damping;
-        let arm = cos * h;
-        let centripetal = sin * theta_dot * theta_dot * h;
-        let theta_ddot = self.turning(arm, centripetal, cos * difference * b + sin * sum * h, forcing);
-        let v_ddot = rise - forcing.z;
-        let along = self.horizontal(sin * h, arm * theta_dot, arm * theta_ddot - centripetal, forcing);
-        let w_ddot = v_ddot + sin * theta_ddot * h + cos * theta_dot * theta_dot * h;
-        let [corner, corner_dot, corner_ddot] = self.corners([w, w_dot, w_ddot], theta_ddot);
-        Instant {
-            theta,
-            theta_dot,
-            theta_ddot,
-            w_dot,
-            w_ddot,
-            u: along.u,
-            u_dot: along.u_dot,
-            u_ddot: along.u_ddot,
-            v: w - self.versine() * h,
-            v_dot: w_dot - sin * theta_dot * h,
-            v_ddot,
-            corner,
-            corner_dot,
-            corner_ddot,
-            reaction: [self.support(corner[0], corner_dot[0]), self.support(corner[1], corner_dot[1])],
-            horizontal: along.reaction,
+    fn turning(&self, Lever { x, q }: Lever<T>, vertical: T, unyielding: Option<T>, forcing: Forcing<T>) -> T {
+        let (mut moment, mut inertia) = (vertical, T::from(self.block.i0));
+        if let Some(x) = unyielding {
+            inertia = x * x + inertia;
         }
+        if let Footing::Grips { .. } = self.footing {
+            moment = -(q * (forcing.x - x * (self.theta_dot * self.theta_dot))) + moment;
+            inertia = q * q + inertia;
+        }
+        (moment + forcing.moment) / inertia
     }
 
-    /// Eqs. (11)–(13): one corner touches; w is its height.
+    /// On the rigid base without motion: the reactions that keep the block at rest. The corner whose reaction would
+    /// have to pull lifts, which is `|a_gx| > (g + a_gz) tan α`.
     #[inline(always)]
-    fn on_support(&self, corner: Corner, forcing: Forcing<T>) -> Instant<T> {
-        let s = corner.sign();
-        let (reach, height) = (self.reach(s), self.height(s));
-        let n = self.support(self.w, self.w_dot);
-        let theta_dot2 = self.theta_dot * self.theta_dot;
-        let theta_ddot = self.turning(height, reach * theta_dot2 * s, reach * n * s, forcing);
-        let v_ddot = n - self.block.gravity - forcing.z;
-        let w_ddot = v_ddot + reach * theta_ddot * s + height * theta_dot2;
-        self.about(corner, theta_ddot, w_ddot, v_ddot, n, forcing)
+    fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
+        let &Posture { block, footing, .. } = self;
+        let (zero, one) = (T::from(0.0), T::from(1.0));
+        let upright = Posture { theta_dot: zero, w: zero, w_dot: zero, sin: zero, cos: one, footing, ..*self };
+        let x = upright.moving(Foot::Middle, [zero; 3], [zero; 2], forcing);
+        let weight = forcing.z + block.gravity;
+        let couple = (x.horizontal * block.h - forcing.moment) * (P::from(0.5) / block.b);
+        // A corner bears the force that keeps the block from turning about the other one. Where rounding may decide whether it is
+        // above zero, its moment is that of `turning` to the last bit: a corner that cannot stay is never pressed back at once.
+        let bears = |other: Corner| {
+            let s = other.sign();
+            let moment = (weight * block.offset(other) - x.horizontal * block.h + forcing.moment) * s;
+            let (n, exact) = (weight * 0.5 - couple * s, moment * (P::from(0.5) / block.b));
+            let n = T::select_less(n.value(), zero.value(), exact, n);
+            T::select_less(moment.value(), zero.value(), exact, n)
+        };
+        Instant { theta_dot: self.theta_dot, reaction: Corner::each(|corner| bears(corner.other())), ..x }
     }
 
     /// No corner touches; w = v.
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
-        let Block { h, i0, gravity, .. } = *block;
-        let zero = T::from(0.0);
-        let theta_ddot = forcing.moment * T::from(P::from(1.0) / i0);
-        let v_ddot = -forcing.z - gravity;
-        let (middle, middle_dot) = (w + self.versine() * h, w_dot + sin * theta_dot * h);
-        let middle_ddot = v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h;
-        let along = self.horizontal(sin * h, cos * theta_dot * h, -forcing.x, forcing);
-        let [corner, corner_dot, corner_ddot] = self.corners([middle, middle_dot, middle_ddot], theta_ddot);
-        Instant {
-            theta,
-            theta_dot,
-            theta_ddot,
-            w_dot,
-            w_ddot: v_ddot,
-            u: along.u,
-            u_dot: along.u_dot,
-            u_ddot: along.u_ddot,
-            v: w,
-            v_dot: w_dot,
-            v_ddot,
-            corner,
-            corner_dot,
-            corner_ddot,
-            reaction: [zero; 2],
-            horizontal: zero,
-        }
+        let Posture { block, theta_dot, w, w_dot, sin, cos, .. } = *self;
+        let (h, zero) = (block.h, T::from(0.0));
+        let theta_ddot = forcing.moment * T::from(P::from(1.0) / block.i0);
+        let v_ddot = -forcing.z - block.gravity;
+        let middle = [
+            w + self.versine() * h,
+            w_dot + sin * theta_dot * h,
+            v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h,
+        ];
+        let over = Posture { w: middle[0], w_dot: middle[1], ..*self };
+        let x = over.moving(Foot::Middle, [theta_ddot, v_ddot, middle[2]], [zero; 2], forcing);
+        Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, ..x }
     }
 
-    /// `R0 sin φ`, `φ = α + sθ`: horizontal distance from corner to centre of mass (m).
-    #[inline(always)]
-    pub(super) fn reach(&self, s: f64) -> T {
-        self.cos * self.block.b + self.sin * (self.block.h * s)
+    /// Both corners touch, and one of them is held on its support, which moves by itself. So the other one's reaction says how
+    /// the centre of mass moves, and both together how the block turns; the middle of the base holds it horizontally.
+    fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
+        let Posture { block, theta_dot, sin, cos, .. } = self;
+        let (offset, middle) = (block.offset(corner), Foot::Middle);
+        (self.w, self.w_dot) = (top - sin * offset, top_dot - cos * theta_dot * offset);
+        let other = corner.other();
+        let n = support::reaction(block, self.height(other, middle), self.rate(other, middle));
+        let v_ddot = n - block.gravity - forcing.z;
+        let lever = block.lever(Foot::Corner(corner), sin, cos);
+        let theta_dot2 = theta_dot * theta_dot;
+        let theta_ddot = (top_ddot - v_ddot - lever.q * theta_dot2) / lever.x;
+        let w_ddot = v_ddot + sin * block.h * theta_ddot + cos * block.h * theta_dot2;
+        let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], [n; 2], forcing);
+        let i = corner.index();
+        // To the last bit, by which events are decided.
+        (x.corner[i], x.corner_dot[i], x.corner_ddot[i], x.reaction[i]) = (top, top_dot, top_ddot, T::from(0.0));
+        x
     }
 
-    /// `R0 cos φ`: height of the centre of mass over the corner (m).
+    /// The motion of a block on a foot with these accelerations `[θ̈, v̈, ẅ]` and vertical reactions.
     #[inline(always)]
-    pub(super) fn height(&self, s: f64) -> T {
-        self.cos * self.block.h - self.sin * (self.block.b * s)
-    }
-
-    /// Kinematics of the block about its one standing corner.
-    #[inline(always)]
-    pub(super) fn about(
+    fn moving(
         &self,
-        corner: Corner,
-        theta_ddot: T,
-        w_ddot: T,
-        v_ddot: T,
-        n: T,
+        foot: Foot,
+        [theta_ddot, v_ddot, w_ddot]: [T; 3],
+        reaction: [T; 2],
         forcing: Forcing<T>,
     ) -> Instant<T> {
-        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, .. } = *self;
-        let Block { b, h, .. } = *block;
-        let s = corner.sign();
-        let (reach, height) = (self.reach(s), self.height(s));
-        let along = self.horizontal(
-            sin * h - self.versine() * (b * s),
-            height * theta_dot,
-            height * theta_ddot - reach * theta_dot * theta_dot * s,
-            forcing,
-        );
-        let across = b * (2.0 * s);
-        let standing = |pair: [T; 2]| match corner {
-            Corner::Left => pair,
-            Corner::Right => [pair[1], pair[0]],
+        let Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing } = *self;
+        let Lever { x, q } = block.lever(foot, sin, cos);
+        let versine = self.versine();
+        let (across, sunk) = match foot {
+            Foot::Middle => (sin * block.h, w - versine * block.h),
+            Foot::Corner(corner) => {
+                let offset = block.offset(corner);
+                (sin * block.h - versine * offset, w - versine * block.h - sin * offset)
+            }
+        };
+        let (u, u_dot, u_ddot, horizontal) = match footing {
+            Footing::Grips { offset } => {
+                let u_ddot = q * theta_ddot - x * (theta_dot * theta_dot);
+                (across + offset, q * theta_dot, u_ddot, u_ddot + forcing.x)
+            }
+            Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, T::from(0.0)),
         };
         Instant {
             theta,
@@ -397,81 +407,87 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
             theta_ddot,
             w_dot,
             w_ddot,
-            u: along.u,
-            u_dot: along.u_dot,
-            u_ddot: along.u_ddot,
-            v: w - self.versine() * h - sin * (b * s),
-            v_dot: w_dot - reach * theta_dot * s,
+            u,
+            u_dot,
+            u_ddot,
+            v: sunk,
+            v_dot: w_dot - x * theta_dot,
             v_ddot,
-            corner: standing([w, w - sin * across]),
-            corner_dot: standing([w_dot, w_dot - cos * theta_dot * across]),
-            corner_ddot: standing([w_ddot, w_ddot - (cos * theta_ddot - sin * theta_dot * theta_dot) * across]),
-            reaction: standing([n, T::from(0.0)]),
-            horizontal: along.reaction,
+            corner: [self.height(Corner::Left, foot), self.height(Corner::Right, foot)],
+            corner_dot: [self.rate(Corner::Left, foot), self.rate(Corner::Right, foot)],
+            corner_ddot: [
+                self.acceleration(Corner::Left, foot, w_ddot, theta_ddot),
+                self.acceleration(Corner::Right, foot, w_ddot, theta_ddot),
+            ],
+            reaction,
+            horizontal,
         }
     }
-}
 
-impl<T: Scalar> Instant<T> {
-    /// Powers of the excitation and of the dashpots per unit mass (m²/s³); the first is `−a_gx u̇ − a_gz v̇` with the
-    /// loads' work in it.
+    /// Height of a corner above its place at rest (m).
     #[inline(always)]
-    pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
-    where
-        T: Beside<P>,
-    {
-        let input = forcing.moment * self.theta_dot - forcing.x * self.u_dot - forcing.z * self.v_dot;
-        let [left, right] = self.corner_dot;
-        let squares = match regime {
-            Regime::FullContact => left * left + right * right,
-            Regime::TiltingLeft => left * left,
-            Regime::TiltingRight => right * right,
-            Regime::Separated => T::from(0.0),
-        };
-        [input, squares * (block.xi_v * block.omega_v)]
+    fn height(&self, corner: Corner, foot: Foot) -> T {
+        match self.block.from_foot(corner, foot) {
+            Some(distance) => self.w - self.sin * distance,
+            None => self.w,
+        }
+    }
+
+    /// Its rate (m/s).
+    #[inline(always)]
+    fn rate(&self, corner: Corner, foot: Foot) -> T {
+        match self.block.from_foot(corner, foot) {
+            Some(distance) => self.w_dot - self.cos * self.theta_dot * distance,
+            None => self.w_dot,
+        }
+    }
+
+    /// Its acceleration (m/s²).
+    #[inline(always)]
+    fn acceleration(&self, corner: Corner, foot: Foot, w_ddot: T, theta_ddot: T) -> T {
+        let Posture { theta_dot, sin, cos, .. } = *self;
+        match self.block.from_foot(corner, foot) {
+            Some(distance) => w_ddot - (cos * theta_ddot - sin * theta_dot * theta_dot) * distance,
+            None => w_ddot,
+        }
+    }
+
+    /// `1 − cos θ` without cancellation.
+    #[inline(always)]
+    fn versine(&self) -> T {
+        self.sin * self.sin / (self.cos + 1.0)
     }
 }
 
-/// `[w, ẇ]`, height (m) and rate (m/s) of what stands, from `[θ, θ̇, v, v̇]`; zeros on the rigid base, which does not give way.
-pub fn height_of_what_stands<T: Elementary>(
-    block: &Block,
-    regime: Regime,
-    [theta, theta_dot, v, v_dot]: [T; 4],
-) -> [T; 2] {
-    let Block { b, h, .. } = *block;
+/// A force at one corner, none at the other.
+#[inline(always)]
+fn at_corner<T: Scalar>(corner: Corner, force: T) -> [T; 2] {
+    match corner {
+        Corner::Left => [force, T::from(0.0)],
+        Corner::Right => [T::from(0.0), force],
+    }
+}
+
+/// `[w, ẇ]`, height (m) and rate (m/s) of the foot, from `[θ, θ̇, v, v̇]`: those of the centre of mass in flight, and zeros on the
+/// rigid base, which does not give way.
+pub fn foot_height<T: Elementary>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
+    let Some(foot) = regime.foot() else { return [v, v_dot] };
+    if block.foundation == Foundation::Rigid {
+        return [T::from(0.0); 2];
+    }
     let (sin, cos) = theta.sin_cos();
-    let (middle, middle_dot) = (v + sin * sin / (cos + 1.0) * h, v_dot + sin * theta_dot * h);
-    match (block.foundation, regime) {
-        (_, Regime::Separated) => [v, v_dot],
-        (Foundation::Rigid, _) => [T::from(0.0); 2],
-        (Foundation::Viscoelastic, Regime::FullContact) => [middle, middle_dot],
-        (Foundation::Viscoelastic, Regime::TiltingLeft) => [middle + sin * b, middle_dot + cos * theta_dot * b],
-        (Foundation::Viscoelastic, Regime::TiltingRight) => [middle - sin * b, middle_dot - cos * theta_dot * b],
+    let (middle, middle_dot) = (v + sin * sin / (cos + 1.0) * block.h, v_dot + sin * theta_dot * block.h);
+    match foot {
+        Foot::Middle => [middle, middle_dot],
+        Foot::Corner(corner) => {
+            let offset = block.offset(corner);
+            [middle + sin * offset, middle_dot + cos * theta_dot * offset]
+        }
     }
 }
 
-/// Energy per unit mass (m²/s²): kinetic, and potential of weight and touching springs; zero at rest.
-///
-/// `E = ½ I0 θ̇² + ½ M (u̇² + v̇²) + M g v + ½ K Σ_touching (δ_s − v_I)² − ½ M g δ_s`, with the terms that cancel at rest
-/// taken together.
+/// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.
 pub fn energy<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> (T, T) {
-    let Block { b, h, i0, gravity, omega_v, .. } = *block;
-    let kinetic = (x.theta_dot * x.theta_dot * i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
-    let (sin, cos) = x.theta.sin_cos();
-    let sunk = sin * sin / (cos + 1.0) * h;
-    let omega2 = omega_v * omega_v;
-    let springs = |height: T| height * height * (omega2 * 0.25);
-    let rest = gravity * 0.25 * block.static_deflection();
-    let potential = match (block.foundation, regime) {
-        (Foundation::Rigid, _) => x.v * gravity,
-        (Foundation::Viscoelastic, Regime::FullContact) => springs(x.corner[0]) + springs(x.corner[1]) - sunk * gravity,
-        (Foundation::Viscoelastic, Regime::TiltingLeft) => {
-            springs(x.corner[0]) + x.corner[0] * (gravity * 0.5) - (sunk + sin * b) * gravity - rest
-        }
-        (Foundation::Viscoelastic, Regime::TiltingRight) => {
-            springs(x.corner[1]) + x.corner[1] * (gravity * 0.5) - (sunk - sin * b) * gravity - rest
-        }
-        (Foundation::Viscoelastic, Regime::Separated) => x.v * gravity - rest * 2.0,
-    };
-    (kinetic, potential)
+    let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
+    (kinetic, forces::potential(block, regime, x))
 }

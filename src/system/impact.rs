@@ -1,8 +1,7 @@
 //! Velocities before a corner lands, grips or changes the pivot → velocities after.
 
-use crate::block::Block;
-use crate::contact::{Corner, Regime};
-use crate::scalar::Elementary;
+use crate::block::{Block, Corner, Foot, Lever, Regime};
+use crate::numerics::scalar::Elementary;
 use crate::system::dynamics::Instant;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
@@ -31,30 +30,24 @@ impl Velocities {
 /// velocity by the factor ε, and the horizontal constraint from the standing corner to the middle of the base.
 /// (m/s), (rad/s) positive clockwise.
 pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot: f64) -> (f64, f64) {
-    let Block { i0, epsilon, b, h, .. } = *block;
-    // The mirror image of a landing on R is one on L: θ and θ̇ change sign.
-    let s = corner.sign();
-    let (sin, cos) = libm::sincos(s * theta);
-    // R0 sin(α+θ), R0 cos(α+θ), R0 cos(α−θ) on L.
-    let reach = b * cos + h * sin;
-    let height = h * cos - b * sin;
-    let height_before = h * cos + b * sin;
+    let Block { i0, epsilon, .. } = *block;
+    let (sin, cos) = libm::sincos(theta);
+    let Lever { x, q } = block.lever(Foot::Corner(corner), sin, cos);
+    let before = block.lever(Foot::Corner(corner.other()), sin, cos);
+    let after = block.lever(Foot::Middle, sin, cos);
     // A, B, P of the paper, each times R0².
-    let a = h * cos * height;
-    let big_b = reach * reach;
-    let p = height_before * height;
-    let d = i0 + a + big_b;
-    let j11 = (epsilon * (i0 + a) + big_b) / d;
-    let j12 = ((epsilon - 1.0) * i0 + epsilon * a - p) * reach / d;
-    let j21 = (epsilon - 1.0) * reach / d;
-    let j22 = (i0 + epsilon * big_b + p) / d;
-    (j11 * v_dot + s * j12 * theta_dot, s * j21 * v_dot + j22 * theta_dot)
+    let (a, b, p) = (after.q * q, x * x, before.q * q);
+    let d = i0 + a + b;
+    let j11 = (epsilon * (i0 + a) + b) / d;
+    let j12 = ((epsilon - 1.0) * i0 + epsilon * a - p) * x / d;
+    let j21 = (epsilon - 1.0) * x / d;
+    let j22 = (i0 + epsilon * b + p) / d;
+    (j11 * v_dot + j12 * theta_dot, j21 * v_dot + j22 * theta_dot)
 }
 
 /// v̇ of a corner from v̇ of the centre of mass and θ̇ [m/s]: `v̇_I = v̇ + s R0 sin(α + sθ) θ̇`.
 pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> T {
-    let (s, reach, _) = lever(block, corner, theta);
-    v_dot + reach * s * theta_dot
+    v_dot + lever(block, corner, theta).x * theta_dot
 }
 
 /// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
@@ -63,12 +56,11 @@ pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_
 /// If the rate falls to a part of itself in this, no energy is made as long as the support pushes, which is as long as v̇
 /// grows.
 pub fn landing_with_grip(block: &Block, corner: Corner, theta: f64, before: Velocities, rate_after: f64) -> Velocities {
-    let Block { i0, .. } = *block;
-    let (s, reach, height) = lever(block, corner, theta);
+    let Lever { x, q } = lever(block, corner, theta);
     let Velocities { u_dot, v_dot, theta_dot } = before;
-    let momentum = i0 * theta_dot + height * u_dot - s * reach * v_dot;
-    let theta_dot = (momentum + s * reach * rate_after) / (i0 + height * height + reach * reach);
-    Velocities { u_dot: height * theta_dot, v_dot: rate_after - s * reach * theta_dot, theta_dot }
+    let momentum = block.i0 * theta_dot + q * u_dot - x * v_dot;
+    let theta_dot = (momentum + x * rate_after) / (block.i0 + q * q + x * x);
+    Velocities { u_dot: q * theta_dot, v_dot: rate_after - x * theta_dot, theta_dot }
 }
 
 /// Velocities after the landing of `corner` with a vertical impulse alone, which makes its vertical rate `rate_after`
@@ -80,35 +72,34 @@ pub fn landing_without_grip(
     before: Velocities,
     rate_after: f64,
 ) -> Velocities {
-    let (s, reach, _) = lever(block, corner, theta);
+    let Lever { x, .. } = lever(block, corner, theta);
     let Velocities { u_dot, v_dot, theta_dot } = before;
-    let impulse = (rate_after - v_dot - s * reach * theta_dot) / (1.0 + reach * reach / block.i0);
-    Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + s * reach * impulse / block.i0 }
+    let impulse = (rate_after - v_dot - x * theta_dot) / (1.0 + x * x / block.i0);
+    Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + x * impulse / block.i0 }
 }
 
 /// Velocities after both corners land at once and grip, so that their vertical rates become `rates_after` (m/s); the
-/// impulses per mass at L and R (m/s) beside them, of which none may be negative.
+/// impulses per mass at L and R (m/s) beside them; a landing needs both to be positive or zero.
 pub fn landing_on_both(block: &Block, theta: f64, before: Velocities, rates_after: [f64; 2]) -> ([f64; 2], Velocities) {
-    let Block { i0, b, h, .. } = *block;
     let (sin, cos) = libm::sincos(theta);
-    let theta_dot = 0.5 * (rates_after[0] - rates_after[1]) / (b * cos);
-    let v_dot = 0.5 * (rates_after[0] + rates_after[1]) - h * sin * theta_dot;
-    let u_dot = h * cos * theta_dot;
+    let Lever { x, q } = block.lever(Foot::Middle, sin, cos);
+    let half_base = block.b * cos;
+    let theta_dot = 0.5 * (rates_after[0] - rates_after[1]) / half_base;
+    let v_dot = 0.5 * (rates_after[0] + rates_after[1]) - x * theta_dot;
+    let u_dot = q * theta_dot;
     let sum = v_dot - before.v_dot;
     // I0 Δθ̇ = −h cos θ ∫H + b cos θ (∫N_L − ∫N_R) + h sin θ (∫N_L + ∫N_R)
-    let turn = i0 * (theta_dot - before.theta_dot) + h * cos * (u_dot - before.u_dot) - h * sin * sum;
-    let difference = turn / (b * cos);
+    let turn = block.i0 * (theta_dot - before.theta_dot) + q * (u_dot - before.u_dot) - x * sum;
+    let difference = turn / half_base;
     ([0.5 * (sum + difference), 0.5 * (sum - difference)], Velocities { u_dot, v_dot, theta_dot })
 }
 
-/// Velocities after what touches in `regime` grips: a horizontal impulse alone stops it.
+/// Velocities after the foot of `regime` grips: a horizontal impulse alone stops it.
 ///
-/// `θ̇_a = (I0 θ̇_b + M k u̇_b)/(I0 + M k²)`, with k the height of the centre of mass over what is held.
+/// `θ̇_a = (I0 θ̇_b + M k u̇_b)/(I0 + M k²)`, with k the height of the centre of mass over the foot.
 pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Velocities {
-    let height = match regime.pivot() {
-        Some(corner) => height_over(block, corner, theta),
-        None => block.h * libm::cos(theta),
-    };
+    let (sin, cos) = libm::sincos(theta);
+    let height = block.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
     let theta_dot = (block.i0 * before.theta_dot + height * before.u_dot) / (block.i0 + height * height);
     Velocities { u_dot: height * theta_dot, theta_dot, ..before }
 }
@@ -116,31 +107,27 @@ pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Ve
 /// Vertical rate (m/s) with which a corner that slides along the rigid base leaves it if it is stopped by a horizontal
 /// impulse alone, negative if it is pressed on: `s P Q u̇_I/(i0 + Q²)`, with its horizontal velocity `u̇_I = u̇ − Q θ̇`.
 pub fn thrown_by_grip<T: Elementary>(block: &Block, corner: Corner, x: &Instant<T>) -> T {
-    let Block { i0, b, h, .. } = *block;
     let (sin, cos) = x.theta.sin_cos();
-    let s = corner.sign();
-    let (reach, height) = (cos * b + sin * (s * h), cos * h - sin * (s * b));
-    reach * height * (x.u_dot - height * x.theta_dot) * s / (height * height + i0)
+    let Lever { x: across, q } = block.lever(Foot::Corner(corner), sin, cos);
+    across * q * (x.u_dot - q * x.theta_dot) / (q * q + block.i0)
 }
 
 /// Height of the centre of mass over a corner, `R0 cos(α + sθ)` (m).
 pub fn height_over<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> T {
-    lever(block, corner, theta).2
+    lever(block, corner, theta).q
 }
 
 /// Energy per unit mass (m²/s²) that the landing of a corner with the vertical velocity `rate` (m/s) takes, if the corner
 /// does not move horizontally before or after: `½ (1 − ε²) v̇_I² (I0 + M Q²)/(I0 + M R0²)` with `Q = R0 cos(α + sθ)`.
 pub fn landing_loss(block: &Block, corner: Corner, theta: f64, rate: f64) -> f64 {
     let Block { i0, epsilon, .. } = *block;
-    let (_, reach, height) = lever(block, corner, theta);
-    let share = (i0 + height * height) / (i0 + height * height + reach * reach);
+    let Lever { x, q } = lever(block, corner, theta);
+    let share = (i0 + q * q) / (i0 + q * q + x * x);
     0.5 * (1.0 - epsilon * epsilon) * rate * rate * share
 }
 
-/// `s`, and `R0 sin φ`, `R0 cos φ` with `φ = α + sθ` (m): the centre of mass as seen from a corner.
-fn lever<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> (f64, T, T) {
-    let Block { b, h, .. } = *block;
+/// The centre of mass as seen from a corner.
+fn lever<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> Lever<T> {
     let (sin, cos) = theta.sin_cos();
-    let s = corner.sign();
-    (s, b * cos + h * s * sin, h * cos - b * s * sin)
+    block.lever(Foot::Corner(corner), sin, cos)
 }

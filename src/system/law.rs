@@ -1,9 +1,7 @@
-//! A pose → which equations of motion hold from there on, and which surfaces end them.
+//! A pose → the equations of motion that hold from there on.
 
-use crate::block::{Block, Foundation};
-use crate::contact::{Corner, Regime};
-use crate::system::now::Pose;
-use crate::system::surfaces::Surface;
+use crate::block::{Block, Corner, Foundation, Regime};
+use crate::system::evaluation::Pose;
 
 /// Which equations of motion hold while the contacts last.
 ///
@@ -15,32 +13,12 @@ pub trait Law: Copy {
 
     /// Which corners touch.
     fn regime(self) -> Regime;
-    /// What they touch.
+    /// The ground that they touch.
     fn foundation(self) -> Foundation;
-    /// Whether what touches does not slide.
+    /// Whether the foot does not slide.
     fn grips(self) -> bool;
     /// The corner that is held in contact though it bears nothing.
     fn held(self) -> Option<Corner>;
-
-    /// What ends the contact or the gap of a corner.
-    #[inline(always)]
-    fn surface(self, corner: Corner) -> Surface {
-        if !self.regime().touches(corner) {
-            Surface::Gap(corner)
-        } else if self.held() == Some(corner) {
-            Surface::Held(corner)
-        } else {
-            Surface::Reaction(corner)
-        }
-    }
-
-    /// The surfaces that end the motion.
-    #[inline(always)]
-    fn surfaces(self) -> [Option<Surface>; 4] {
-        let slide = (!self.grips() && self.regime() != Regime::Separated).then_some(Surface::Slide);
-        let [left, right] = Corner::each(|corner| self.surface(corner));
-        [Some(left), Some(right), Some(Surface::QuarterTurn), slide.or(self.held().map(Surface::Unloaded))]
-    }
 }
 
 /// A law that is known at run time.
@@ -90,8 +68,8 @@ impl Law for AnyLaw {
     }
 }
 
-/// The law of a block that stands on the left corner, the right one, or both, on a rigid base or on supports; what touches
-/// does not slide, and no corner is held.
+/// The law of a block that stands on the left corner, the right one, or both, on a rigid base or on supports; the foot does
+/// not slide, and no corner is held.
 #[derive(Clone, Copy, Debug)]
 pub struct Gripping<const LEFT: bool, const RIGHT: bool, const RIGID: bool>;
 

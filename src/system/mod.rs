@@ -1,27 +1,24 @@
-//! What the block is: a hybrid system, without a clock, counters or settings of an integrator.
+//! The block as a hybrid system, without a clock, counters or settings of an integrator.
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`dynamics`] | state, regime, forcing → accelerations, reactions, energy |
-//! | `rigid_base` | the same on the rigid base |
-//! | [`held`] | the same where a corner bears nothing and is held on its support |
-//! | [`law`] | a pose → which of these equations hold, and which surfaces end them |
-//! | [`now`] | a pose and an excitation → the block at any instant while the pose's contacts last |
-//! | [`surfaces`] | an instant → the functions whose fall through zero is an event |
+//! | [`forces`] | the forces on the block, a file each: value, rate, energy, power |
+//! | [`dynamics`] | state, regime, forcing → the sum of forces → accelerations, reactions, energy |
+//! | [`law`] | a pose → which of these equations hold |
+//! | [`evaluation`] | a pose and an excitation → the block at any instant while the pose's contacts last |
+//! | [`events`] | an instant → the functions that are watched; a pose and an event, a file each → the pose right after |
 //! | [`impact`] | velocities before a landing → velocities after |
-//! | `wide` | the numbers of several blocks side by side → the same bits as those of each alone |
-//! | [`transitions`] | initial values → the pose at the beginning; a pose and an event → the pose right after, and what happened |
+//! | [`beginning`] | initial values → the pose at the beginning |
+//! | [`initial_sensitivity`] | the same with dual numbers → exact derivatives of the beginning |
 
+pub mod beginning;
 pub mod dynamics;
-pub mod held;
+pub mod evaluation;
+pub mod events;
+pub mod forces;
 pub mod impact;
+pub mod initial_sensitivity;
 pub mod law;
-pub mod now;
-mod rigid_base;
-pub mod surfaces;
-pub mod transitions;
-#[cfg(feature = "studies")]
-mod wide;
 
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +38,6 @@ pub struct System {
 }
 
 impl System {
-    /// What a solver that locates events to rounding tells apart.
+    /// The limit for a solver that locates events to rounding.
     pub const SLOWEST: f64 = 1e-9;
 }

@@ -308,69 +308,6 @@ fn time_events_and_the_end_of_the_run() {
     assert_eq!(solver.instance.get("separated").max(solver.instance.get("overturned")), 1.0);
 }
 
-type Row = (&'static str, [bool; 5], fn(&Instance) -> Status);
-
-/// Whether a call is legal in instantiated, initializationMode, eventMode, continuousTimeMode and terminated (3.2.3).
-const TABLE: &[Row] = &[
-    ("fmi2SetTime", [false, false, true, true, false], |i| call!(i, set_time, 0.0)),
-    ("fmi2SetContinuousStates", [false, false, false, true, false], |i| {
-        call!(i, set_continuous_states, [0.0; STATES].as_ptr(), STATES)
-    }),
-    ("fmi2GetContinuousStates", [false, true, true, true, true], |i| {
-        call!(i, get_continuous_states, [0.0; STATES].as_mut_ptr(), STATES)
-    }),
-    ("fmi2GetNominalsOfContinuousStates", [false, true, true, true, true], |i| {
-        call!(i, get_nominals, [0.0; STATES].as_mut_ptr(), STATES)
-    }),
-    ("fmi2GetDerivatives", [false, true, true, true, true], |i| {
-        call!(i, get_derivatives, [0.0; STATES].as_mut_ptr(), STATES)
-    }),
-    ("fmi2GetEventIndicators", [false, true, true, true, true], |i| {
-        call!(i, get_event_indicators, [0.0; INDICATORS].as_mut_ptr(), INDICATORS)
-    }),
-    ("fmi2CompletedIntegratorStep", [false, false, false, true, false], |i| {
-        call!(i, completed_integrator_step, 0, &mut 0, &mut 0)
-    }),
-    ("fmi2EnterEventMode", [false, false, false, true, false], |i| call!(i, enter_event_mode)),
-    ("fmi2NewDiscreteStates", [false, false, true, false, false], |i| {
-        call!(i, new_discrete_states, &mut EventInfo::default())
-    }),
-    ("fmi2EnterContinuousTimeMode", [false, false, true, false, false], |i| call!(i, enter_continuous_time_mode)),
-    ("fmi2SetReal", [true, true, true, true, false], |i| call!(i, set_real, &reference("a_gx"), 1, &0.25)),
-    // A continuous state.
-    ("fmi2SetReal", [false, false, false, true, false], |i| call!(i, set_real, &reference("theta"), 1, &0.01)),
-    ("fmi2GetReal", [false, true, true, true, true], |i| call!(i, get_real, &reference("theta"), 1, &mut 0.0)),
-    ("fmi2DoStep", [false; 5], |i| i.try_step(0.0, 0.1)),
-    ("fmi2GetStatus", [false; 5], |i| call!(i, get_status, DO_STEP_STATUS, &mut 0)),
-    ("fmi2SetRealInputDerivatives", [false; 5], |i| {
-        call!(i, set_real_input_derivatives, &reference("a_gx"), 1, &1, &0.0)
-    }),
-    ("fmi2Terminate", [false, false, true, true, false], |i| call!(i, terminate)),
-];
-
-#[test]
-fn every_call_in_every_state() {
-    for (name, legal, make) in TABLE {
-        for (phase, &legal) in legal.iter().enumerate() {
-            let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
-            assert_eq!(instance.setup(None, 0.0, None), OK);
-            let ways: [fn(&Instance) -> Status; 4] = [
-                |i| call!(i, enter_initialization_mode),
-                |i| call!(i, exit_initialization_mode),
-                |i| call!(i, enter_continuous_time_mode),
-                |i| call!(i, terminate),
-            ];
-            ways[..phase].iter().for_each(|way| assert_eq!(way(&instance), OK));
-            let status = make(&instance);
-            if legal {
-                assert_eq!(status, OK, "{name} in phase {phase}: {:?}", instance.messages());
-            } else {
-                instance.refuses(status, &[name]);
-            }
-        }
-    }
-}
-
 #[test]
 fn arrays_of_another_length_and_numbers_that_are_none_are_refused() {
     let solver = Solver::begin(&FLYING);
@@ -584,4 +521,20 @@ fn states_can_be_set_as_variables() {
     assert_eq!(found, [expected, derivatives]);
     // Nothing else that is put out can be set.
     solver.instance.refuses(call!(solver.instance, set_real, &reference("theta_ddot"), 1, &0.0), &["theta_ddot"]);
+}
+
+/// The sizes in the file are those of the block with the start values.
+#[test]
+fn nominal_values_of_the_states_are_those_of_the_default_block() {
+    let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
+    let mut nominals = [f64::NAN; 8];
+    assert_eq!(call!(instance, get_nominals, nominals.as_mut_ptr(), nominals.len()), OK);
+    let xml = include_str!("../../modelDescription.xml");
+    let document = roxmltree::Document::parse(xml).unwrap();
+    let names = ["theta", "theta_dot", "v", "v_dot", "u", "u_dot", "energy.input", "energy.dashpots"];
+    for (name, nominal) in names.into_iter().zip(nominals) {
+        let node = document.descendants().find(|node| node.attribute("name") == Some(name)).unwrap();
+        let told: f64 = node.first_element_child().unwrap().attribute("nominal").unwrap().parse().unwrap();
+        assert!((told / nominal - 1.0).abs() < 0.01, "{name}: {told}, {nominal}");
+    }
 }

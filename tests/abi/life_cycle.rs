@@ -85,15 +85,15 @@ const TABLE: &[Row] = &[
     ("fmi2GetRealStatus", STATUS, |i| call!(i, get_real_status, LAST_SUCCESSFUL_TIME, &mut 0.0)),
     ("fmi2GetBooleanStatus", STATUS, |i| call!(i, get_boolean_status, TERMINATED, &mut 0)),
     ("fmi2EnterEventMode", NONE, |i| call!(i, enter_event_mode)),
-    ("fmi2NewDiscreteStates", NONE, |i| call!(i, new_discrete_states, null_mut())),
+    ("fmi2NewDiscreteStates", NONE, |i| call!(i, new_discrete_states, &mut EventInfo::default())),
     ("fmi2EnterContinuousTimeMode", NONE, |i| call!(i, enter_continuous_time_mode)),
     ("fmi2CompletedIntegratorStep", NONE, |i| call!(i, completed_integrator_step, 1, &mut 0, &mut 0)),
     ("fmi2SetTime", NONE, |i| call!(i, set_time, 1.0)),
-    ("fmi2SetContinuousStates", NONE, |i| call!(i, set_continuous_states, null(), 0)),
-    ("fmi2GetDerivatives", NONE, |i| call!(i, get_derivatives, null_mut(), 0)),
-    ("fmi2GetEventIndicators", NONE, |i| call!(i, get_event_indicators, null_mut(), 0)),
-    ("fmi2GetContinuousStates", NONE, |i| call!(i, get_continuous_states, null_mut(), 0)),
-    ("fmi2GetNominalsOfContinuousStates", NONE, |i| call!(i, get_nominals, null_mut(), 0)),
+    ("fmi2SetContinuousStates", NONE, |i| call!(i, set_continuous_states, [0.01; 8].as_ptr(), 8)),
+    ("fmi2GetDerivatives", NONE, |i| call!(i, get_derivatives, [0.0; 8].as_mut_ptr(), 8)),
+    ("fmi2GetEventIndicators", NONE, |i| call!(i, get_event_indicators, [0.0; 4].as_mut_ptr(), 4)),
+    ("fmi2GetContinuousStates", NONE, |i| call!(i, get_continuous_states, [0.0; 8].as_mut_ptr(), 8)),
+    ("fmi2GetNominalsOfContinuousStates", NONE, |i| call!(i, get_nominals, [0.0; 8].as_mut_ptr(), 8)),
 ];
 
 /// Functions of the table that act on no instance, end it, or answer in no state.
@@ -187,6 +187,89 @@ fn every_call_in_every_state_is_allowed_or_refused_as_the_standard_says() {
                 && (allowed.is_empty() || messages[0].text.contains(&name_of(state)));
             if status != ERROR || !told || all_of(&instance) != before {
                 wrong.push(format!("{name} should be refused in {state:?}: {status}, {messages:?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The states of an instance for Model Exchange, as the standard calls them. Nothing that an importer may do leads to an error that
+/// lasts there: what a solver cannot use is discarded.
+const EXCHANGED: [&str; 5] = ["instantiated", "initializationMode", "eventMode", "continuousTimeMode", "terminated"];
+
+/// The functions that Model Exchange has, with the states in which the table of 3.2.3 (2.0.5) allows them: a letter each, in the
+/// order of [`EXCHANGED`].
+const OF_EXCHANGE: [(&str, &str); 31] = [
+    ("fmi2SetDebugLogging", "IMECT"),
+    ("fmi2SetupExperiment", "I"),
+    ("fmi2EnterInitializationMode", "I"),
+    ("fmi2ExitInitializationMode", "M"),
+    ("fmi2Terminate", "EC"),
+    ("fmi2Reset", "IMECT"),
+    ("fmi2GetReal", "MECT"),
+    ("fmi2GetInteger", "MECT"),
+    ("fmi2GetBoolean", "MECT"),
+    ("fmi2GetString", "MECT"),
+    ("fmi2SetReal", "IMEC"),
+    ("fmi2SetInteger", "IME"),
+    ("fmi2SetBoolean", "IME"),
+    ("fmi2SetString", "IME"),
+    ("fmi2GetFMUstate", "IMECT"),
+    ("fmi2SetFMUstate", "IMECT"),
+    ("fmi2FreeFMUstate", "IMECT"),
+    ("fmi2SerializedFMUstateSize", "IMECT"),
+    ("fmi2SerializeFMUstate", "IMECT"),
+    ("fmi2DeSerializeFMUstate", "IMECT"),
+    ("fmi2GetDirectionalDerivative", "MECT"),
+    ("fmi2EnterEventMode", "EC"),
+    ("fmi2NewDiscreteStates", "E"),
+    ("fmi2EnterContinuousTimeMode", "E"),
+    ("fmi2CompletedIntegratorStep", "C"),
+    // In Event Mode for FMUs without states only: taken here for importers that set the time before the first step.
+    ("fmi2SetTime", "EC"),
+    ("fmi2SetContinuousStates", "C"),
+    ("fmi2GetEventIndicators", "MECT"),
+    ("fmi2GetContinuousStates", "MECT"),
+    ("fmi2GetDerivatives", "MECT"),
+    ("fmi2GetNominalsOfContinuousStates", "IMECT"),
+];
+
+fn exchanged_in(state: &str) -> Instance {
+    let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
+    let steps: [fn(&Instance) -> Status; 4] = [
+        |i| call!(i, enter_initialization_mode),
+        |i| call!(i, exit_initialization_mode),
+        |i| call!(i, enter_continuous_time_mode),
+        |i| call!(i, terminate),
+    ];
+    let place = EXCHANGED.iter().position(|name| *name == state).unwrap();
+    steps.iter().take(place).for_each(|step| assert_eq!(step(&instance), OK, "{state}"));
+    instance
+}
+
+#[test]
+fn every_call_of_model_exchange_is_allowed_or_refused_as_the_standard_says() {
+    let mut wrong = Vec::new();
+    for (state, letter) in EXCHANGED.iter().zip(["I", "M", "E", "C", "T"]) {
+        for &(name, _, act) in TABLE {
+            let instance = exchanged_in(state);
+            let before = all_of(&instance);
+            let status = act(&instance);
+            let messages = instance.messages();
+            let row = OF_EXCHANGE.iter().find(|row| row.0 == name);
+            let told = |word: &str| {
+                messages.len() == 1 && messages[0].text.starts_with(name) && messages[0].text.contains(word)
+            };
+            let right = match row {
+                Some((_, states)) if states.contains(letter) => status == OK,
+                Some(_) => status == ERROR && told(state) && all_of(&instance) == before,
+                None if name == "fmi2CancelStep" => status == ERROR && told("no step is ever in progress"),
+                None => {
+                    status == ERROR && told("the instance is one for Model Exchange") && all_of(&instance) == before
+                }
+            };
+            if !right {
+                wrong.push(format!("{name} in {state}: {status}, {messages:?}"));
             }
         }
     }

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use rocking_block::block::{Block, Common, Dimensionless};
 use rocking_block::excitation::Pulse;
-use rocking_block::records::{self, ReadOptions, ground::Ground};
-use rocking_block::simulation::{Initial, OnSeparation, Settings};
-use rocking_block::study::history::Run;
+use rocking_block::ground::Ground;
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_records::ReadOptions;
 
 use crate::functions::*;
 use crate::host::{Instance, call};
@@ -33,42 +33,42 @@ fn driven() -> Instance {
     instance
 }
 
-/// The same run by the solver itself, as the program makes it.
-fn run(step: f64, duration: f64) -> Run {
+/// The same block under the same records, without the FMU.
+fn simulation(ground: &Ground) -> Simulation {
     let dimensionless = Dimensionless { alpha: 0.15, p: 2.0, eta: 30.0, xi_v: 0.1 };
-    let read = |path| Some(records::read(Path::new(path), &ReadOptions::default()).unwrap());
-    Run {
-        block: Block::from_dimensionless(&dimensionless, &Common { mass: 1000.0, ..Common::default() }).unwrap(),
-        settings: Settings { on_separation: OnSeparation::Fly, ..Settings::default() },
-        pulse: Pulse::NONE,
-        initial: Initial::default(),
-        ground: Ground { horizontal: read(HORIZONTAL), vertical: read(VERTICAL) }.scaled(4.0),
-        duration: Some(duration),
-        output_step: step,
-    }
+    let block = Block::from_dimensionless(&dimensionless, &Common { mass: 1000.0, ..Common::default() }).unwrap();
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &ground.inputs_from(0.0).0)
 }
 
 /// A step that is a power of two, so that times are exact.
 const STEP: f64 = 1.0 / 64.0;
 
 #[test]
-fn a_record_inside_is_followed_as_the_program_follows_it() {
-    let duration = 20.0;
-    let history = run(STEP, duration).history(|_| ()).unwrap();
-    assert!(history.counts.impacts > 5 && history.counts.liftoffs > 5, "{:?}", history.counts);
+fn a_record_inside_is_followed_as_the_solver_follows_it() {
+    let read = |path| Some(rocking_records::read(Path::new(path), &ReadOptions::default()).unwrap());
+    let ground = Ground { horizontal: read(HORIZONTAL), vertical: read(VERTICAL) }.scaled(4.0);
+    let mut simulation = simulation(&ground);
+    let (mut inputs, mut until) = ground.inputs_from(0.0);
     let instance = driven();
     instance.initialize(None);
-    for (i, row) in history.rows.iter().enumerate() {
-        assert_eq!(row.time, i as f64 * STEP);
-        let seen = ["theta", "theta_dot", "v", "H", "N_L", "energy.total"].map(|name| instance.get(name).to_bits());
-        let [left, _] = row.seen.reaction;
-        let expected = [row.seen.theta, row.seen.theta_dot, row.seen.v, row.seen.horizontal, left, row.energies.total];
-        assert_eq!(seen, expected.map(f64::to_bits), "at t = {}", row.time);
-        if row.time < duration {
-            instance.step(row.time, STEP);
+    for i in 0..=1280 {
+        let time = f64::from(i) * STEP;
+        while simulation.time() < time {
+            simulation.advance(until.min(time), &inputs, &mut |_| ()).unwrap();
+            if simulation.time() == until {
+                (inputs, until) = ground.inputs_from(until);
+            }
         }
+        let alone = simulation.observe(&inputs);
+        let seen = ["theta", "theta_dot", "v", "H", "N_L", "energy.total"].map(|name| instance.get(name).to_bits());
+        let energy = simulation.energies().total;
+        let expected = [alone.theta, alone.theta_dot, alone.v, alone.horizontal, alone.reaction[0], energy];
+        assert_eq!(seen, expected.map(f64::to_bits), "at t = {time}");
+        instance.step(time, STEP);
     }
-    assert_eq!(instance.get("peak.theta").to_bits(), history.peaks.theta.to_bits());
+    let counts = simulation.counts();
+    assert!(counts.impacts > 5 && counts.liftoffs > 5, "{counts:?}");
 }
 
 /// Neither the communication step nor who gives the record makes a difference but for rounding and tolerance.
@@ -94,7 +94,7 @@ fn inputs_are_added() {
     let instance = driven();
     instance.set("a_gx", 1.0);
     instance.initialize(None);
-    let record = records::read(Path::new(HORIZONTAL), &ReadOptions::default()).unwrap();
+    let record = rocking_records::read(Path::new(HORIZONTAL), &ReadOptions::default()).unwrap();
     let ground = |input: f64, time: f64| input + 4.0 * record.at(time);
     let held = |instance: &Instance| instance.get("H") / 1000.0 - instance.get("u_ddot");
     assert!((held(&instance) - ground(1.0, 0.0)).abs() < 1e-12);
@@ -115,7 +115,7 @@ fn what_the_record_amounts_to_is_shown() {
     instance.set("record.start", 2.5);
     instance.initialize(None);
     let [horizontal, vertical] =
-        [HORIZONTAL, VERTICAL].map(|path| records::read(Path::new(path), &ReadOptions::default()).unwrap());
+        [HORIZONTAL, VERTICAL].map(|path| rocking_records::read(Path::new(path), &ReadOptions::default()).unwrap());
     assert_eq!(instance.get("record.PGA"), (4.0 * horizontal.peak().acceleration).abs());
     assert_eq!(instance.get("record.PGA_vertical"), (4.0 * vertical.peak().acceleration).abs());
     let end =
@@ -272,4 +272,22 @@ fn numbers_are_printed_with_the_digits_that_they_have() {
     instance.refuses(instance.try_set("mass", -1e300), &["mass = -1e300;"]);
     instance.refuses(instance.try_set("dimensionless.alpha", 5.0), &["dimensionless.alpha = 5;"]);
     instance.refuses(instance.setup(None, 1e300, Some(-1e300)), &["stopTime = -1e300;"]);
+}
+
+/// A file of a format without channels has one.
+#[test]
+fn a_channel_that_a_file_has_not_is_refused() {
+    let ready = |channel: f64| {
+        let instance = driven();
+        instance.set("record.horizontal_channel", channel);
+        assert_eq!(instance.setup(None, 0.0, None), OK);
+        assert_eq!(call!(instance, enter_initialization_mode), OK);
+        let status = call!(instance, exit_initialization_mode);
+        (instance, status)
+    };
+    let (instance, status) = ready(1000.0);
+    instance.refuses(status, &["record.horizontal_channel = 1000", "expected 0 or 1", "SMC", "one channel"]);
+    for channel in [0.0, 1.0] {
+        assert_eq!(ready(channel).1, OK, "{channel}");
+    }
 }

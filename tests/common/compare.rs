@@ -1,13 +1,13 @@
-//! A run beside its reference trajectory: every column, every event, and how far each may be off.
+//! A run beside its reference trajectory: columns, events and their bounds.
 //!
 //! The trajectories are printed with 13 digits, the event times with 16, and were computed at a tolerance of 1e-12
-//! (tests/reference/README.md): neither the print nor the reference limits a bound below, but that of `SENSITIVE`.
+//! (tests/reference/README.md): neither the printing nor the reference limits a bound below, except that of `SENSITIVE`.
 
 use rocking_block::block::{Block, Foundation};
 
 use crate::common::{Case, Row};
 
-/// What is compared; the order is that of [`BOUNDS`].
+/// Compared quantities, in the order of [`BOUNDS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
     Theta,
@@ -22,59 +22,60 @@ pub enum Quantity {
     Residual,
 }
 
-/// How far a quantity may be off, in its unit.
+/// Bound of a deviation, in the unit of the quantity.
 struct Bound {
     name: &'static str,
     unit: &'static str,
     /// At an integrator's tolerance of 1e-10, and at the default one, 1e-8.
     all: [f64; 2],
-    /// The same for the end of the case [`SENSITIVE`].
+    /// The same for the last part of the case [`SENSITIVE`].
     sensitive: [f64; 2],
 }
 
-/// The one case whose motion is sensitive, and the time (s) from which that shows.
+/// The only case with sensitive motion, and the time (s) from which deviations grow.
 ///
-/// From 8 s on, a deviation grows some 450-fold over the fourteen contacts to come, at every tolerance from 1e-8 to 1e-13
-/// alike: it is the motion that does so, not the solver. (The program that made the trajectories has θ 2e-8 α off at 1e-9.)
-/// And the supports are 860 times as stiff as the block is slow: a rotation that is 2e-8 α off changes a reaction by
+/// From 8 s on, a deviation grows some 450-fold over the next fourteen contacts, at every tolerance from 1e-8 to 1e-13: the
+/// cause is the motion, not the solver. (The program of the trajectories deviates by 2e-8 α in θ at 1e-9.) With the stiffness
+/// ratio of 860 of the supports, a deviation of 2e-8 α changes a reaction by
 /// `η² γ/(1+γ) sin α · 2e-8 α = 2e-4` of the weight. Before 8 s the case keeps to the bounds of the others.
 const SENSITIVE: (&str, f64) = ("bridge_rinaldi_pad_S10", 8.0);
 
-/// All bounds: some ten times the greatest deviation that was found in any case, which leaves room for another path to the
-/// same accuracy and none for a mistake.
+/// All bounds: some ten times the greatest deviation of any case.
+///
+/// That admits other computations of the same accuracy and no mistake.
 const BOUNDS: [Bound; 10] = [
-    // A step may be off by the tolerance as a velocity in units of α p, and some hundred steps and twenty impacts follow; but
-    // most steps are limited by the events and are far better. gamma_1_5 turns over, where deviations grow exponentially.
+    // A step may deviate by the tolerance, as a velocity in units of α p, and some hundred steps and twenty impacts follow; but
+    // events limit most steps, which are far more accurate. gamma_1_5 overturns, with exponential growth of deviations.
     Bound { name: "theta", unit: "alpha", all: [5e-9, 1e-8], sensitive: [5e-9, 2e-7] },
     Bound { name: "theta_dot", unit: "alpha p", all: [5e-9, 3e-8], sensitive: [1e-7, 3e-6] },
     // v follows from θ on one corner: v ≈ R0 α θ.
     Bound { name: "v", unit: "R0 alpha", all: [5e-9, 1e-8], sensitive: [2e-9, 5e-8] },
-    // v̇ changes within 1/ω_v, which a shifted event time makes a deviation of v̈ δt.
+    // v̇ changes within 1/ω_v, so a shifted event time causes a deviation of v̈ δt.
     Bound { name: "v_dot", unit: "R0 alpha p", all: [1e-8, 1e-7], sensitive: [5e-7, 1e-5] },
     // Reactions are displacements times stiffness: δN/(M g) = η² γ/(1+γ) sin α δθ, 300 α δθ and more.
     Bound { name: "N", unit: "M g", all: [1e-7, 1e-6], sensitive: [5e-5, 2e-3] },
-    // H follows from θ̈, to which the reactions contribute by their lever, some tan α of them.
+    // H follows from θ̈, to which the reactions contribute some tan α by their lever arms.
     Bound { name: "H", unit: "M g", all: [2e-8, 2e-7], sensitive: [1e-5, 2e-4] },
-    // The energy of rocking is quadratic in the rates, and its unit is that of the greatest rates.
+    // The energy of rocking is quadratic in the rates, in units of the energy at peak rates.
     Bound { name: "energy", unit: "M (R0 alpha p)^2", all: [1e-9, 1e-8], sensitive: [5e-9, 2e-7] },
     // A deviation of θ over θ̇, some α p/4 at impacts. Through the FMU they are printed to 1e-9 s.
     Bound { name: "event times", unit: "s", all: [1e-8, 3e-8], sensitive: [2e-7, 5e-6] },
     // As the events, of which the last ends the run.
     Bound { name: "end", unit: "s", all: [1e-8, 3e-8], sensitive: [1e-8, 3e-8] },
-    // What no one put in or took out: the works are integrated along, with the same steps.
+    // The energy residual: works are integrated with the same steps.
     Bound { name: "residual", unit: "greatest energy", all: [1e-9, 1e-8], sensitive: [1e-9, 1e-8] },
 ];
 
-/// The tolerances at which the cases are run.
+/// Tolerances of the runs.
 #[derive(Clone, Copy, Debug)]
 pub enum Tolerance {
     /// 1e-10.
     Tight,
-    /// What a user gets who asks for none.
+    /// The default.
     Default,
 }
 
-/// What a run shows at one time, in SI units.
+/// Outputs at one time, in SI units.
 pub struct Seen {
     pub theta: f64,
     pub theta_dot: f64,
@@ -87,7 +88,7 @@ pub struct Seen {
     pub regime: i32,
 }
 
-/// An event of a run: its time (s), the regimes before and after it, and whether it is the block's overturning.
+/// An event of a run: time (s), regimes before and after, and whether the block overturned.
 #[derive(Clone, Debug)]
 pub struct Happened {
     pub time: f64,
@@ -96,11 +97,11 @@ pub struct Happened {
     pub overturns: bool,
 }
 
-/// What is known of a run so far.
+/// Comparison under way.
 pub struct Comparison<'a> {
     case: &'a Case,
     block: Block,
-    /// Greatest deviations; the second list is of the end of the case that is sensitive.
+    /// Greatest deviations; the second list covers the end of the sensitive case.
     greatest: [[f64; BOUNDS.len()]; 2],
     greatest_energy: f64,
     wrong: Vec<String>,
@@ -119,7 +120,7 @@ impl Comparison<'_> {
         *greatest = greatest.max(if deviation.is_nan() { f64::INFINITY } else { deviation.abs() });
     }
 
-    /// Compares a row. None is at the instant of an event, where the two sides would have to be told apart.
+    /// Compares a row. No row is at the instant of an event, which would have two sides.
     pub fn row(&mut self, row: &Row, seen: &Seen) {
         let Block { alpha, p, r0, mass, gravity, foundation, .. } = self.block;
         let weight = mass * gravity;
@@ -131,8 +132,8 @@ impl Comparison<'_> {
         include(Quantity::V, (seen.v - row.v) / (r0 * alpha));
         include(Quantity::VDot, (seen.v_dot - row.v_dot) / (r0 * velocity));
         if foundation == Foundation::Rigid && row.regime == 0 {
-            // At rest on a rigid base the reference puts half the weight under each corner, which leaves the moment of H
-            // without balance.
+            // At rest on a rigid base the reference assigns half the weight to each corner, which does not balance the moment
+            // of H.
             include(Quantity::Reaction, (seen.reaction[0] + seen.reaction[1] - row.n_l - row.n_r) / weight);
         } else {
             include(Quantity::Reaction, (seen.reaction[0] - row.n_l) / weight);
@@ -168,7 +169,7 @@ impl Comparison<'_> {
         }
     }
 
-    /// Compares how and when the run ended; `end` as in cases.json.
+    /// Compares kind and time of the end; `end` as in cases.json.
     pub fn end(&mut self, end: &str, time: f64) {
         if end != self.case.end {
             self.wrong.push(format!("ends {end} instead of {}", self.case.end));
@@ -176,12 +177,12 @@ impl Comparison<'_> {
         self.include(0.0, Quantity::EndTime, time - self.case.t_final);
     }
 
-    /// Something else that is wrong.
+    /// Reports another failure.
     pub fn complain(&mut self, what: &str) {
         self.wrong.push(what.into());
     }
 
-    /// Shows the deviations, and tells which are beyond their bounds.
+    /// Prints the deviations and returns those beyond their bounds.
     pub fn judge(mut self, tolerance: Tolerance) -> Vec<String> {
         for (found, since) in self.greatest.iter().zip(["", ", sensitive"]) {
             if !since.is_empty() && self.case.name != SENSITIVE.0 {

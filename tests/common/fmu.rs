@@ -1,11 +1,11 @@
-//! The exported functions behind a safe handle, as an importer in C calls them: pointers, counts and status numbers.
+//! A safe handle over the exported functions, called as by an importer in C.
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
-use rocking_block::fmi2::exports::*;
-use rocking_block::fmi2::types::*;
-use rocking_block::model::variables::{Causality, GUID, Kind, VARIABLES};
+use rocking_block::fmi::fmi2::exports::*;
+use rocking_block::fmi::fmi2::types::*;
+use rocking_block::unit::variables::{Causality, GUID, Kind, VARIABLES};
 
 /// Status numbers of the standard.
 pub const OK: fmi2Status = 0;
@@ -13,7 +13,7 @@ pub const WARNING: fmi2Status = 1;
 pub const DISCARD: fmi2Status = 2;
 pub const ERROR: fmi2Status = 3;
 
-/// An instance with its saved states; all are freed with it.
+/// An instance with its saved states, freed together.
 pub struct Fmu {
     pub component: fmi2Component,
     pub states: Vec<fmi2FMUstate>,
@@ -30,7 +30,7 @@ impl Drop for Fmu {
     }
 }
 
-/// Value references of one type: of what is put out or calculated, and with a value that is finite.
+/// Returns the value references of the outputs and calculated parameters of a type.
 fn readable(kind: Kind) -> Vec<u32> {
     references(|causality, k| k == kind && matches!(causality, Causality::Output | Causality::CalculatedParameter))
 }
@@ -93,7 +93,7 @@ impl Fmu {
         unsafe { fmi2DoStep(self.component, time, step, 0) }
     }
 
-    /// Sets one variable of any type by its type's function.
+    /// Sets a variable of any type.
     pub fn set(&mut self, reference: u32, value: f64) -> fmi2Status {
         let (integer, c) = (value as i32, self.component);
         // SAFETY: the instance lives, and each pointer is to one element.
@@ -172,7 +172,7 @@ impl Fmu {
         (terminated != 0, time)
     }
 
-    /// Saves the state over one saved before, or as a new one after the last.
+    /// Saves the state into a slot, or into a new slot after the last.
     pub fn save(&mut self, slot: usize) -> fmi2Status {
         if slot >= self.states.len() {
             self.states.push(null_mut());
@@ -195,7 +195,7 @@ impl Fmu {
         unsafe { fmi2FreeFMUstate(self.component, state) }
     }
 
-    /// The bytes of a saved state, or why there are none.
+    /// Returns the bytes of a saved state, or the status of the failure.
     pub fn serialize(&mut self, slot: usize) -> Result<Vec<u8>, fmi2Status> {
         let state = self.states.get(slot).copied().unwrap_or(null_mut());
         let mut size = 0;
@@ -212,7 +212,7 @@ impl Fmu {
         }
     }
 
-    /// A state from bytes, saved after the last one.
+    /// Restores a state from bytes into a new slot after the last.
     pub fn deserialize(&mut self, bytes: &[u8]) -> fmi2Status {
         let mut state = null_mut();
         // SAFETY: the instance lives, the bytes are as many as the count says, and there is a place for the state.
@@ -225,8 +225,9 @@ impl Fmu {
         status
     }
 
-    /// Whether the block moves as blocks do, or so wildly that no step can follow. In between the clock and the tolerance
-    /// leave room for 10¹⁵ honest steps.
+    /// Tells whether steps are quick: the motion is ordinary, or so violent that no step can follow.
+    ///
+    /// In between, clock and tolerance admit up to 10¹⁵ valid steps.
     pub fn is_quick(&mut self) -> bool {
         let mut motion = [0.0; 5];
         let names = ["theta_dot", "v_dot", "theta_ddot", "v_ddot", "u_ddot"];
@@ -234,7 +235,7 @@ impl Fmu {
         !known || !motion.iter().any(|rate| (1e7..1e30).contains(&rate.abs()))
     }
 
-    /// Every output and calculated parameter as bits; all Reals must be finite.
+    /// Returns the bits of all outputs and calculated parameters, after checking that Reals are finite.
     pub fn bits(&mut self) -> Vec<u64> {
         let real = readable(Kind::Real);
         let mut values = vec![f64::NAN; real.len()];
@@ -252,7 +253,7 @@ impl Fmu {
         bits
     }
 
-    /// Derivatives of the Real outputs in time (where `stepped`) and with respect to each input, as bits.
+    /// Returns the bits of the derivatives of Real outputs, in time (if `stepped`) and with respect to each input.
     pub fn derivative_bits(&mut self, stepped: bool) -> Vec<u64> {
         let outputs = references(|causality, kind| causality == Causality::Output && kind == Kind::Real);
         let mut bits = Vec::new();

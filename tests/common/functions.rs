@@ -1,8 +1,8 @@
-//! A library's functions by name, as an importer loads them.
+//! Functions of a library, loaded by name as by an importer.
 
 macro_rules! functions {
     ($($field:ident $name:literal ($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// One pointer a function.
+        /// One pointer per function.
         pub struct Functions {
             $(pub $field: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
         }
@@ -11,7 +11,7 @@ macro_rules! functions {
         pub const NAMES: &[&str] = &[$($name),*];
 
         impl Functions {
-            /// Looks all of them up.
+            /// Looks up all functions.
             pub fn load(library: &libloading::Library) -> Functions {
                 // SAFETY: the types are those of the standard's headers, and the library is never unloaded.
                 unsafe {

@@ -1,14 +1,14 @@
-//! Calls that an importer must not make, each with the answer that it has to get.
+//! Illegal calls of an importer, each with its required status.
 
 use std::ptr::{null, null_mut};
 
-use rocking_block::fmi2::exports::*;
-use rocking_block::fmi2::types::*;
-use rocking_block::model::variables::{Causality, GUID, Kind, VARIABLES};
+use rocking_block::fmi::fmi2::exports::*;
+use rocking_block::fmi::fmi2::types::*;
+use rocking_block::unit::variables::{Causality, GUID, Kind, VARIABLES};
 
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference, references};
 
-/// State of an instance, by the standard's table of 4.2.4.
+/// State of an instance, by the table of 4.2.4 in the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     Instantiated,
@@ -22,11 +22,12 @@ pub enum Phase {
 
 use Phase::{Complete, Failed, Initialization, Instantiated};
 
-/// Kinds of bad use that [`misuse`] knows.
+/// Number of kinds of [`misuse`].
 pub const KINDS: u32 = 16;
 
-/// Calls in a way that is wrong in every state, or in this one, and checks the answer; `choice` picks among variants.
-/// `time` is where the instance is.
+/// Makes a call that is illegal in this state and checks its status.
+///
+/// `choice` selects a variant; `time` is the time of the instance.
 pub fn misuse(fmu: &mut Fmu, phase: Phase, time: f64, kind: u32, choice: u32) {
     let (status, expected) = match kind % KINDS {
         0 => (unknown_reference(fmu, choice), ERROR),
@@ -130,7 +131,7 @@ fn not_settable(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
     fmu.set(reference, VARIABLES[reference as usize].start.unwrap_or(0.0))
 }
 
-/// The first of two is right: none may be set, and no room written.
+/// Names one valid and one invalid variable: neither may be set, and no output array written.
 fn half_wrong(fmu: &mut Fmu, choice: u32) -> fmi2Status {
     let a_gx = reference("a_gx");
     let mut room = [7.5; 2];
@@ -148,8 +149,8 @@ fn null_array(fmu: &mut Fmu, choice: u32) -> fmi2Status {
     let (c, vr, n) = (fmu.component, reference("a_gx"), 1 + choice as usize % 5);
     let vr = &raw const vr;
     let (order, mut x) = (1, 0.0);
-    // SAFETY: the instance lives; a null pointer is refused before the others are followed beyond their one element:
-    // with a count above 1 the others are null, too.
+    // SAFETY: the instance lives; a null pointer is refused before the other arrays are read, and with a count above 1 these
+    // are null as well.
     unsafe {
         match choice / 5 % 17 {
             0 => fmi2GetReal(c, null(), n, null_mut()),
@@ -251,13 +252,13 @@ fn model_exchange(c: fmi2Component, choice: u32) -> fmi2Status {
     }
 }
 
-/// A state that is missing, cut, altered or made up.
+/// Uses a missing, truncated, altered or invented state.
 fn broken_state(fmu: &mut Fmu, choice: u32) -> fmi2Status {
     let slot = fmu.states.len();
     assert_eq!(fmu.save(slot), OK);
     let mut bytes = fmu.serialize(slot).unwrap();
     assert_eq!(fmu.free(slot), OK);
-    // The slot is empty from here on.
+    // The slot is empty now.
     let (c, at) = (fmu.component, choice as usize / 8 % bytes.len());
     let status = match choice % 8 {
         0 => fmu.restore(slot),
@@ -291,7 +292,7 @@ fn wrong_logging(c: fmi2Component, choice: u32) -> fmi2Status {
 fn wrong_derivative(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
     let [theta, a_gx, alpha, regime] = ["theta", "a_gx", "dimensionless.alpha", "regime"].map(reference);
     let order = pick(choice, &[0, 2, -1, i32::MAX]);
-    // While initializing a parameter is a direction, and a state is none; later it is the other way round.
+    // During initialization a parameter is a valid known and a state is not; later the reverse holds.
     let unfit = if phase == Initialization { theta } else { alpha };
     match choice % 9 {
         0 => fmu.set_rates(&[a_gx], &[order], &[1.0]),
@@ -308,7 +309,7 @@ fn wrong_derivative(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
 
 fn wrong_status_kind(c: fmi2Component, phase: Phase, choice: u32) -> (fmi2Status, fmi2Status) {
     let unknown = pick(choice, &[4, -1, i32::MAX, i32::MIN]);
-    // No status is a text, and a master that asks for a pending one is told that there is none, as the standard has it.
+    // No status is a string, and without a pending step there is none to query, by the standard.
     let pending = if matches!(phase, Instantiated | Initialization | Phase::Error) { ERROR } else { DISCARD };
     // SAFETY: the instance lives, and there is a place for each result, or null.
     unsafe {
@@ -346,7 +347,7 @@ fn wrong_experiment(fmu: &mut Fmu, choice: u32) -> fmi2Status {
 
 fn no_instance(choice: u32) -> fmi2Status {
     let c = null_mut();
-    // SAFETY: a null instance is refused before anything else is looked at; there is nothing to free.
+    // SAFETY: a null instance is refused before other arguments are read; nothing needs freeing.
     unsafe {
         fmi2FreeInstance(c);
         match choice % 7 {
@@ -361,7 +362,7 @@ fn no_instance(choice: u32) -> fmi2Status {
     }
 }
 
-/// `ERROR` if the request is refused, which it tells by a null instance.
+/// Requests an unsupported instance and returns `ERROR` for a null result.
 fn not_for_this_fmu(choice: u32) -> fmi2Status {
     let guid = std::ffi::CString::new(GUID).unwrap();
     let functions = fmi2CallbackFunctions {

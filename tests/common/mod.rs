@@ -1,14 +1,14 @@
-//! The reference cases of tests/reference: their definitions, excitations and trajectories.
+//! The reference cases of tests/reference: definitions, excitations and trajectories.
 
 use std::path::{Path, PathBuf};
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::records::{self, ReadOptions, Unit};
 use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_records::{ReadOptions, Unit};
 use serde::Deserialize;
 
-/// One case of cases.json.
+/// A case of cases.json.
 #[derive(Debug, Deserialize)]
 pub struct Case {
     pub name: String,
@@ -92,7 +92,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// The ramp from a sample on.
+    /// Returns the ramp from a sample on.
     fn ramp(&self, sample: usize) -> Ramp {
         let at = |i: usize| self.acceleration.get(i).copied().unwrap_or(0.0);
         if sample + 1 < self.acceleration.len() {
@@ -107,7 +107,7 @@ pub fn reference_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference")
 }
 
-/// All cases; the second list names those whose records are not at hand.
+/// Returns all cases.
 pub fn cases() -> Vec<Case> {
     let text = std::fs::read_to_string(reference_folder().join("cases.json")).unwrap();
     serde_json::from_str(&text).unwrap()
@@ -154,7 +154,7 @@ impl Case {
         csv::Reader::from_path(path).unwrap().deserialize().map(|row| row.unwrap()).collect()
     }
 
-    /// The records, or the name of the one that is missing.
+    /// Returns the records, or the name of a missing one.
     pub fn records(&self) -> Result<[Option<Record>; 2], String> {
         Ok([self.record(&self.a_gx)?, self.record(&self.a_gz)?])
     }
@@ -176,25 +176,25 @@ impl Case {
         }
         let unit = dt.map(|_| Unit::G);
         let options = ReadOptions { unit, time_step: dt, gravity: self.g, ..ReadOptions::default() };
-        let record = records::read(&path, &options).unwrap().scaled(motion.scale);
+        let record = rocking_records::read(&path, &options).unwrap().scaled(motion.scale);
         Ok(Some(Record { dt: record.time_step, acceleration: record.acceleration }))
     }
 
-    /// The run at a tolerance, at its beginning.
+    /// Returns a run at its start.
     pub fn start(&self, tolerance: f64, records: &[Option<Record>; 2]) -> Simulation {
         let settings = Settings { tolerance, ..Settings::default() };
         Simulation::new(self.block(), settings, self.pulse(), &self.initial(), 0.0, &inputs_at(records, 0))
     }
 }
 
-/// Inputs from a sample of the records on.
+/// Returns the inputs from a sample of the records on.
 pub fn inputs_at(records: &[Option<Record>; 2], sample: usize) -> Inputs {
     let dt = record_step(records).unwrap_or(0.0);
     let ramp = |record: &Option<Record>| record.as_ref().map_or(Ramp::default(), |record| record.ramp(sample));
     Inputs { time: sample as f64 * dt, a_gx: ramp(&records[0]), a_gz: ramp(&records[1]), ..Inputs::default() }
 }
 
-/// Time step of the records, if there are any.
+/// Returns the time step of the records, if any.
 pub fn record_step(records: &[Option<Record>; 2]) -> Option<f64> {
     records.iter().flatten().map(|record| record.dt).next()
 }

@@ -1,14 +1,14 @@
-//! Serialized states with any content: what the format says of itself is right, so that only the content is judged.
+//! Serialized states with a valid envelope around arbitrary content.
 
-use rocking_block::fmi2::types::fmi2Status;
-use rocking_block::model::snapshot::VERSION;
-use rocking_block::model::variables::GUID;
+use rocking_block::fmi::fmi2::types::fmi2Status;
+use rocking_block::unit::snapshot::VERSION;
+use rocking_block::unit::variables::GUID;
 
 use crate::fmu::{DISCARD, ERROR, Fmu, OK, reference};
 
 const MAGIC: &[u8] = b"rockblk\x1a";
 
-/// The bytes of a state with this content: magic, version, GUID, length and checksum before it, as postcard writes them.
+/// Wraps content as postcard does: magic, version, GUID, length and checksum before it.
 pub fn seal(content: &[u8]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     number(&mut bytes, VERSION.into());
@@ -20,7 +20,7 @@ pub fn seal(content: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Seven bits a byte, the lowest first.
+/// Writes a number with seven bits per byte, lowest first.
 fn number(bytes: &mut Vec<u8>, mut value: u64) {
     while value >= 0x80 {
         bytes.push(value as u8 | 0x80);
@@ -29,16 +29,16 @@ fn number(bytes: &mut Vec<u8>, mut value: u64) {
     bytes.push(value as u8);
 }
 
-/// The content of a state that was serialized.
+/// Returns the content of a serialized state.
 pub fn content(bytes: &[u8]) -> &[u8] {
     let start = (0..bytes.len()).find(|&start| seal(&bytes[start..]) == bytes);
     &bytes[start.expect("a serialized state")..]
 }
 
-/// Uses an instance whose state came from somewhere: anything but a panic is right, and nothing may take long.
+/// Uses an instance with a state of unknown origin. Any status is right; panics and long steps are not.
 pub fn go_on(fmu: &mut Fmu) {
     let check = |status: fmi2Status| assert!([OK, 1, DISCARD, ERROR].contains(&status), "status {status}");
-    // Initialized or not, the calls that are legal here get on.
+    // The legal calls work, initialized or not.
     check(fmu.enter());
     check(fmu.exit());
     let mut omega = [0.0];
@@ -46,8 +46,8 @@ pub fn go_on(fmu: &mut Fmu) {
     let mut time = 0.0;
     for _ in 0..3 {
         // SAFETY: the instance lives, and there is a place for the time.
-        check(unsafe { rocking_block::fmi2::exports::fmi2GetRealStatus(fmu.component, 2, &raw mut time) });
-        // Short beside the block's periods, so that no honest motion takes many steps.
+        check(unsafe { rocking_block::fmi::fmi2::exports::fmi2GetRealStatus(fmu.component, 2, &raw mut time) });
+        // Short relative to the periods of the block, so ordinary motion takes few steps.
         if fmu.is_quick() {
             check(fmu.step(time, 0.5 / omega[0].max(1.0)));
         }

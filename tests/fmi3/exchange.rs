@@ -223,3 +223,39 @@ fn the_file_says_what_states_and_indicators_are() {
         assert!(variable.attributes.contains_key("unit"), "{name}");
     }
 }
+
+/// With respect to time, where it is declared: under a pulse and over a support that creeps, against differences at the same states.
+#[test]
+fn derivatives_with_respect_to_time_are_those_of_the_values() {
+    for foundation in [1.0, 2.0] {
+        let pulse = [("foundation", foundation), ("pulse.shape", 3.0), ("pulse.amplitude", 3.0), ("pulse.period", 0.7)];
+        let block =
+            ready(&[&pulse[..], &[("initial.theta", 0.1), ("initial.theta_dot", -0.1), ("F_x", 20.0)]].concat());
+        update(&block);
+        block.ok(call!(block, enter_continuous_time_mode));
+        let x = states(&block);
+        let (at, h, known) = (0.2, 1e-4, reference("time"));
+        let declared = structure("Output").into_iter().filter(|(_, dependencies)| dependencies.contains(&known));
+        let mut moved = 0;
+        for (unknown, _) in declared {
+            let (name, _) = FMU.variables.iter().find(|(_, variable)| variable.reference == unknown).unwrap();
+            if name == "regime" {
+                continue;
+            }
+            let value = |time: f64| {
+                put(&block, time, &x);
+                block.get(name)
+            };
+            let difference = (value(at + h) - value(at - h)) / (2.0 * h);
+            let size = value(at).abs().max(1e-3);
+            let (mut derivative, mut adjoint) = (f64::NAN, f64::NAN);
+            block.ok(call!(block, get_directional_derivative, &unknown, 1, &known, 1, &1.0, 1, &mut derivative, 1));
+            block.ok(call!(block, get_adjoint_derivative, &unknown, 1, &known, 1, &1.0, 1, &mut adjoint, 1));
+            assert_eq!(derivative, adjoint, "{name}");
+            // Central differences of a motion of 9 rad/s: (9 h)²/6.
+            assert!((derivative - difference).abs() <= 1e-6 * 9.0 * size, "{name}: {derivative}, {difference}");
+            moved += u32::from(derivative != 0.0);
+        }
+        assert!(moved >= 5, "{moved}");
+    }
+}

@@ -90,7 +90,7 @@ pub struct Update {
 
 /// What the callbacks get back.
 pub struct Environment {
-    messages: Mutex<Vec<(Status, String, String)>>,
+    pub messages: Mutex<Vec<(Status, String, String)>>,
     handle: Mutex<Handle>,
     on_update: Mutex<Option<OnUpdate>>,
 }
@@ -101,7 +101,7 @@ impl Default for Environment {
     }
 }
 
-unsafe extern "C" fn logger(environment: Handle, status: Status, category: Text, message: Text) {
+pub unsafe extern "C" fn logger(environment: Handle, status: Status, category: Text, message: Text) {
     // SAFETY: the environment is that of the instance, and texts end with 0 (standard, 2.3.1).
     let (environment, [category, message]) = unsafe {
         let text = |text| CStr::from_ptr(text).to_str().expect("messages are UTF-8").to_string();
@@ -140,6 +140,7 @@ unsafe extern "C" fn update(
 /// How an instance is wanted.
 #[derive(Default)]
 pub struct Wanted<'a> {
+    /// Whether lines on events and steps are logged, too.
     pub logging: bool,
     pub event_mode: bool,
     pub early_return: bool,
@@ -190,13 +191,20 @@ impl Instance {
                 FMU.token.as_ptr(),
                 null(),
                 false,
-                false,
+                true,
                 Rc::as_ptr(&environment).cast_mut().cast(),
                 Some(logger),
             )
         };
         assert!(!handle.is_null(), "{:?}", environment.messages.lock().unwrap());
-        Instance { handle, environment }
+        Instance { handle, environment }.without_log_lines()
+    }
+
+    /// With messages on what is refused alone.
+    fn without_log_lines(self) -> Instance {
+        let lines = [c"logEvents".as_ptr(), c"logSteps".as_ptr()];
+        self.ok(call!(self, set_debug_logging, false, lines.len(), lines.as_ptr()));
+        self
     }
 
     pub fn new(wanted: Wanted) -> Instance {
@@ -212,7 +220,7 @@ impl Instance {
                 FMU.token.as_ptr(),
                 null(),
                 false,
-                logging,
+                true,
                 event_mode,
                 early_return,
                 required.as_ptr(),
@@ -224,7 +232,8 @@ impl Instance {
         };
         assert!(!handle.is_null(), "{:?}", environment.messages.lock().unwrap());
         *environment.handle.lock().unwrap() = handle;
-        Instance { handle, environment }
+        let instance = Instance { handle, environment };
+        if logging { instance } else { instance.without_log_lines() }
     }
 
     /// What was logged since this was last asked: status, category, message.

@@ -1,9 +1,9 @@
 //! States, saved in every mode; the same bits after a reset and from a saved state; two instances beside one another.
 
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
-use crate::functions::OK;
-use crate::host::{Instance, Wanted, call};
+use crate::functions::{ERROR, OK, Text};
+use crate::host::{Environment, FMU, Instance, Wanted, call, logger};
 
 const ROCKING: [(&str, f64); 5] = [
     ("pulse.shape", 2.0),
@@ -149,6 +149,7 @@ fn log_lines_come_as_they_were_chosen() {
     assert!(of("logEvents") >= block.get("events.impacts") + block.get("events.liftoffs"));
     assert!(lines.iter().all(|line| line.0 == OK));
     let events = c"logEvents";
+    block.ok(call!(block, set_debug_logging, false, 0, std::ptr::null()));
     block.ok(call!(block, set_debug_logging, true, 1, &events.as_ptr()));
     block.step(2.0, 6.0);
     let lines = block.messages();
@@ -159,4 +160,41 @@ fn log_lines_come_as_they_were_chosen() {
     block.ok(call!(block, set_debug_logging, false, 0, std::ptr::null()));
     block.step(8.0, 2.0);
     assert!(block.messages().is_empty());
+}
+
+/// Without `loggingOn` the logger is never called, whatever is refused; categories are switched one by one from there.
+#[test]
+fn without_logging_nothing_is_logged() {
+    let environment = Environment::default();
+    let place = std::ptr::from_ref(&environment).cast_mut().cast();
+    let of = |token: Text| {
+        let instantiate = FMU.functions.instantiate_model_exchange;
+        // SAFETY: texts end with 0, and the environment lives as long as the instance.
+        unsafe { instantiate(c"block".as_ptr(), token, null(), false, false, place, Some(logger)) }
+    };
+    assert!(of(c"{no token}".as_ptr()).is_null());
+    let handle = of(FMU.token.as_ptr());
+    assert!(!handle.is_null());
+    let refused = || {
+        // SAFETY: a live instance.
+        let status = unsafe { (FMU.functions.exit_initialization_mode)(handle) };
+        assert_eq!(status, ERROR);
+        environment.messages.lock().unwrap().len()
+    };
+    let choose = |logging, category: &std::ffi::CStr| {
+        // SAFETY: a live instance, and one text.
+        let status = unsafe { (FMU.functions.set_debug_logging)(handle, logging, 1, &category.as_ptr()) };
+        assert_eq!(status, OK);
+    };
+    assert_eq!(refused(), 0);
+    choose(true, c"logEvents");
+    assert_eq!(refused(), 0);
+    choose(true, c"logStatusError");
+    assert_eq!(refused(), 1);
+    choose(false, c"logEvents");
+    assert_eq!(refused(), 2);
+    choose(false, c"logStatusError");
+    assert_eq!(refused(), 2);
+    // SAFETY: not used afterwards.
+    unsafe { (FMU.functions.free_instance)(handle) }
 }

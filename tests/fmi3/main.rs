@@ -16,4 +16,5 @@ mod life_cycle;
 mod loading;
 mod misuse;
 mod package;
+mod states;
 mod values;

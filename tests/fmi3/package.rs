@@ -11,7 +11,9 @@ use crate::host::{BINARY, FMU};
 fn holds_what_the_standard_names() {
     let files: Vec<&str> = FMU.files.keys().map(String::as_str).filter(|f| !f.contains("/licenses/")).collect();
     let documentation = ["documentation/index.html", "documentation/sbom.cdx.json"];
-    let expected = [&[BINARY], &documentation[..], &["modelDescription.xml", "terminalsAndIcons/icon.png"]].concat();
+    let icons = ["icon.png", "icon.svg", "terminalsAndIcons.xml"].map(|name| format!("terminalsAndIcons/{name}"));
+    let icons = icons.each_ref().map(String::as_str);
+    let expected = [&[BINARY], &documentation[..], &["modelDescription.xml"], &icons[..]].concat();
     assert_eq!(files, expected);
     assert!(FMU.files.contains_key("documentation/licenses/license.txt"));
 }
@@ -41,7 +43,7 @@ fn the_functions_of_the_standard_and_nothing_else() {
         .collect();
     assert_eq!(exported, NAMES.iter().copied().collect());
     // `packaging check` looks for these.
-    assert_eq!(exported, include_str!("../../packaging/src/fmi3.txt").lines().collect());
+    assert_eq!(exported, include_str!("../../tools/packaging/src/fmi3.txt").lines().collect());
 }
 
 #[test]

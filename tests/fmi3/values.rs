@@ -1,7 +1,7 @@
 //! Values and derivatives as FMI 2.0 gives them, which tests/abi holds against closed forms and references.
 
-use rocking_block::model::unit::{Interface, Unit};
-use rocking_block::model::variables::{Causality, Kind, Own, VARIABLES};
+use rocking_block::unit::instance::{Interface, Unit};
+use rocking_block::unit::variables::{Causality, Fmi3Only, Kind, VARIABLES};
 
 use crate::functions::OK;
 use crate::host::{FMU, Instance, Wanted, call, reference};
@@ -123,5 +123,5 @@ fn the_file_lists_what_the_code_has() {
         let settable = matches!(metadata.causality, Causality::Input | Causality::Parameter);
         assert_eq!(variable.attributes.contains_key("start") || kind == "String", settable, "{}", metadata.name);
     }
-    assert_eq!(FMU.variables.len(), VARIABLES.len() + Own::ALL.len());
+    assert_eq!(FMU.variables.len(), VARIABLES.len() + Fmi3Only::ALL.len());
 }

@@ -8,6 +8,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "check: left to scripts/check: other masters, experiments, examples, type checkers")
+
+
 @pytest.fixture(scope="session")
 def fmu():
     path = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
@@ -45,7 +49,7 @@ def rinaldi():
 
 
 def pytest_runtest_logreport(report):
-    """What is skipped is told at the end of scripts/test."""
+    """Records skipped tests for the end of scripts/test and scripts/check."""
     path = os.environ.get("ROCKING_BLOCK_SKIPPED")
     if report.skipped and path:
         with open(path, "a") as file:

@@ -1,4 +1,4 @@
-"""The examples: what their pages say of energy, convergence and outcomes holds. An example is skipped where one of its
+"""The examples: the claims of their pages on energy, convergence and outcomes hold. An example is skipped if one of its
 packages is missing."""
 
 import csv
@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.check
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 for folder in ("", "coupling/roof", "coupling/bridge", "coupling/one_line", "python"):
     sys.path.insert(0, str(EXAMPLES / folder))
@@ -136,7 +137,7 @@ def bridge_parts(fmu, tmp_path_factory):
 
 @pytest.mark.parametrize("package, master", [("libcosimpy", "run_libcosim"), ("ecospy", "run_ecos")])
 def test_the_bridge_runs_the_same_everywhere(bridge_parts, tmp_path, package, master):
-    """The masters take the SSP package as it is; what they do is written out in `run_fmpy`."""
+    """The masters run the SSP package unchanged; `run_fmpy` does the same exchange explicitly."""
     need(package)
     import bridge
 
@@ -145,7 +146,7 @@ def test_the_bridge_runs_the_same_everywhere(bridge_parts, tmp_path, package, ma
     expected = bridge.run_fmpy(bridge_parts, 0.002, 6.0)
     for tower in ("tower_1", "tower_2"):
         assert np.abs(expected[f"{tower}.theta"]).max() > 0.01
-        # They rock, and the deck's loads are in what the masters compare.
+        # The towers rock, and the compared outputs include the deck's loads.
         assert expected[f"{tower}.energy.impacts"][-1] > 100
     for name, values in expected.items():
         # The masters count time in another way, so that the last digits differ, and impacts magnify that.
@@ -221,7 +222,7 @@ SEPARATING = {"initial.theta": 0.2, "initial.theta_dot": 1.0}
 
 @pytest.mark.parametrize("master, outcome", [("fmpy", "ends"), ("libcosimpy", "fails"), ("ecospy", "goes on"), ("fmi-sim", "ends")])
 def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
-    """What docs/importing.md says of complete separation, which comes at 0.067 s here."""
+    """The claims of docs/importing.md on complete separation, which happens at 0.067 s here."""
     need_master(master)
     import one_line
 
@@ -242,7 +243,7 @@ def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
 @pytest.mark.parametrize("parts", [1, 2, 10])
 @pytest.mark.parametrize("master", ["libcosimpy", "ecospy", "fmi-sim"])
 def test_a_record_inside_in_every_master(fmu, master, parts, monkeypatch):
-    """At the record's own step and at parts of it; shorter steps change what the integration leaves of its tolerance alone."""
+    """At the record's own step and at fractions of it; shorter steps change only the integration error within its tolerance."""
     need_master(master)
     import one_line
 
@@ -313,13 +314,13 @@ def test_a_spectrum_is_that_of_the_program(fmu, tmp_path, separation):
         assert [float(block["p"]) for block in expected] == list(spectrum.sizes(*GRID[1]))
         assert [block["outcome"] for block in expected] == list(end)
         assert [float(block["peak.theta/alpha"]) for block in expected] == list(row / alpha)
-    # Without blocks that fall, fly and rock, the test would not see what it is for; and size protects.
+    # The test needs blocks that fall, fly and rock; and size protects.
     assert (ends[0, 0], ends[1, 1]) == ("overturned", "completed" if separation == "fly" else "separated")
     assert (ends[:, 2:] == "completed").all() and (np.diff(peaks[:, 2:]) < 0).all()
 
 
 def test_a_spectrum_takes_records_of_other_formats(fmu, tmp_path):
-    """Columns of their own time axis, in cm/s2: the same bits again. What `rocking` refuses is refused in its words."""
+    """Columns with their own time axis, in cm/s2, give the same bits. Errors of `rocking` appear unchanged."""
     import spectrum
     from common import read_record
 

@@ -1,15 +1,18 @@
-"""The FMU as fmpy sees it: checks, simulations, a record, states, derivatives, and what its programs print."""
+"""The FMU in fmpy: checks, simulations, a record, states, derivatives, and the output of its programs."""
 
 import os
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
+from lxml import etree
 
 from conftest import ROOT
 from rocking import follow, instance
@@ -26,6 +29,22 @@ def test_fmpy_finds_no_problem(fmu):
     command = [sys.executable, "-m", "fmpy", "validate", fmu]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "No problems found" in result.stdout
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_files_are_valid_by_the_schemas_of_the_standard(version, fmu, fmu3):
+    schemas = Path(fmpy.__file__).parent / "schema"
+    with zipfile.ZipFile(fmu if version == 2 else fmu3) as files:
+        for name, schema in [
+            ("modelDescription.xml", f"fmi{version}/fmi{version}ModelDescription.xsd"),
+            ("terminalsAndIcons/terminalsAndIcons.xml", "fmi3/fmi3TerminalsAndIcons.xsd"),
+        ]:
+            document = etree.fromstring(files.read(name))
+            etree.XMLSchema(file=schemas / schema).assertValid(document)
+        variables = {variable.name for variable in read_model_description(fmu).modelVariables}
+        members = [node.get("variableName") for node in document.iter("TerminalMemberVariable")]
+        assert variables.issuperset(members) and {"a_gx", "F_x", "u", "H"}.issubset(members)
+        assert files.read("terminalsAndIcons/icon.png").startswith(b"\x89PNG")
 
 
 def test_the_description_is_what_the_interface_promises(fmu):
@@ -147,22 +166,21 @@ def test_directional_and_output_derivatives(fmu):
         assert slave.getRealOutputDerivatives([references["theta"]], [1]) == [theta_dot]
 
 
-def test_the_example_of_the_readme(fmu, capsys):
-    """Runs the README's Python as it stands, on the FMU under test."""
-    root = Path(__file__).resolve().parents[2]
-    text = (root / "README.md").read_text()
+def test_the_example_of_the_page(fmu, capsys):
+    """Runs the Python of docs/importing.md as it stands, on the FMU under test."""
+    text = (ROOT / "docs/importing.md").read_text()
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "fmpy" in code]
     code = code.replace("target/release/RockingBlock.fmu", fmu)
-    exec(compile(code, "README.md", "exec"), {})
+    exec(compile(code, "importing.md", "exec"), {})
     peak = float(re.search(r"peak rotation ([\d.]+) rad", capsys.readouterr().out)[1])
     # The reference case sine_eta40.
     assert abs(peak - 0.14495) < 1e-4
-    for command in re.findall(r"^    (scripts/\S+)$", text, re.MULTILINE):
-        assert os.access(root / command, os.X_OK)
+    for command in re.findall(r"^    (scripts/\S+)$", (ROOT / "README.md").read_text(), re.MULTILINE):
+        assert os.access(ROOT / command, os.X_OK)
 
 
 def test_a_record_inside_is_one_option_of_the_command_line(fmu, tmp_path):
-    """The README's line, with the record that the project holds, in a folder with a blank and a sign in its name."""
+    """The README's command, with the record that the project holds, in a folder with a blank and a sign in its name."""
     folder = tmp_path / "strong motion 100 %"
     folder.mkdir()
     record = folder / "größer.smc"

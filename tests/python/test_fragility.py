@@ -17,7 +17,7 @@ FAMILIES = {
 
 @pytest.fixture(scope="module", params=["runs", "ensembles"])
 def table(request, tmp_path_factory):
-    """A table as a sweep writes it: two measures, what blocks did, and the numbers alone."""
+    """Returns a table as a sweep writes it: two measures and the outcomes, and the numbers alone."""
     random = np.random.default_rng(7)
     rows = 300
     pgv, period = random.uniform(0.1, 2, rows), random.uniform(0.3, 1.5, rows)

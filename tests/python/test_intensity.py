@@ -32,9 +32,9 @@ PERIODS = [0.2, 0.5, 1.0, 3.0]
 G = 9.81
 
 
-@pytest.fixture(scope="module", params=EMBEDDED + SHARED)
+@pytest.fixture(scope="module", params=EMBEDDED + [pytest.param(path, marks=pytest.mark.check) for path in SHARED])
 def measured(request, program, tmp_path_factory):
-    """What `rocking record` says of a record, and its samples."""
+    """Returns the summary of `rocking record`, and the samples."""
     path = ROOT / request.param if request.param in EMBEDDED else ROOT.parent / "shared/records" / request.param
     if not path.exists():
         pytest.skip(f"the record {path.name} may not be redistributed and is not at hand")
@@ -48,7 +48,7 @@ def measured(request, program, tmp_path_factory):
 
 
 def denser(acceleration, parts):
-    """The same piecewise linear acceleration in steps of a part."""
+    """Returns the same piecewise linear acceleration with smaller steps."""
     places = np.arange((len(acceleration) - 1) * parts + 1) / parts
     return np.interp(places, np.arange(len(acceleration)), acceleration)
 
@@ -59,7 +59,7 @@ def near(value, expected, tolerance=1e-6):
 
 def test_eqsig_finds_the_same_peaks_and_sums(measured):
     content, acceleration = measured
-    # What the trapezoidal rule misses falls with the square of the step: 1e-2 of CAV at most, once.
+    # The error of the trapezoidal rule falls with the square of the step: 1e-2 of CAV at most, once.
     parts = 128
     signal = eqsig.AccSignal(denser(acceleration, parts), content["dt"] / parts)
     near(content["PGA"], signal.pga, 1e-15)
@@ -102,7 +102,7 @@ def test_sums_are_those_of_numpy(measured):
 @pytest.mark.parametrize("period", PERIODS)
 def test_spectral_values_are_those_of_pyrotd(measured, period):
     content, acceleration = measured
-    # What is above the highest frequency of the samples is missing; it takes so many to lose less than 1e-6 of it.
+    # Frequencies above the highest of the samples are missing; this many samples lose less than 1e-6.
     parts = max(128, 1 << int(np.ceil(np.log2(1300 * content["dt"] / period))))
     dense = denser(acceleration, parts)
     # A jump counts half. The record repeats: zeros until the oscillator has come to rest.
@@ -134,7 +134,7 @@ def test_spectral_accelerations_are_those_of_eqsig(measured):
 
 def peaks_of(acceleration, dt, period, least=64):
     """Greatest displacement and velocity of an oscillator while the ground moves: scipy's exact discretization for linear
-    inputs, which begin at zero; the closed form of what a sudden acceleration adds."""
+    inputs, which begin at zero; a closed form adds the effect of a sudden acceleration."""
     omega, damping = 2 * np.pi / period, 0.05
     # Peaks between steps are 1e-6 higher at most, those of the velocity if steps are short beside the record's too.
     parts = max(least, int(np.ceil(omega * dt / 1.4e-3)))

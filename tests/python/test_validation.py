@@ -36,6 +36,7 @@ def printed(judge):
     return [f"{judge[name]:.3f}" for name in ("accuracy", "AUC", "Brier")]
 
 
+@pytest.mark.check
 def test_without_a_fit_the_rocks_are_told_as_documented():
     """To the last digit; the README rounds the accuracies."""
     folder = shaking_table.Folder(data("shaking_table"))
@@ -49,6 +50,7 @@ def test_without_a_fit_the_rocks_are_told_as_documented():
         assert printed(shaking_table.judged(happened, np.zeros(len(happened)))) == documented("always stays")[rock]
 
 
+@pytest.mark.check
 def test_what_is_fitted_to_some_tests_holds_for_others(tmp_path):
     """A third of the tests with motions is fitted, another one judged, by the command as documented, with few samples."""
     source = data("shaking_table")
@@ -74,6 +76,7 @@ def test_what_is_fitted_to_some_tests_holds_for_others(tmp_path):
         assert 0.08 <= alpha["fitted"] < alpha["naive"]
 
 
+@pytest.mark.check
 def test_first_impacts_of_limestone_blocks():
     command = [sys.executable, str(FOLDER / "limestone.py"), str(data("limestone")), "--json"]
     found = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)

@@ -1,9 +1,9 @@
-"""A bridge deck on two rocking towers in an earthquake: an SSP package, run by libcosim and by Ecos.
+"""A bridge deck on two rocking towers in an earthquake: an SSP package, run by libcosim and Ecos.
 
     python examples/coupling/bridge/bridge.py
 
-Writes bridge.png to the folder in which it is started (with --update, result.png beside this file), and bridge.ssp to the
-folder that is given as argument, if one is.
+Writes bridge.png to the working directory (with --update, result.png beside this file), and bridge.ssp to the
+folder given as argument, if any.
 """
 
 import sys
@@ -26,7 +26,7 @@ MASS, OMEGA = 200e3, 40.0  # of a tower: kg, and rad/s of its vertical motion on
 
 
 def tower(width: float, height: float = 12.0) -> dict:
-    """Parameters of a tower of this width and height [m], the dimensionless ones."""
+    """Returns the dimensionless parameters of a tower of this width and height [m]."""
     radius = np.hypot(width, height) / 2
     p = np.sqrt(0.75 * 9.81 / radius)
     return {
@@ -35,13 +35,13 @@ def tower(width: float, height: float = 12.0) -> dict:
         "dimensionless.eta": float(OMEGA / p),
         "dimensionless.xi_v": 0.1,
         "mass": MASS,
-        # At rest under half of the deck; 0 is at rest under its own weight.
+        # At rest under half of the deck; 0 would be at rest under its own weight.
         "initial.settled": False,
         "initial.v": -DECK_WEIGHT / 2 / (MASS * OMEGA**2),
     }
 
 
-# Two towers on the same soil; the second is slenderer, so that the deck carries forces from one to the other.
+# Two towers on the same soil. The second is slenderer, so that the deck transfers forces between them.
 COMPONENTS = {
     "ground": ("Ground.fmu", {}),
     "deck": ("Deck.fmu", {}),
@@ -58,7 +58,7 @@ WATCHED = {"ground": ("a",), "deck": ("x", "F_x_1", "F_x_2", "work"), "tower_1":
 
 
 def build_parts(folder, scale: float = 2.0, begin: float = 3.0) -> dict[str, Path]:
-    """The FMUs of the package; the ground follows the record, times `scale`, from `begin` [s] on."""
+    """Builds the FMUs of the package. The ground follows the record times `scale`, from `begin` [s] on."""
     from pythonfmu.builder import FmuBuilder
 
     folder = Path(folder)
@@ -76,7 +76,7 @@ def build_parts(folder, scale: float = 2.0, begin: float = 3.0) -> dict[str, Pat
 
 
 def system_structure() -> str:
-    """SystemStructure.ssd of the package, SSP 1.0."""
+    """Returns SystemStructure.ssd of the package (SSP 1.0)."""
     elements = []
     for name, (source, values) in COMPONENTS.items():
         kinds = {variable: "output" for component, variable, _, _ in CONNECTIONS if component == name}
@@ -120,7 +120,7 @@ def columns(rows) -> dict[str, np.ndarray]:
 
 
 def run_libcosim(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
-    """The package under libcosim's algorithm with fixed steps of `h` [s]; what is watched, after each step."""
+    """Runs the package in libcosim with fixed steps of `h` [s]; returns the watched variables after each step."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
@@ -144,7 +144,7 @@ def run_libcosim(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
 
 
 def run_ecos(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
-    """The package under Ecos's algorithm with fixed steps of `h` [s]; what is watched, after each step."""
+    """Runs the package in Ecos with fixed steps of `h` [s]; returns the watched variables after each step."""
     load_tbb()
     from ecospy import EcosSimulation
 
@@ -159,7 +159,7 @@ def run_ecos(ssp, h: float, stop: float) -> dict[str, np.ndarray]:
 
 
 def run_fmpy(parts: dict[str, Path], h: float, stop: float) -> dict[str, np.ndarray]:
-    """The same exchange in a few lines of Python: every FMU steps with what the others put out at the step's beginning."""
+    """Runs the same exchange in a few lines of Python: every FMU steps with the others' outputs from the start of the step."""
     opened = {name: Instance(parts[source], values, initialize=False) for name, (source, values) in COMPONENTS.items()}
 
     def exchange():
@@ -181,8 +181,11 @@ def run_fmpy(parts: dict[str, Path], h: float, stop: float) -> dict[str, np.ndar
 
 
 def missing(run: dict[str, np.ndarray]) -> float:
-    """What the towers got from the deck less what the deck gave them, its greatest value in parts of the greatest energy
-    that the ground put into a tower. The towers' sums hold the work of the ground too; it was held over each step."""
+    """Returns the largest difference of the energy received by the towers and given by the deck.
+
+    It is relative to the largest input of the ground into a tower. The towers' sums include the work of the ground, whose
+    acceleration was held over each step.
+    """
     acceleration = np.concatenate(([0.0], run["ground.a"][:-1]))
     got, scale = 0.0, 0.0
     for tower in ("tower_1", "tower_2"):

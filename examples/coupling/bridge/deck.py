@@ -1,4 +1,4 @@
-"""A bridge deck on two rocking towers, as an FMU made by pythonfmu.
+"""A bridge deck on two rocking towers, as an FMU made with pythonfmu.
 
 The deck is rigid and lies on a bearing on each tower: horizontally it moves as one, vertically each end moves with half of the
 mass. Springs and dashpots of the bearings act between the deck and the middle of each tower's top. The FMU takes the
@@ -67,7 +67,7 @@ class Deck(Fmi2Slave):
         return [[getattr(self, f"{name}_{tower}") for name in MOTIONS] for tower in (1, 2)]
 
     def top(self, motion, time):
-        """Place, velocity and angle of a tower's top, `time` after the beginning of the step."""
+        """Returns position, velocity and angle of a tower's top, `time` after the start of the step."""
         u, u_dot, v, v_dot, theta, theta_dot = motion
         theta += theta_dot * time
         s, c = sin(theta), cos(theta)
@@ -75,7 +75,7 @@ class Deck(Fmi2Slave):
                 u_dot + self.h * c * theta_dot, v_dot - self.h * s * theta_dot, s, c)
 
     def bearings(self, state, towers, time):
-        """The force on each tower's top, the power it has there, and the power lost."""
+        """Returns the force on each tower's top, its power there, and the power lost."""
         found = []
         for motion, end in zip(towers, (2, 4)):
             x, z, x_dot, z_dot, s, c = self.top(motion, time)

@@ -1,4 +1,4 @@
-"""The same block, let go at a tilt, in one statement each of fmpy, libcosimpy, ecospy and fmi-sim.
+"""The same block, released at a tilt, in one statement each of fmpy, libcosimpy, ecospy and fmi-sim.
 
     python examples/coupling/one_line/one_line.py
 

@@ -1,5 +1,7 @@
-"""The steel frame of `opensees_worker.py` as an FMU, made by pythonfmu: ground acceleration and the force of what stands
-on the roof go in, motion of the roof comes out. Its state can be saved and restored."""
+"""The steel frame of `opensees_worker.py` as an FMU, made with pythonfmu.
+
+Ground acceleration and the force on the roof go in; the motion of the roof comes out. Its state can be saved and restored.
+"""
 
 import json
 import os
@@ -26,7 +28,7 @@ OUTPUTS = {
 
 
 class Saved:
-    """A copy of the worker that waits; it ends when nobody refers to it any more."""
+    """A waiting copy of the worker; it ends when nothing refers to it any more."""
 
     def __init__(self, path: str):
         self.path = path
@@ -42,7 +44,7 @@ class Saved:
             self.ask(b"q").close()
             os.unlink(self.path)
         except OSError:
-            pass  # The worker is gone already.
+            pass  # The worker has already ended.
 
 
 class Frame(Fmi2Slave):
@@ -75,7 +77,7 @@ class Frame(Fmi2Slave):
         self.folder, self.names = tempfile.mkdtemp(prefix="frame"), count()
         here, there = socket.socketpair()
         script = Path(__file__).with_name("opensees_worker.py")
-        # The worker and its copies end when their standard input does, whatever becomes of this process.
+        # The worker and its copies end with their standard input, even if this process is killed.
         self.worker = subprocess.Popen([sys.executable, str(script), str(there.fileno())], stdin=subprocess.PIPE,
                                        pass_fds=[there.fileno()])
         there.close()

@@ -1,4 +1,4 @@
-"""A steel frame in OpenSees, in a process of its own, that can be copied as it is.
+"""A steel frame in OpenSees, in a separate process that can be copied.
 
 OpenSees keeps one model per process and commits every step; its `database` and `restore` do not bring a transient
 analysis back. `fork` does: a copy of the process waits on a socket until its state is wanted again, and everything in it
@@ -31,7 +31,7 @@ MASSES = {3: EDGE_MASS, 4: EDGE_MASS, SLAB: SLAB_MASS}
 
 
 def load_opensees():
-    """OpenSees's module. Its LAPACK does not find the BLAS that lies beside it, so the BLAS is loaded first."""
+    """Returns OpenSees's module. Its LAPACK does not find the BLAS beside it, so the BLAS is loaded first."""
     package = importlib.util.find_spec("openseespylinux")
     if package is not None:
         ctypes.CDLL(str(Path(package.origin).parent / "lib/libblas.so.3"), mode=ctypes.RTLD_GLOBAL)
@@ -42,7 +42,7 @@ def load_opensees():
 
 class Frame:
     def __init__(self, ops, f_x: float, f_z: float):
-        """The frame at rest under its weight and the force [N] of what stands on it."""
+        """Builds the frame, at rest under its weight and the force [N] on the roof."""
         self.ops = ops
         ops.wipe()
         ops.model("basic", "-ndm", 2, "-ndf", 3)
@@ -109,7 +109,7 @@ class Frame:
         return self.outputs(a_base)
 
     def outputs(self, a_base: float) -> list[float]:
-        """a_x, a_z (absolute), v_x, v_z, u_x, u_z of the slab from its place at rest, shear of both columns."""
+        """Returns a_x, a_z (absolute), v_x, v_z, u_x, u_z of the slab from its position at rest, and the shear of both columns."""
         (u_x, u_z, _), (v_x, v_z, _), (a_x, a_z, _) = (get(SLAB) for get in (
             self.ops.nodeDisp, self.ops.nodeVel, self.ops.nodeAccel))
         shear = sum(self.ops.eleResponse(column, "globalForce")[3] for column in (1, 2))
@@ -117,7 +117,7 @@ class Frame:
 
 
 def wait(listener: socket.socket) -> socket.socket:
-    """A saved state: waits until it is wanted, and gives a copy of itself to whoever asks. Ends with its host."""
+    """Serves a saved state: waits for requests and answers each with a copy of itself. Ends with its host."""
     while True:
         ready, _, _ = select.select([listener, sys.stdin], [], [])
         if sys.stdin in ready:

@@ -20,7 +20,7 @@ from common import BLOCK, Instance, instance, parser, picture, read_record
 MASS, GRAVITY = 1500.0, 9.81  # kg, m/s2
 WEIGHT = MASS * GRAVITY
 # Equipment 0.6 m wide and 1.8 m high on pads. With epsilon = 1 a landing corner keeps its velocity and is stopped by spring
-# and dashpot alone, so that all the roof gets of an impact is in H and N.
+# and dashpot alone, so that H and N contain the whole effect of an impact on the roof.
 EQUIPMENT = {
     "parameterization": 2,
     "physical.width": 0.6,
@@ -32,7 +32,7 @@ EQUIPMENT = {
     "on_separation": 3,
 }
 FORCES = ("H", "N_L", "N_R")
-# What H, N_L, N_R do to the roof: to the left what goes to the right into the block, and down.
+# Signs of H, N_L, N_R on the roof: a force to the right on the block acts to the left on the roof, and N acts downwards.
 ON_ROOF = np.array([[-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]])
 
 
@@ -63,14 +63,14 @@ def build_frame(folder) -> Path:
 
 
 def roof_step(frame: Instance, t: float, h: float, a_base: float, force) -> np.ndarray:
-    """Steps the frame; the roof's acceleration [m/s2] at the end of it."""
+    """Steps the frame; returns the roof's acceleration [m/s2] at the end of the step."""
     frame.set(a_base=a_base, F_x=force[0], F_z=force[1])
     frame.slave.doStep(t, h)
     return frame.get("a_x", "a_z")
 
 
 def block_step(block: Instance, t: float, h: float, before, after) -> np.ndarray:
-    """Steps the block on a roof whose acceleration goes from `before` to `after`; the force [N] on the roof at the end."""
+    """Steps the block on a roof accelerating from `before` to `after`; returns the force [N] on the roof at the end."""
     ground = block.references(("a_gx", "a_gz"))
     block.slave.setReal(ground, list(before))
     block.slave.setRealInputDerivatives(ground, [1, 1], list((after - before) / h))
@@ -80,7 +80,7 @@ def block_step(block: Instance, t: float, h: float, before, after) -> np.ndarray
 
 
 def flexibility(frame: Instance, h: float, force) -> np.ndarray:
-    """What a force at the end of a step adds to the roof's acceleration there, from steps that are taken back."""
+    """Returns the effect of a force on the roof's acceleration at the end of a step, from steps that are taken back."""
     state = frame.slave.getFMUstate()
     ends = []
     for extra in ((0.0, 0.0), (1000.0, 0.0), (0.0, 1000.0)):
@@ -91,7 +91,7 @@ def flexibility(frame: Instance, h: float, force) -> np.ndarray:
 
 
 def iterate(frame: Instance, block: Instance, t, h, a_base, a, mobility, tolerance, most, derivatives):
-    """One step in which the roof's acceleration and the block's force agree at its end: Newton's method for
+    """Takes one step after which the roof's acceleration and the block's force agree: Newton's method for
     `x - roof(force(x)) = 0` with the derivatives that the block gives at the end of the step. What they leave out, the
     motion within the step, Broyden's update learns from the residuals. Without derivatives it is the plain repetition
     `x = roof(force(x))`. Returns acceleration, force, count, agreement."""
@@ -167,7 +167,7 @@ def couple(frame_fmu, h: float, stop: float, iterated: bool, scale: float = 1.8,
             height += h * velocity[1] + h * h * (2 * a[1] + a_next[1]) / 6
             relative = np.array([u_dot, v_dot])
             block_work = MASS * (relative @ roof + roof @ roof / 2 + GRAVITY * height) + put_in
-            # Momentum that the block got, and what the exchanged forces say of it.
+            # The block's actual momentum, and the momentum according to the exchanged forces.
             momentum = MASS * (relative + roof)
             impulse = impulse - h * (loads + loads_next) / 2 - np.array([0.0, WEIGHT * h])
 
@@ -182,7 +182,7 @@ def couple(frame_fmu, h: float, stop: float, iterated: bool, scale: float = 1.8,
 
 
 def missing(history: History) -> float:
-    """The greatest difference between what the block got and the frame gave, in parts of the greatest energy exchanged."""
+    """Returns the largest difference of the energy received by the block and given by the frame, over the largest exchanged."""
     return np.abs(history["frame_work"] + history["block_work"]).max() / np.abs(history["block_work"]).max()
 
 

@@ -5,12 +5,11 @@
 
 #[cfg(any(not(target_arch = "x86_64"), test))]
 mod portable;
+mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
-
-use crate::numerics::Real;
 
 #[cfg(not(target_arch = "x86_64"))]
 use portable as processor;
@@ -27,7 +26,7 @@ pub type Array = [f64; MOST_LANES];
 pub trait Simd: Copy + 'static {
     /// How many numbers it holds, at most [`MOST_LANES`].
     const LANES: usize;
-    /// What is true of which of them.
+    /// A truth value for each of them.
     type Mask: Copy;
 
     /// The first of these numbers.
@@ -64,10 +63,10 @@ pub trait Simd: Copy + 'static {
 
 /// Work that is done with vectors of whatever size.
 pub trait Task {
-    /// What it gives.
+    /// Its result.
     type Output;
 
-    /// Does it. To be inlined, with all that it calls: only what is part of the function that [`Width::run`] enters is
+    /// Does it. It must be inlined, with all that it calls: only code within the function that [`Width::run`] enters is
     /// compiled for the processor's vectors.
     fn run<V: Simd>(self) -> Self::Output;
 }
@@ -102,12 +101,12 @@ impl Width {
 #[derive(Clone, Copy)]
 pub struct Wide<V>(V);
 
-/// What is true of which lane.
+/// A truth value for each lane.
 #[derive(Clone, Copy)]
 pub struct Lanes<V: Simd>(V::Mask);
 
 impl<V: Simd> Wide<V> {
-    /// What `number` gives for each lane.
+    /// The results of `number` for each lane.
     #[inline(always)]
     pub fn each(mut number: impl FnMut(usize) -> f64) -> Wide<V> {
         let mut numbers = [0.0; MOST_LANES];
@@ -117,7 +116,7 @@ impl<V: Simd> Wide<V> {
         Wide(V::load(&numbers))
     }
 
-    /// The first of these numbers, as many as there are lanes.
+    /// The first of these numbers, one per lane.
     #[inline(always)]
     pub fn load(numbers: &Array) -> Wide<V> {
         Wide(V::load(numbers))
@@ -127,12 +126,6 @@ impl<V: Simd> Wide<V> {
     #[inline(always)]
     pub fn store(self) -> Array {
         self.0.store()
-    }
-
-    /// The absolute values.
-    #[inline(always)]
-    pub fn abs(self) -> Wide<V> {
-        Wide(self.0.abs())
     }
 
     /// The lanes in which this is less.
@@ -235,18 +228,6 @@ operator!(Add, add);
 operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
-
-impl<V: Simd> Real for Wide<V> {
-    #[inline(always)]
-    fn sqrt(self) -> Wide<V> {
-        Wide(self.0.sqrt())
-    }
-
-    #[inline(always)]
-    fn where_less(a: Wide<V>, b: Wide<V>, yes: Wide<V>, no: Wide<V>) -> Wide<V> {
-        yes.in_lanes(a.less(b), no)
-    }
-}
 
 #[cfg(test)]
 mod tests {

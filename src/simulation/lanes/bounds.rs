@@ -3,6 +3,7 @@
 //! They decide as [`roots::may_fall`](crate::numerics::roots::may_fall) and
 //! [`Peaks`](crate::simulation::peaks::Peaks) do, with the same operations.
 
+use crate::numerics::Real;
 use crate::numerics::roots::Sample;
 use crate::numerics::wide::{Lanes, Simd, Wide};
 

@@ -4,9 +4,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Foundation};
-use crate::contact::{Corner, Regime};
-use crate::dual::Dual;
-use crate::excitation::Forcing;
+use crate::block::{Corner, Regime};
+use crate::excitation::{Excitation, Ramp};
+use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::Step;
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
@@ -15,14 +15,13 @@ use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Width};
 use crate::numerics::{Equations, Rate, Real, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::{Lane, place};
-use crate::simulation::outputs::observe;
-use crate::simulation::peaks::{Channels, channels, cheap_channels};
-use crate::simulation::stepping::LONGEST;
-use crate::system::dynamics::{Footing, Instant, along_of, instant_of};
+use crate::simulation::peaks::Channels;
+use crate::system::dynamics::Footing;
+use crate::system::evaluation::{self, Evaluation};
+use crate::system::events::{ROUNDING, Surface, landing, lift_off, quarter_turn, watched};
 use crate::system::law::{Gripping, Law};
-use crate::system::surfaces::{ROUNDING, Surface, reaction_rate};
 
-/// What rounding leaves of the zero of each surface.
+/// Round-off of the zero of each surface.
 struct Rounding<V> {
     reaction: Wide<V>,
     gap: Wide<V>,
@@ -40,7 +39,7 @@ pub struct Stepped {
     /// Peaks of θ, N, H, uplift and friction demand since then.
     pub peaks: [Array; 5],
     /// The heights of the supports there, and their rates.
-    pub tops: [Sample<Array>; 2],
+    pub support_heights: [Sample<Array>; 2],
     /// A bit for each lane in which a short step made too great an error.
     pub failed: u32,
     /// Of a short step the factor by which its size may change, of another one the root of its error from which that follows.
@@ -65,7 +64,8 @@ pub fn step(width: Width, regime: Regime, short: bool, group: &[Box<Lane>]) -> S
     }
 }
 
-/// The step of a group under a law. Which step it is the function asks when it runs: what surrounds the stages is much to compile.
+/// The step of a group under a law. The method is chosen at run time: a copy of the code
+/// around the stages for each method would double the compile time.
 struct Together<'g, L> {
     law: L,
     /// Whether the step is a short one.
@@ -76,75 +76,24 @@ struct Together<'g, L> {
     count: usize,
 }
 
-/// The equations of motion in each lane.
-struct Motion<V, L> {
-    law: L,
+/// The blocks of a group and their excitations, one per lane.
+struct Group<V> {
     block: Block<Wide<V>>,
-    offset: Wide<V>,
-    reference: Wide<V>,
-    value: [Wide<V>; 2],
-    rate: [Wide<V>; 2],
+    excitation: Excitation<Wide<V>>,
+    footing: Footing<Wide<V>>,
 }
 
-/// The blocks at an instant.
-struct Now<V: Simd> {
-    forcing: Forcing<Wide<V>>,
-    instant: Instant<Wide<V>>,
-    rate: Rate<Wide<V>>,
-    state: [Wide<V>; 4],
-    tops: [Sample<Wide<V>>; 2],
+/// The motion of a group under a law.
+struct GroupMotion<'m, V, L> {
+    law: L,
+    group: &'m Group<V>,
 }
 
-impl<V: Simd, L: Law> Motion<V, L> {
+impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
     #[inline(always)]
-    fn forcing(&self, time: Wide<V>) -> Forcing<Wide<V>> {
-        let elapsed = time - self.reference;
-        // What a pulse adds that does not act.
-        let x = self.value[0] + self.rate[0] * elapsed + 0.0;
-        Forcing { x, z: self.value[1] + self.rate[1] * elapsed, moment: Wide::default() }
-    }
-
-    #[inline(always)]
-    fn instant(&self, state: [Wide<V>; 4], forcing: Forcing<Wide<V>>) -> Instant<Wide<V>> {
-        let footing = Footing::Grips { offset: self.offset };
-        instant_of(&self.block, Foundation::Viscoelastic, self.law.regime(), state, footing, forcing, |x| x)
-    }
-
-    #[inline(always)]
-    fn rate_of(&self, x: &Instant<Wide<V>>, forcing: Forcing<Wide<V>>) -> Rate<Wide<V>> {
-        Rate {
-            state: Numbers([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
-            quadratures: Numbers(x.powers(&self.block, self.law.regime(), forcing)),
-        }
-    }
-
-    #[inline(always)]
-    fn at(&self, time: Wide<V>, state: [Wide<V>; 4], tops: [Sample<Wide<V>>; 2]) -> Now<V> {
-        let forcing = self.forcing(time);
-        let instant = self.instant(state, forcing);
-        Now { forcing, instant, rate: self.rate_of(&instant, forcing), state, tops }
-    }
-
-    /// What the peaks are the greatest values of, without the rates that take dual numbers.
-    #[inline(always)]
-    fn cheap_channels(&self, now: &Now<V>) -> Channels<Wide<V>> {
-        cheap_channels(&self.block, self.law.regime(), &now.instant, now.tops)
-    }
-
-    /// The same with all rates.
-    #[inline(always)]
-    fn channels(&self, now: &Now<V>) -> Channels<Wide<V>> {
-        let (block, regime) = (&self.block, self.law.regime());
-        let forcing = Forcing {
-            x: Dual::new(now.forcing.x, self.rate[0] + 0.0),
-            z: Dual::new(now.forcing.z, self.rate[1]),
-            moment: Dual::new(now.forcing.moment, Wide::default()),
-        };
-        let footing = Footing::Grips { offset: self.offset };
-        let along = along_of(block, regime, now.state, footing, &now.instant, forcing);
-        let [left, right] = now.tops;
-        let tops = [Dual::new(left.value, left.rate), Dual::new(right.value, right.rate)];
-        channels(&observe(block, regime, &along, tops, forcing))
+    fn at(&self, time: Wide<V>, state: [Wide<V>; 4], support_heights: [Sample<Wide<V>>; 2]) -> Evaluation<'m, Wide<V>> {
+        let Group { block, excitation, footing } = self.group;
+        Evaluation::of(self.law, block, excitation, *footing, time, Numbers(state), support_heights)
     }
 
     /// Takes the peaks of a step in; the lanes in which one may be inside.
@@ -152,18 +101,17 @@ impl<V: Simd, L: Law> Motion<V, L> {
     fn raise_peaks(
         &self,
         peaks: &mut [Wide<V>; 5],
-        here: &Now<V>,
-        there: &Now<V>,
+        here: &Evaluation<Wide<V>>,
+        there: &Evaluation<Wide<V>>,
         duration: Wide<V>,
         longest: Wide<V>,
     ) -> u32 {
-        let phase = duration * LONGEST / longest;
-        let near = (Wide::from(1.0) - phase * phase).max(Wide::from(0.5));
+        let near = near_a_peak(duration, longest);
         let close = self.close(here, near, peaks).or(self.close(there, near, peaks));
-        let mut ends = [self.cheap_channels(here), self.cheap_channels(there)];
+        let mut ends = [here.cheap_channels(), there.cheap_channels()];
         if close.any() {
             for (place, now) in [here, there].into_iter().enumerate() {
-                ends[place] = in_lanes(close, self.channels(now), ends[place]);
+                ends[place] = in_lanes(close, now.channels_inlined(), ends[place]);
             }
         }
         let [start, end] = ends;
@@ -178,8 +126,13 @@ impl<V: Simd, L: Law> Motion<V, L> {
 
     /// The lanes in which H or the friction demand is `near` its peak.
     #[inline(always)]
-    fn close(&self, now: &Now<V>, near: Wide<V>, [_, _, horizontal, _, friction_demand]: &[Wide<V>; 5]) -> Lanes<V> {
-        let mass = self.block.mass;
+    fn close(
+        &self,
+        now: &Evaluation<Wide<V>>,
+        near: Wide<V>,
+        [_, _, horizontal, _, friction_demand]: &[Wide<V>; 5],
+    ) -> Lanes<V> {
+        let mass = now.block.mass;
         let shear = mass * now.instant.horizontal.abs();
         let [left, right] = now.instant.reaction;
         (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
@@ -187,22 +140,12 @@ impl<V: Simd, L: Law> Motion<V, L> {
 
     /// A surface of [`Law::surfaces`] at an instant.
     #[inline(always)]
-    fn sample(&self, surface: Surface, now: &Now<V>) -> Sample<Wide<V>> {
+    fn sample(&self, surface: Surface, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
         let x = &now.instant;
         match surface {
-            Surface::Reaction(corner) => {
-                let i = corner.index();
-                let rate = reaction_rate(&self.block, x.corner_dot[i], x.corner_ddot[i]);
-                Sample { value: x.reaction[i], rate }
-            }
-            Surface::Gap(corner) => {
-                let i = corner.index();
-                Sample { value: x.corner[i] - now.tops[i].value, rate: x.corner_dot[i] - now.tops[i].rate }
-            }
-            Surface::QuarterTurn => Sample {
-                value: Wide::from(FRAC_PI_2) - x.theta.abs(),
-                rate: Wide::where_less(x.theta, Wide::default(), x.theta_dot, -x.theta_dot),
-            },
+            Surface::Reaction(corner) => lift_off::on_support(now.block, x, corner),
+            Surface::Gap(corner) => landing::gap(x, now.support_heights, corner),
+            Surface::QuarterTurn => quarter_turn::rest(x),
             Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => {
                 unreachable!("what is held or slides is not stepped in a lane")
             }
@@ -211,18 +154,26 @@ impl<V: Simd, L: Law> Motion<V, L> {
 
     /// The lanes in which a surface may be fallen through between two instants.
     #[inline(always)]
-    fn may_hold_event(&self, here: &Now<V>, there: &Now<V>, duration: Wide<V>, rounding: &Rounding<V>) -> u32 {
-        self.may_fall(self.law.surface(Corner::Left), here, there, duration, rounding)
-            | self.may_fall(self.law.surface(Corner::Right), here, there, duration, rounding)
-            | self.may_fall(Surface::QuarterTurn, here, there, duration, rounding)
+    fn may_hold_event(
+        &self,
+        here: &Evaluation<Wide<V>>,
+        there: &Evaluation<Wide<V>>,
+        duration: Wide<V>,
+        rounding: &Rounding<V>,
+    ) -> u32 {
+        let mut may = 0;
+        for surface in watched(self.law).into_iter().flatten() {
+            may |= self.may_fall(surface, here, there, duration, rounding);
+        }
+        may
     }
 
     #[inline(always)]
     fn may_fall(
         &self,
         surface: Surface,
-        here: &Now<V>,
-        there: &Now<V>,
+        here: &Evaluation<Wide<V>>,
+        there: &Evaluation<Wide<V>>,
         duration: Wide<V>,
         rounding: &Rounding<V>,
     ) -> u32 {
@@ -235,27 +186,24 @@ impl<V: Simd, L: Law> Motion<V, L> {
         Ends { start, end, duration }.may_fall(rounding)
     }
 
-    /// The lanes in which a block rests under ground that does not change, see [`rests`](crate::system::now::Now::rests).
+    /// The lanes in which a block rests under ground that does not change, see [`Evaluation::rests`].
     #[inline(always)]
-    fn rests(&self, here: &Now<V>, rounding: &Rounding<V>) -> u32 {
+    fn rests(&self, here: &Evaluation<Wide<V>>, rounding: &Rounding<V>) -> u32 {
         if self.law.regime() != Regime::FullContact {
             return 0;
         }
-        let x = &here.instant;
-        let Block { r0, omega_v, .. } = self.block;
-        let accelerates = r0 * x.theta_ddot.abs() + x.w_ddot.abs();
-        let moves = r0 * (omega_v * x.theta_dot).abs() + (omega_v * x.w_dot).abs();
-        let zero = Wide::default();
-        let changes = zero.less(self.rate[0].abs()).or(zero.less(self.rate[1].abs()));
-        !rounding.reaction.less(accelerates).or(rounding.reaction.less(moves)).or(changes).bits()
+        let [accelerates, moves] = here.unrest().map(|unrest| rounding.reaction.less(unrest));
+        let (zero, rate) = (Wide::default(), here.forcing_rate());
+        let changes = zero.less(rate.x.abs()).or(zero.less(rate.z.abs()));
+        !accelerates.or(moves).or(changes).bits()
     }
 }
 
-impl<V: Simd, L: Law> Equations<Wide<V>> for Motion<V, L> {
+impl<V: Simd, L: Law> Equations<Wide<V>> for GroupMotion<'_, V, L> {
     #[inline(always)]
     fn rate(&self, time: Wide<V>, state: &State<Wide<V>>) -> Rate<Wide<V>> {
-        let forcing = self.forcing(time);
-        self.rate_of(&self.instant(state.0, forcing), forcing)
+        let Group { block, excitation, footing } = self.group;
+        evaluation::rate(self.law, block, excitation, *footing, time, state)
     }
 }
 
@@ -271,7 +219,7 @@ fn raise<V: Simd, const N: usize>(peak: &mut Wide<V>, quantities: [Ends<V>; N]) 
     inside
 }
 
-/// A quantity of which both signs count.
+/// A quantity whose absolute value counts.
 #[inline(always)]
 fn both_ways<V: Simd>(start: Sample<Wide<V>>, end: Sample<Wide<V>>, duration: Wide<V>) -> [Ends<V>; 2] {
     [Ends { start, end, duration }, Ends { start: start.negated(), end: end.negated(), duration }]
@@ -330,7 +278,7 @@ impl<L: Law> Together<'_, L> {
     }
 
     #[inline(always)]
-    fn tops<V: Simd>(&self, of: impl Fn(&Lane, Corner) -> Sample + Copy) -> [Sample<Wide<V>>; 2] {
+    fn support_heights<V: Simd>(&self, of: impl Fn(&Lane, Corner) -> Sample + Copy) -> [Sample<Wide<V>>; 2] {
         [self.top(Corner::Left, of), self.top(Corner::Right, of)]
     }
 
@@ -347,45 +295,48 @@ impl<L: Law> Together<'_, L> {
     }
 
     #[inline(always)]
-    fn rounding<V: Simd>(&self, motion: &Motion<V, L>) -> Rounding<V> {
+    fn rounding<V: Simd>(&self, group: &Group<V>) -> Rounding<V> {
         Rounding {
-            reaction: motion.block.gravity * ROUNDING,
+            reaction: group.block.gravity * ROUNDING,
             gap: self.each(|lane| lane.gap_rounding),
             quarter_turn: Wide::from(ROUNDING * FRAC_PI_2),
         }
     }
 
     #[inline(always)]
-    fn motion<V: Simd>(&self) -> Motion<V, L> {
+    fn group<V: Simd>(&self) -> Group<V> {
         let unread = Wide::default();
+        let of_block = |number: fn(&Block) -> f64| self.each(|lane| number(lane.block()));
         let block = Block {
-            mass: self.each(|lane| lane.block().mass),
-            gravity: self.each(|lane| lane.block().gravity),
+            mass: of_block(|block| block.mass),
+            gravity: of_block(|block| block.gravity),
             gamma: unread,
             epsilon: unread,
             foundation: Foundation::Viscoelastic,
             restitution_factor: unread,
             alpha: unread,
-            r0: self.each(|lane| lane.block().r0),
-            b: self.each(|lane| lane.block().b),
-            h: self.each(|lane| lane.block().h),
+            r0: of_block(|block| block.r0),
+            b: of_block(|block| block.b),
+            h: of_block(|block| block.h),
             p: unread,
-            omega_v: self.each(|lane| lane.block().omega_v),
-            xi_v: self.each(|lane| lane.block().xi_v),
+            omega_v: of_block(|block| block.omega_v),
+            xi_v: of_block(|block| block.xi_v),
             stiffness: unread,
             damping: unread,
-            i0: self.each(|lane| lane.block().i0),
+            i0: of_block(|block| block.i0),
         };
-        Motion {
-            law: self.law,
+        let ramp = |i: usize| Ramp {
+            value: self.each(|lane| lane.ground().1[i].value),
+            rate: self.each(|lane| lane.ground().1[i].rate),
+        };
+        let offset = self.each(|lane| match lane.simulation.pose.footing {
+            Footing::Grips { offset } => offset,
+            Footing::Free { u, .. } => u,
+        });
+        Group {
             block,
-            offset: self.each(|lane| match lane.simulation.pose.footing {
-                Footing::Grips { offset } => offset,
-                Footing::Free { u, .. } => u,
-            }),
-            reference: self.each(|lane| lane.ground().0),
-            value: [self.each(|lane| lane.ground().1[0].value), self.each(|lane| lane.ground().1[1].value)],
-            rate: [self.each(|lane| lane.ground().1[0].rate), self.each(|lane| lane.ground().1[1].rate)],
+            excitation: Excitation::of_ground(self.each(|lane| lane.ground().0), [ramp(0), ramp(1)]),
+            footing: Footing::Grips { offset },
         }
     }
 }
@@ -395,7 +346,8 @@ impl<L: Law> Task for Together<'_, L> {
 
     #[inline(always)]
     fn run<V: Simd>(self) -> Stepped {
-        let motion = self.motion::<V>();
+        let group = self.group::<V>();
+        let motion = GroupMotion { law: self.law, group: &group };
         let place = place(self.law.regime()).unwrap_or(0);
         let weights = Numbers([
             self.each(|lane| lane.limits[place].weights[0]),
@@ -404,7 +356,7 @@ impl<L: Law> Task for Together<'_, L> {
             self.each(|lane| lane.limits[place].weights[3]),
         ]);
         let longest = self.each(|lane| lane.limits[place].longest);
-        let rounding = self.rounding(&motion);
+        let rounding = self.rounding(&group);
         let (time, end_time) = (self.each(|lane| lane.simulation.pose.time), self.each(Lane::end_time));
         let size = self.each(|lane| lane.attempt.size);
         let state = [
@@ -414,7 +366,7 @@ impl<L: Law> Task for Together<'_, L> {
             self.each(|lane| lane.simulation.pose.state[3]),
         ];
 
-        let here = motion.at(time, state, self.tops(Lane::top));
+        let here = motion.at(time, state, self.support_heights(Lane::top));
         let infinite = Wide::from(f64::INFINITY);
         let one = Wide::from(1.0);
         // That of a short step depends on the rate at its end, too.
@@ -429,16 +381,16 @@ impl<L: Law> Task for Together<'_, L> {
             let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
             (step.end, step.work, Error::Known(step.error(weights)))
         };
-        let there = motion.at(end_time, end.0, self.tops(Lane::top_at_end));
+        let there = motion.at(end_time, end.0, self.support_heights(Lane::top_at_end));
         let (error_is_fine, root) = match error {
             Error::AtEnd(step) => {
                 let work_weight = self.each(|lane| lane.limits[place].work_weight);
                 let share: Wide<V> = self.each(|lane| lane.limits[place].short_share);
                 let error = step.error(there.rate, weights, work_weight) / share;
-                let factor = one / error.sqrt().sqrt();
+                let factor = short_factor(error);
                 (error.less(infinite).bits() & !factor.less(one).bits(), factor)
             }
-            Error::Known(error) => (error.less(infinite).bits() & !one.less(error).bits(), error.sqrt().sqrt().sqrt()),
+            Error::Known(error) => (error.less(infinite).bits() & !one.less(error).bits(), eighth_root(error)),
         };
 
         let duration = end_time - time;
@@ -460,7 +412,7 @@ impl<L: Law> Task for Together<'_, L> {
             taken: usual & !inside & runs,
             failed: if self.short { !error_is_fine & !rests & runs } else { 0 },
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
-            tops: [store(there.tops[0]), store(there.tops[1])],
+            support_heights: [store(there.support_heights[0]), store(there.support_heights[1])],
             sums: [input.store(), dashpots.store()],
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
             root: root.store(),

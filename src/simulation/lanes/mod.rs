@@ -1,6 +1,6 @@
 //! Several runs under way → the same steps of all of them at once, one in each lane of the processor's vectors.
 //!
-//! The [`Simulation`] of each run stays what it is, and each step takes from it what it needs. A step that every test passes in
+//! The [`Simulation`] of each run stays as it is, and each step reads it. A step that every test passes in
 //! which nothing can happen gives the simulation the bits that it would have come to alone. Where something may happen (an
 //! event, a peak inside the step, a step that is to be repeated, rest) the lane leaves the simulation as it was, and the run
 //! takes that step alone. So do runs on the rigid base, in flight, sliding, held, or under a pulse.
@@ -9,29 +9,29 @@ mod bounds;
 mod kernel;
 
 use crate::block::{Block, Foundation};
-use crate::contact::{Corner, Regime};
+use crate::block::{Corner, Regime};
 use crate::excitation::{Excitation, Inputs, Ramp};
-use crate::numerics::control::{Attempt, size_factor};
+use crate::numerics::control::{Attempt, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::roots::Sample;
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::{Array, Width};
 use crate::simulation::peaks::Peaks;
-use crate::simulation::stepping::{Beginning, LEAST_SHORT_FACTOR, LONGEST, Limits, MOST_STEPS, SHORT_GROWTH};
+use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::dynamics::State;
+use crate::system::evaluation::Pose;
+use crate::system::events::{Event, Surface};
 use crate::system::law::Gripping;
-use crate::system::now::Pose;
-use crate::system::surfaces::{Event, Surface};
 use kernel::Stepped;
 
 /// A reference time (s), and the ground accelerations from there on, horizontal and vertical.
-type Ground = (f64, [Ramp; 2]);
+type GroundRamps = (f64, [Ramp; 2]);
 
 /// A run that is stepped beside others.
 #[derive(Clone, Debug)]
 pub struct Lane {
-    /// What the run is to whoever steps it.
+    /// The caller's mark of the run.
     pub tag: usize,
     simulation: Simulation,
     inputs: Inputs,
@@ -42,16 +42,16 @@ pub struct Lane {
     /// Time at which the piece that ends there begins (s).
     since: f64,
     /// Reference time (s) and ground accelerations, where nothing else acts.
-    ground: Option<Ground>,
+    ground: Option<GroundRamps>,
     /// Whether the smooth piece begins at the present time.
     begins: bool,
     budget: u64,
-    /// What a step may be in each regime, while no pulse acts.
+    /// Limits of a step in each regime, while no pulse acts.
     limits: [Limits; 3],
-    /// What rounding leaves of the zero of a gap.
+    /// Round-off of the zero of a gap.
     gap_rounding: f64,
-    /// When the heights of the supports that nothing touches were last formed (s), and what they were.
-    tops: (f64, [Sample; 2]),
+    /// Heights of the supports that nothing touches, with the time of their last evaluation (s).
+    support_heights: (f64, [Sample; 2]),
     /// The step that comes next.
     attempt: Attempt,
     /// Whether a short step would do but for the errors that such steps made.
@@ -60,7 +60,7 @@ pub struct Lane {
     short_failed: bool,
 }
 
-/// What a step is, apart from its numbers: runs of the same kind are stepped together.
+/// The kind of a step: runs whose next steps are of the same kind are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     regime: Regime,
@@ -95,7 +95,7 @@ fn place(regime: Regime) -> Option<usize> {
     }
 }
 
-/// What a run does next.
+/// The next action of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     /// Nothing: it has come to the time that was asked for, or to its end.
@@ -128,7 +128,7 @@ impl Lane {
             budget: 0,
             limits,
             gap_rounding,
-            tops: (f64::NAN, [Sample::default(); 2]),
+            support_heights: (f64::NAN, [Sample::default(); 2]),
             attempt: Attempt::to_stop(0.0),
             grows: false,
             short_failed: false,
@@ -156,7 +156,7 @@ impl Lane {
         counts.evaluations += 1;
     }
 
-    /// What the run does next.
+    /// The next action of the run.
     #[inline]
     pub fn next_step(&mut self) -> Next {
         let time = self.simulation.pose.time;
@@ -185,34 +185,34 @@ impl Lane {
         let longest = limits.longest;
         let (time, stop) = (self.simulation.pose.time, self.stop);
         let size = stop - time;
-        if self.budget == 0 || f64::EPSILON * size >= longest {
+        if self.budget == 0 || !is_resolved(size, longest) {
             return None;
         }
-        let close = LONGEST * size <= longest && !self.short_failed;
-        if close && size <= self.simulation.short_size {
+        let control = &self.simulation.control;
+        let short = if self.short_failed { ShortStepTo::TooFar } else { control.short_step(size, longest) };
+        if short == ShortStepTo::Stop {
             self.attempt = Attempt::to_stop(size);
             return Some(Kind { regime, short: true });
         }
-        let shortest = (f64::EPSILON * time.abs().max(stop.abs())).max(f64::MIN_POSITIVE);
-        self.attempt = self.simulation.control.attempt(size, longest, shortest);
-        self.grows = close;
+        self.attempt = control.attempt(size, longest, shortest(time, stop));
+        self.grows = short == ShortStepTo::NotYet;
         Some(Kind { regime, short: false })
     }
 
     /// Takes a step alone, and reports each event to `observer`.
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let Lane { simulation, inputs, stop, since, begins, short_failed, budget, tops, .. } = self;
+        let Lane { simulation, inputs, stop, since, begins, short_failed, budget, support_heights, .. } = self;
         let excitation = Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block);
-        let beginning = Beginning { of_piece: *begins, short_failed: *short_failed };
+        let start = StepStart { of_piece: *begins, short_failed: *short_failed };
         (*begins, *short_failed) = (false, false);
         // An event may let a support creep from another height.
-        tops.0 = f64::NAN;
-        simulation.single_step(*stop, &excitation, beginning, budget, observer)
+        support_heights.0 = f64::NAN;
+        simulation.single_step(*stop, &excitation, start, budget, observer)
     }
 
     /// The ground accelerations under which it is stepped.
     #[inline(always)]
-    fn ground(&self) -> Ground {
+    fn ground(&self) -> GroundRamps {
         self.ground.unwrap_or_default()
     }
 
@@ -220,7 +220,11 @@ impl Lane {
     #[inline]
     fn top(&self, corner: Corner) -> Sample {
         let Pose { time, ref contacts, .. } = self.simulation.pose;
-        if self.tops.0 == time { self.tops.1[corner.index()] } else { contacts.top(corner, self.block(), time) }
+        if self.support_heights.0 == time {
+            self.support_heights.1[corner.index()]
+        } else {
+            contacts.top(corner, self.block(), time)
+        }
     }
 
     /// The same at the end of the step that comes next.
@@ -245,16 +249,16 @@ impl Lane {
     fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
         let end_time = self.end_time();
         let Lane { simulation, attempt, .. } = self;
-        let [left, right] = &stepped.tops;
+        let [left, right] = &stepped.support_heights;
         let top = |of: &Sample<Array>| Sample { value: of.value[lane], rate: of.rate[lane] };
-        self.tops = (end_time, [top(left), top(right)]);
+        self.support_heights = (end_time, [top(left), top(right)]);
         if short {
             simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         } else {
             simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
             simulation.counts.evaluations += EVALUATIONS_PER_STEP;
             if self.grows {
-                simulation.short_size *= SHORT_GROWTH;
+                simulation.control.grow_short();
             }
         }
         simulation.counts.steps += 1;
@@ -280,13 +284,13 @@ impl Lane {
     /// Takes note that a short step made too great an error. One of order 8 comes next.
     fn fail(&mut self, stepped: &Stepped, lane: usize) {
         self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        self.simulation.short_size = self.attempt.size * stepped.root[lane].max(LEAST_SHORT_FACTOR);
+        self.simulation.control.reject_short(self.attempt.size, stepped.root[lane]);
         self.short_failed = true;
     }
 }
 
-/// Takes the next step of each run of a group, as many as there are lanes or fewer, all of this kind. A bit for each of them that
-/// goes on; the others take the step alone.
+/// Takes the next step, all of this kind, of each run of a group of at most one per lane. Returns a bit for each run that goes on;
+/// the others take the step alone.
 pub fn step_together(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
     let stepped = kernel::step(width, kind.regime, kind.short, group);
     for (lane, run) in group.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! Random beginnings: parameters of all kinds, within ranges in which all regimes occur.
+//! Random initial conditions and parameters, in ranges with all regimes.
 
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -9,11 +9,11 @@ use super::Sizes;
 /// A Real input or parameter.
 pub struct Known {
     pub name: &'static str,
-    /// Its least value, if it is zero.
+    /// Lower bound, if it is zero.
     pub least: Option<f64>,
 }
 
-/// All of them that FMI 2.0 has.
+/// All known variables of FMI 2.0.
 pub const KNOWNS: [Known; 28] = {
     const fn free(name: &'static str) -> Known {
         Known { name, least: None }
@@ -53,31 +53,31 @@ pub const KNOWNS: [Known; 28] = {
     ]
 };
 
-/// A beginning: values by names.
+/// Initial values and parameters by name.
 #[derive(Clone, Debug)]
 pub struct Draw {
     pub values: Vec<(&'static str, f64)>,
 }
 
 impl Draw {
-    /// The next one.
+    /// Draws the next values.
     pub fn next(runner: &mut TestRunner) -> Draw {
         strategy().new_tree(runner).unwrap().current()
     }
 
-    /// The value of a variable.
+    /// Returns the value of a variable.
     pub fn of(&self, name: &str) -> f64 {
         self.values.iter().find(|(of, _)| *of == name).unwrap_or_else(|| panic!("no {name}")).1
     }
 
-    /// What a known is measured by: so much of it makes a change of the order of the whole.
+    /// Returns the scale of a known: a change by this amount is of order one.
     pub fn measure(&self, known: &str, sizes: &Sizes) -> f64 {
         let mass = self.of("mass");
         match known {
             "a_gx" | "a_gz" | "pulse.amplitude" => 1.0,
             "F_x" | "F_z" => mass,
             "M_y" => mass * sizes.r0,
-            // On stiff supports a small part of the block's size changes a reaction by all of it.
+            // On stiff supports a displacement much smaller than the block changes a whole reaction.
             "initial.theta" | "initial.v" => 0.01,
             "physical.width" | "physical.height" => 0.1 * self.of(known),
             "pulse.start" | "record.start" => 0.1,
@@ -90,7 +90,7 @@ impl Draw {
     }
 }
 
-/// Numbers from 0 to 1, of which a beginning is made.
+/// Numbers from 0 to 1 that determine a draw.
 const NUMBERS: usize = 48;
 
 fn strategy() -> impl Strategy<Value = Draw> {
@@ -110,7 +110,7 @@ fn strategy() -> impl Strategy<Value = Draw> {
             ("pulse.shape", item(5.0)),
             ("initial.settled", item(2.0) - 1.0),
         ]);
-        // Some are exactly zero now and then.
+        // Some are sometimes exactly zero.
         let step = between(0.3, 0.4);
         let mut or_zero = |value: f64| if between(0.0, 1.0) < 0.15 { 0.0 } else { value };
         let theta = or_zero(1.0);
@@ -136,7 +136,7 @@ fn strategy() -> impl Strategy<Value = Draw> {
             ("initial.v_dot", between(-1.0, 1.0)),
             ("pulse.amplitude", between(-2.0, 2.0)),
             ("pulse.period", between(1.0, 2.0)),
-            // Most have begun, none of them right now.
+            // Most pulses have begun, none at this instant.
             ("pulse.start", if between(0.0, 1.0) < 0.1 { 0.3 } else { between(-0.9, -0.02) }),
             ("record.scale", between(0.2, 1.2)),
             // Between two samples.

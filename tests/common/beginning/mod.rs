@@ -1,5 +1,6 @@
-//! Derivatives at the beginning, of all that ModelStructure/InitialUnknowns declares, against differences of the values: for
-//! whoever gives both, the model itself or an FMU through one of its interfaces.
+//! Initial derivatives declared by ModelStructure/InitialUnknowns, against differences of values.
+//!
+//! The host is the model itself or an FMU through one of its interfaces.
 
 pub mod draw;
 
@@ -11,14 +12,14 @@ use draw::Draw;
 pub trait Host {
     fn set(&mut self, name: &str, value: f64);
     fn get(&mut self, name: &str) -> f64;
-    /// Derivatives of several unknowns with respect to one known.
+    /// Returns the derivatives of several unknowns with respect to one known.
     fn derivatives(&mut self, unknowns: &[&str], known: &str) -> Vec<f64>;
 }
 
-/// What InitialUnknowns says: the names of the dependencies of each unknown.
+/// Names of the dependencies of each unknown in InitialUnknowns.
 pub type Declared = BTreeMap<String, BTreeSet<String>>;
 
-/// Reads modelDescription.xml as FMI 2.0 has it.
+/// Reads InitialUnknowns from a modelDescription.xml of FMI 2.0.
 pub fn declared(xml: &str) -> Declared {
     let document = roxmltree::Document::parse(xml).unwrap();
     let names: Vec<&str> = document
@@ -37,13 +38,13 @@ pub fn declared(xml: &str) -> Declared {
         .collect()
 }
 
-/// The unknowns of which derivatives are defined.
+/// Returns the unknowns that have derivatives.
 pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
     const OTHERS: [&str; 5] = ["regime", "events.impacts", "events.liftoffs", "separated", "overturned"];
     declared.keys().map(String::as_str).filter(|name| !OTHERS.contains(name)).collect()
 }
 
-/// How large what an unknown is made from is: what rounding is relative to.
+/// Magnitudes of the terms of unknowns, to which rounding is relative.
 pub struct Sizes {
     mass: f64,
     r0: f64,
@@ -82,7 +83,7 @@ impl Sizes {
     }
 }
 
-/// Values by which it is told whether a function is smooth between two points.
+/// Values that tell whether a function is smooth between two points.
 struct Side {
     regime: [f64; 3],
     shear: f64,
@@ -110,18 +111,18 @@ impl Side {
         }
     }
 
-    /// Whether an unknown is smooth between two sides of one point, as far as it is made from these.
+    /// Tells whether an unknown is smooth between the two sides, as far as these values determine it.
     fn joins(&self, other: &Side, unknown: &str) -> bool {
         let same = |a: f64, b: f64| a == b && a != 0.0;
-        // Differences of a quotient by q miss (δq/q)⁴/64 of its derivative if q changes by δq between the sides.
+        // The difference of a quotient by q has an error of (δq/q)⁴/64 of its derivative, if q changes by δq between the sides.
         let pressed = self.pressed.min(other.pressed);
         let steady = pressed > 0.3 && (self.pressed - other.pressed).abs() < 0.01 * pressed;
         self.regime == other.regime
             && match unknown {
                 "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && steady,
-                // An arc sine, which is steep towards a quarter turn and ends there.
+                // An arc sine, steep near its end at a quarter turn.
                 "derived.theta_separation" => self.separation < 0.8,
-                // Of a separated block they remember which corner lifted first.
+                // Separated blocks remember which corner lifted first.
                 "u" | "u_dot" if self.regime[0] == 2.0 => same(self.lean, other.lean),
                 "peak.H" => same(self.shear, other.shear),
                 "peak.theta" => same(self.lean, other.lean),
@@ -132,23 +133,23 @@ impl Side {
     }
 }
 
-/// What was found of a pair of unknown and known.
+/// Results for a pair of unknown and known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Found {
-    /// How often derivative and difference were compared.
+    /// Number of comparisons of derivative and difference.
     pub compared: u32,
-    /// How often the derivative was more than rounding.
+    /// Number of derivatives above rounding.
     pub nonzero: u32,
 }
 
-/// Pairs by their names.
+/// Results by the names of a pair.
 pub type Pairs = BTreeMap<(String, String), Found>;
 
-/// Compares all derivatives in a random beginning with differences.
+/// Compares all derivatives in a random initial state with differences.
 ///
-/// The differences are central ones over 1e-3 and 5e-4 of what the known is measured by, extrapolated. Of the size of the
-/// unknown, rounding leaves 1e-16/1e-3 times the ten or so sums in which it is made, some 1e-12, and the fifth derivative as
-/// much; where supports are stiff both are up to 50 times that, since reactions are differences of larger numbers.
+/// The differences are central, over 1e-3 and 5e-4 of the scale of the known, and extrapolated. Relative to the magnitude of the
+/// unknown, rounding contributes 1e-16/1e-3 times some ten sums, about 1e-12, and the fifth derivative as much. On stiff supports
+/// both are up to 50 times greater, because reactions are differences of larger numbers.
 pub fn compare(host: &mut impl Host, draw: &Draw, declared: &Declared, pairs: &mut Pairs) {
     let unknowns = real_unknowns(declared);
     let sizes = Sizes::of(host);

@@ -8,7 +8,7 @@ use fmi::fmi2::instance::{CoSimulation, Common, InstanceCS};
 use fmi::schema::fmi2::Fmi2ModelDescription;
 use fmi::traits::FmiImport;
 use fmi_sys::fmi2 as headers;
-use rocking_block::fmi2::types as ours;
+use rocking_block::fmi::fmi2::types as ours;
 
 /// The FMU lies in the folder of the profile, two above this executable.
 fn fmu() -> PathBuf {

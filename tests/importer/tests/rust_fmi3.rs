@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::ptr::{null, null_mut};
 
 use fmi_sys::fmi3::{Fmi3Binding, fmi3Status_fmi3OK as OK};
-use rocking_block::model::variables::{TOKEN, VARIABLES};
+use rocking_block::unit::variables::{TOKEN, VARIABLES};
 
 /// The library out of the FMU, which lies in the folder of the profile, two above this executable.
 fn library() -> (tempfile::TempDir, Fmi3Binding) {

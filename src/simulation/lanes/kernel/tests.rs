@@ -4,15 +4,15 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::block::{Common, Dimensionless};
-use crate::contact::{Contact, Contacts, Creep};
-use crate::excitation::{Inputs, Pulse, Ramp};
+use crate::block::{Contact, Contacts, Creep};
+use crate::excitation::{Inputs, Pulse};
 use crate::numerics::control::Attempt;
 use crate::numerics::roots;
 use crate::simulation::inside::may_hold_event;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Initial, Settings, Simulation};
 use crate::system::dynamics;
-use crate::system::now;
+use crate::system::evaluation::Motion;
 
 /// What a lane finds at both ends of a step.
 #[derive(Debug, Default, PartialEq)]
@@ -43,14 +43,15 @@ impl<L: Law> Task for Look<'_, L> {
 
     fn run<V: Simd>(self) -> Vec<Found> {
         let Look { together, cases } = self;
-        let motion = together.motion::<V>();
+        let group = together.group::<V>();
+        let motion = GroupMotion { law: together.law, group: &group };
         let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
         let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
         let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
         let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
-        let here = motion.at(time, state, together.tops(Lane::top));
-        let there = motion.at(end_time, end, together.tops(Lane::top_at_end));
-        let rounding = together.rounding(&motion);
+        let here = motion.at(time, state, together.support_heights(Lane::top));
+        let there = motion.at(end_time, end, together.support_heights(Lane::top_at_end));
+        let rounding = together.rounding(&group);
         let longest = each(&|case| case.lane.limits[place(together.law.regime()).unwrap()].longest);
         let mut peaks = together.peaks();
         let rests = motion.rests(&here, &rounding);
@@ -71,7 +72,8 @@ impl<L: Law> Task for Look<'_, L> {
 }
 
 fn surfaces(law: impl Law) -> [Surface; 3] {
-    [law.surface(Corner::Left), law.surface(Corner::Right), Surface::QuarterTurn]
+    let [left, right, quarter_turn, _] = watched(law);
+    [left, right, quarter_turn].map(|surface| surface.expect("watched in each of these regimes"))
 }
 
 impl Case {
@@ -80,11 +82,11 @@ impl Case {
         let Case { lane, there } = self;
         let Simulation { ref pose, mut peaks, ref system, .. } = lane.simulation;
         let excitation = lane.simulation.excitation(&lane.inputs);
-        let motion = now::Motion::under(law, &system.block, pose, &excitation);
+        let motion = Motion::under(law, &system.block, pose, &excitation);
         let here = motion.at(pose.time, pose.state);
         let there = motion.at(lane.end_time(), dynamics::State::from(*there));
         let duration = there.time - here.time;
-        let near = lane.limits[place(law.regime()).unwrap()].near_a_peak(duration);
+        let near = near_a_peak(duration, lane.limits[place(law.regime()).unwrap()].longest);
         let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
         let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
         peaks.include(&start);
@@ -165,7 +167,7 @@ prop_compose! {
         let of = |state: [f64; 4]| {
             let pose = &case.lane.simulation.pose;
             let excitation = case.lane.simulation.excitation(&inputs);
-            let seen = now::Motion::from_pose(&block, pose, &excitation).at(time, dynamics::State::from(state));
+            let seen = Motion::from_pose(&block, pose, &excitation).at(time, dynamics::State::from(state));
             let mut peaks = Peaks::default();
             peaks.include(&seen.channels());
             peaks

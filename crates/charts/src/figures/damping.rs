@@ -1,0 +1,115 @@
+//! Figure 9: least damping that prevents complete separation in free vibration.
+
+use crate::chart::{Chart, Curve};
+use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::parameters::{DAMPING_ALPHA, Detail, EPSILON, ETA, GREATEST_XI_V, P, RATE, block, run};
+use crate::line_style::LineStyle;
+use crate::numerals::short;
+use rocking_block::block::BlockError;
+use rocking_block::excitation::Pulse;
+use rocking_block::ground::Ground;
+use rocking_block::numerics::wide::Width;
+use rocking_block::simulation::Initial;
+use rocking_studies::run::Run;
+use rocking_studies::run::batch::outcomes;
+use rocking_studies::run::outcome::End;
+use rocking_studies::search::{self, Scan};
+use rocking_studies::spectrum::Base;
+
+/// Resolution of ξ_v (1).
+const RESOLUTION: f64 = 1e-4;
+
+const CURVES: usize = EPSILON.len() * ETA.len();
+
+/// Least damping of a block in free vibration (1); `None` if even [`GREATEST_XI_V`] is too little.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastDamping {
+    /// Least ξ_v without complete separation, except on the way over, at it and all greater values.
+    pub against_separation: Option<f64>,
+    /// Least ξ_v without overturning, at it and all greater values.
+    pub against_overturning: Option<f64>,
+}
+
+/// Searches the least damping of a block.
+pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<LeastDamping, BlockError> {
+    let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
+    let block = |xi_v| block(alpha, P, Base::Viscoelastic { eta, xi_v, epsilon });
+    // Parameters that are valid at both ends of the range are valid between.
+    block(scan.from).and(block(scan.to))?;
+    let run = |&(_, xi_v): &(usize, f64)| Run {
+        initial: Initial { theta_dot: RATE * alpha * P, ..Initial::default() },
+        output_step: 0.01,
+        ..run(block(xi_v).unwrap_or_else(|error| unreachable!("{error}")), Pulse::NONE, Ground::default())
+    };
+    let outcomes = |values: &[(usize, f64)]| outcomes(Width::widest(), values.iter().map(run), || ());
+    let found = search::changes(&scan, 1, |values| outcomes(values).iter().map(|outcome| outcome.end).collect());
+    let [found] = found.as_slice() else { unreachable!("one search was asked for") };
+    Ok(LeastDamping {
+        against_separation: found.least_without(End::Separated),
+        against_overturning: found.least_without(End::Overturned),
+    })
+}
+
+/// Returns the number of searches.
+pub fn tasks(detail: &Detail) -> u64 {
+    CURVES as u64 * detail.slendernesses
+}
+
+/// Returns ε, η and α of a search.
+fn parameters(task: u64, detail: &Detail) -> (f64, f64, f64) {
+    let (curve, i) = ((task / detail.slendernesses) as usize, task % detail.slendernesses);
+    let part = i as f64 / (detail.slendernesses - 1) as f64;
+    let alpha = DAMPING_ALPHA[0] + part * (DAMPING_ALPHA[1] - DAMPING_ALPHA[0]);
+    (EPSILON[curve / ETA.len()], ETA[curve % ETA.len()], alpha)
+}
+
+/// Makes the figure.
+pub fn figure(detail: &Detail, workers: &mut Workers) -> Result<Figure, FigureError> {
+    let found = workers.map(tasks(detail), |task| {
+        let (epsilon, eta, alpha) = parameters(task, detail);
+        least_damping(alpha, eta, epsilon, detail)
+    });
+    let lines = [format!(
+        "scanned at {} values of xi_v from 0 to {GREATEST_XI_V}, closed in to {RESOLUTION}, until the block has come down; a word: at {GREATEST_XI_V} still",
+        detail.dampings
+    )];
+    let columns = ["epsilon [1]", "eta [1]", "alpha [rad]", "least.xi_v [1]", "least.xi_v.overturning [1]"];
+    let mut table = Table::new(9, &lines, &columns)?;
+    let mut curves: Vec<Vec<Vec<(f64, f64)>>> = vec![vec![Vec::new()]; CURVES];
+    for (task, least) in found.into_iter().enumerate() {
+        let (epsilon, eta, alpha) = parameters(task as u64, detail);
+        let least = least?;
+        let segments = &mut curves[task / detail.slendernesses as usize];
+        match (least.against_separation, segments.last_mut()) {
+            (Some(xi_v), Some(segment)) => segment.push((alpha, xi_v)),
+            _ => segments.push(Vec::new()),
+        }
+        let [separation, overturning] =
+            [(least.against_separation, "separated"), (least.against_overturning, "overturned")]
+                .map(|(least, word)| least.map_or(word.to_string(), |xi_v| xi_v.to_string()));
+        table.push([epsilon.to_string(), eta.to_string(), alpha.to_string(), separation, overturning])?;
+    }
+    let highest = curves.iter().flatten().flatten().fold(0.0_f64, |high, point| high.max(point.1));
+    let svg = page(9, &[], 10_000, |root, body| {
+        let areas = body.split_evenly((1, EPSILON.len()));
+        for ((area, epsilon), curves) in areas.iter().zip(EPSILON).zip(curves.chunks(ETA.len())) {
+            let styles = [LineStyle::DOTTED, LineStyle::DASH_DOTTED, LineStyle::DASHED, LineStyle::BLACK];
+            let ends = curves.iter().zip(ETA).filter_map(|(segments, eta)| {
+                let &(alpha, xi_v) = segments.last()?.last()?;
+                Some(((alpha + 0.003, xi_v), format!("η = {}", short(eta))))
+            });
+            let chart = Chart {
+                title: format!("ε = {}", short(epsilon)),
+                // Room for the names of the curves at their ends.
+                x: ("α (rad)", DAMPING_ALPHA[0]..DAMPING_ALPHA[1] + 0.05),
+                y: ("least ξ_v", 0.0..1.06 * highest.max(1e-9)),
+                curves: curves.iter().zip(styles).map(|(curve, style)| Curve::new(style, curve.clone())).collect(),
+                notes: ends.collect(),
+                ..Chart::default()
+            };
+            chart.draw(root, area)?;
+        }
+        Ok(())
+    })?;
+    table.figure(svg, 0)
+}

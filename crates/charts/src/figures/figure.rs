@@ -1,0 +1,111 @@
+//! Caption, picture and table of a figure, and the threads that compute it.
+
+use crate::canvas::{Area, Drawn};
+use crate::figures::parameters::caption;
+use crate::formula::formula;
+use crate::page::{self, Key};
+use crate::picture::PictureError;
+use rocking_block::block::BlockError;
+use rocking_block::simulation::SimulationError;
+use rocking_studies::output::runner;
+
+/// Error of a figure.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// The paper has no such figure with results.
+    #[error("found figure {0}; expected 3, 6, 7, 8, 9, 10, 11, 12, 13 or 14")]
+    Number(u8),
+    /// A parameter is invalid.
+    #[error(transparent)]
+    Block(#[from] BlockError),
+    /// A run failed.
+    #[error(transparent)]
+    Run(#[from] SimulationError),
+    /// The drawing failed.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The table failed.
+    #[error("the table cannot be made: {0}")]
+    Table(#[from] csv::Error),
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Number in the paper.
+    pub number: u8,
+    /// Drawing, as SVG.
+    pub svg: String,
+    /// Data as CSV: comments that begin with `# `, column names, rows.
+    pub table: String,
+    /// Number of failed runs, which have the word `failed` in the table.
+    pub failed: u64,
+}
+
+/// Threads for the runs of figures.
+pub struct Workers<'a> {
+    /// Threads.
+    pub pool: &'a rayon::ThreadPool,
+    /// Called after each task.
+    pub after_each: &'a mut dyn FnMut(),
+}
+
+impl Workers<'_> {
+    /// Runs the tasks from 0 to `tasks` and returns their results in order.
+    pub(super) fn map<T: Send>(&mut self, tasks: u64, make: impl Fn(u64) -> T + Sync) -> Vec<T> {
+        let mut results = Vec::new();
+        let Ok(()) = runner::in_order(self.pool, 0..tasks, make, |_, result| {
+            results.push(result);
+            (self.after_each)();
+            Ok::<(), std::convert::Infallible>(())
+        });
+        results
+    }
+}
+
+/// Draws the page of a figure: number, caption, legend and, under them, an area of this height.
+///
+/// `draw` gets the whole page and the area.
+pub(super) fn page(
+    number: u8,
+    legend: &[Key],
+    height: u32,
+    draw: impl FnOnce(&Area, &Area) -> Drawn,
+) -> Result<String, FigureError> {
+    let caption = caption(number).ok_or(FigureError::Number(number))?;
+    // The empty first line keeps the caption at normal size.
+    let heading = [String::new(), formula(&format!("Figure\u{A0}{number}. {caption}"))];
+    Ok(page::page(&heading, legend, height, draw)?)
+}
+
+/// The table of a figure under way.
+pub(super) struct Table {
+    number: u8,
+    head: String,
+    writer: csv::Writer<Vec<u8>>,
+}
+
+impl Table {
+    /// Begins a table with comments (figure, caption and further lines) and the names of the columns.
+    pub fn new(number: u8, lines: &[String], columns: &[&str]) -> Result<Table, FigureError> {
+        let mut head = format!(concat!("# rocking-block ", env!("CARGO_PKG_VERSION"), " figure {}\n"), number);
+        let caption = caption(number).ok_or(FigureError::Number(number))?;
+        for line in std::iter::once(&caption).chain(lines) {
+            head.push_str(&format!("# {}\n", line.replace(['\n', '\r', '\u{A0}'], " ")));
+        }
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(columns)?;
+        Ok(Table { number, head, writer })
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, fields: impl IntoIterator<Item = String>) -> csv::Result<()> {
+        self.writer.write_record(fields.into_iter().collect::<Vec<_>>())
+    }
+
+    /// Combines the finished table with the drawing.
+    pub fn figure(self, svg: String, failed: u64) -> Result<Figure, FigureError> {
+        let bytes = self.writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+        Ok(Figure { number: self.number, svg, table: self.head + &String::from_utf8_lossy(&bytes), failed })
+    }
+}

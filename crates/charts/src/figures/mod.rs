@@ -1,0 +1,67 @@
+//! The figures of Palmeri and Makris (2008), computed anew.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`parameters`] | the paper's values and those chosen here → blocks, pulses, captions |
+//! | [`sources`] | a folder of records → the ground motions of Table I |
+//! | `figure` | caption, drawing and rows → a picture and a table |
+//! | `restitution` | Figure 3 |
+//! | `histories` | Figures 6 to 8 |
+//! | `damping` | Figure 9 |
+//! | `spectra` | Figures 10 to 13 |
+//! | `tower` | Figure 14 |
+//! | [`plane`] | pulses → those under which the paper's findings hold |
+
+pub mod parameters;
+pub mod sources;
+
+mod figure;
+
+mod restitution;
+
+mod histories;
+
+mod damping;
+
+mod spectra;
+
+mod tower;
+
+pub mod plane;
+
+pub use damping::{LeastDamping, least_damping};
+pub use figure::{Figure, FigureError, Workers};
+pub use histories::{Comparison, comparisons, history_run};
+pub use spectra::{Panel, abscissa, panels};
+pub use tower::{tower_bases, tower_run, tower_sources};
+
+use parameters::Detail;
+use sources::GroundMotion;
+
+/// Returns the number of tasks of a figure.
+pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {
+    match number {
+        6..=8 => histories::bases(number).len() as u64,
+        9 => damping::tasks(detail),
+        10..=13 => spectra::tasks(number, detail, sources),
+        14 => tower::tasks(sources),
+        _ => 0,
+    }
+}
+
+/// Makes a figure; `sources` are the ground motions of Table I.
+pub fn make(
+    number: u8,
+    detail: &Detail,
+    sources: &[GroundMotion],
+    workers: &mut Workers,
+) -> Result<Figure, FigureError> {
+    match number {
+        3 => restitution::figure(),
+        6..=8 => histories::figure(number, detail, workers),
+        9 => damping::figure(detail, workers),
+        10..=13 => spectra::figure(number, detail, sources, workers),
+        14 => tower::figure(sources, workers),
+        _ => Err(FigureError::Number(number)),
+    }
+}

@@ -1,0 +1,240 @@
+//! Figures 10 to 13: peak rotations over size under pulses and records.
+
+use crate::canvas::{TEXT, text};
+use crate::chart::{bars_height, rotations};
+use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::parameters::{
+    ALPHA, Detail, PULSE_BASES, PULSE_RATIO, RECORD_ETA, RECORD_P, RECORD_SUPPORTS, SPECTRUM_ALPHA, SPECTRUM_AMPLITUDE,
+    SPECTRUM_FREQUENCY, spectrum_pulse,
+};
+use crate::figures::sources::GroundMotion;
+use crate::formula::formula;
+use crate::line_style::LineStyle;
+use crate::numerals::short;
+use crate::page::{MARGIN, Symbol};
+use crate::picture::PictureError;
+use crate::spectrum::{self, Abscissa, Curves, base_name};
+use rocking_block::block::Common;
+use rocking_block::excitation::Pulse;
+use rocking_block::ground::Ground;
+use rocking_block::simulation::Settings;
+use rocking_studies::output::runner::Study;
+use rocking_studies::run::outcome::End;
+use rocking_studies::spectrum::{Base, Sizes, Spectrum};
+
+/// Height of a panel without its outcome bars: under pulses and under records.
+const HEIGHT: [u32; 2] = [6600, 5600];
+
+/// A panel of a figure. Two of them, left and right, make a row.
+pub struct Panel {
+    /// Name in the table.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// Spectrum, or `None` if the vertical record of the right column is missing.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// Returns the abscissa of a figure.
+pub fn abscissa(number: u8) -> Abscissa {
+    if number < 12 { Abscissa::PulseRatio } else { Abscissa::TwoPiOverP }
+}
+
+/// Returns the ground motions of Figure 12 (the first two of Table I) or 13 (the others).
+pub fn record_sources(number: u8, sources: &[GroundMotion]) -> &[GroundMotion] {
+    let (first, others) = sources.split_at(2.min(sources.len()));
+    if number == 12 { first } else { others }
+}
+
+/// Returns the panels of Figure 10, 11, 12 or 13, row by row. Other figures have none.
+pub fn panels(number: u8, detail: &Detail, sources: &[GroundMotion]) -> Vec<Panel> {
+    match number {
+        10 | 11 => SPECTRUM_ALPHA
+            .iter()
+            .flat_map(|&alpha| SPECTRUM_AMPLITUDE.map(|amplitude| pulse_panel(number, alpha, amplitude, detail)))
+            .collect(),
+        12 | 13 => record_sources(number, sources)
+            .iter()
+            .flat_map(|source| RECORD_SUPPORTS.map(|support| record_panels(source, support, detail)))
+            .flatten()
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn pulse_panel(number: u8, alpha: f64, amplitude: f64, detail: &Detail) -> Panel {
+    let p = PULSE_RATIO.map(|ratio| SPECTRUM_FREQUENCY / ratio);
+    let pulse = spectrum_pulse(number, amplitude, alpha);
+    Panel {
+        name: format!("alpha = {alpha}, a_p = {amplitude} g tan alpha"),
+        title: format!("α = {} rad, a_p = {} g tan α", short(alpha), short(amplitude)),
+        spectrum: Some(spectrum(alpha, &PULSE_BASES, [p[1], p[0]], detail, Ground::default(), pulse)),
+    }
+}
+
+/// Returns the panels of a row: the horizontal motion alone, and both components.
+fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Detail) -> [Panel; 2] {
+    let supports = RECORD_ETA.map(|eta| Base::Viscoelastic { eta, xi_v, epsilon });
+    let bases: Vec<Base> = std::iter::once(Base::HOUSNER).chain(supports).collect();
+    let panel = |motion: &str, ground: Option<Ground>| Panel {
+        name: format!("{}, {motion}, xi_v = {xi_v}, epsilon = {epsilon}", source.name),
+        title: format!("ξ_v = {}, ε = {}, {motion}", short(xi_v), short(epsilon)),
+        spectrum: ground.map(|ground| spectrum(ALPHA, &bases, RECORD_P, detail, ground, source.pulse)),
+    };
+    let with_vertical = source.ground.vertical.is_some().then(|| source.ground.clone());
+    [panel("a_gx alone", Some(source.horizontal_only().ground)), panel("a_gx and a_gz", with_vertical)]
+}
+
+fn spectrum(
+    alpha: f64,
+    bases: &[Base],
+    [least, greatest]: [f64; 2],
+    detail: &Detail,
+    ground: Ground,
+    pulse: Pulse,
+) -> Spectrum {
+    Spectrum {
+        alpha,
+        common: Common::default(),
+        bases: bases.to_vec(),
+        sizes: Sizes { least, greatest, count: detail.sizes },
+        motions: vec![("".into(), ground)],
+        pulse,
+        // The analysis ends at complete separation.
+        settings: Settings::default(),
+        duration: None,
+        friction: None,
+        step: None,
+    }
+}
+
+/// Returns the number of runs.
+pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {
+    panels(number, detail, sources).iter().filter_map(|panel| panel.spectrum.as_ref()).map(Spectrum::rows).sum()
+}
+
+/// Makes Figure 10, 11, 12 or 13.
+pub fn figure(
+    number: u8,
+    detail: &Detail,
+    sources: &[GroundMotion],
+    workers: &mut Workers,
+) -> Result<Figure, FigureError> {
+    let panels = panels(number, detail, sources);
+    let over = abscissa(number);
+    let mut lines: Vec<String> = match number {
+        12 | 13 => record_sources(number, sources)
+            .iter()
+            .map(|source| format!("motion {}: {}", source.name, source.description()))
+            .collect(),
+        _ => Vec::new(),
+    };
+    for panel in &panels {
+        lines.push(format!("panel {}", panel.name));
+        match &panel.spectrum {
+            Some(spectrum) => lines.extend(spectrum.header().study.into_iter().skip(1).map(|line| format!("  {line}"))),
+            None => lines.push("  no vertical record at hand".into()),
+        }
+    }
+    // The name of the panel replaces that of its ground motion.
+    let columns: Vec<&str> = std::iter::once("panel").chain(Spectrum::columns().skip(1)).collect();
+    let mut table = Table::new(number, &lines, &columns)?;
+    let (mut drawn, mut failed) = (Vec::new(), 0);
+    for panel in &panels {
+        let Some(spectrum) = &panel.spectrum else {
+            drawn.push(None);
+            continue;
+        };
+        spectrum.check()?;
+        let mut rows = Vec::new();
+        for (mut row, outcome) in workers.map(spectrum.rows(), |number| spectrum.made(number)) {
+            failed += u64::from(outcome.end == End::Failed);
+            row.fields[0] = panel.name.clone();
+            rows.push(row.fields);
+        }
+        let points = rows.iter().map(|row| spectrum::point(over, row));
+        drawn.push(Some(Curves::gather(spectrum, points).map_err(PictureError::Drawing)?));
+        rows.into_iter().try_for_each(|row| table.push(row))?;
+    }
+    let svg = draw(number, sources, &panels, &drawn)?;
+    table.figure(svg, failed)
+}
+
+/// Draws the panels in two columns, under a line for each record.
+fn draw(
+    number: u8,
+    sources: &[GroundMotion],
+    panels: &[Panel],
+    drawn: &[Option<Curves>],
+) -> Result<String, FigureError> {
+    const HEAD: u32 = 800;
+    let bases = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.bases.as_slice());
+    let bases = bases.unwrap_or_default();
+    let names = bases.iter().map(|&base| match (number, base) {
+        (12 | 13, Base::Viscoelastic { eta, .. }) => format!("η = {}", short(eta)),
+        _ => base_name(base),
+    });
+    let mut legend: Vec<_> = names.enumerate().map(|(i, name)| (Symbol::Curve(LineStyle::of(i)), name)).collect();
+    for fill in drawn.iter().flatten().flat_map(Curves::fills) {
+        if !legend.contains(&fill) {
+            legend.push(fill);
+        }
+    }
+    let (records, rows_each) = match number {
+        12 | 13 => (record_sources(number, sources), RECORD_SUPPORTS.len()),
+        _ => (&sources[..0], SPECTRUM_ALPHA.len()),
+    };
+    let rows = panels.len() / 2;
+    let row_height = HEIGHT[usize::from(number >= 12)] + bars_height(bases.len());
+    let page_height = rows as u32 * row_height + records.len() as u32 * HEAD;
+    page(number, &legend, page_height, |root, body| {
+        let mut rest = body.clone();
+        for (row, (panels, drawn)) in panels.chunks(2).zip(drawn.chunks(2)).enumerate() {
+            if let Some(source) = records.get(row / rows_each).filter(|_| row % rows_each == 0) {
+                let (head, under) = rest.split_vertically(HEAD);
+                rest = under;
+                let letter = (b'a' + (row / rows_each) as u8) as char;
+                let line = format!("({letter}) {}", source.description());
+                head.draw_text(&formula(&line), &text(1.1 * TEXT), (MARGIN as i32, 280))?;
+            }
+            let (line, under) = rest.split_vertically(row_height);
+            rest = under;
+            let (left, right) = line.split_horizontally(line.dim_in_pixel().0 / 2);
+            let highest = drawn.iter().flatten().map(Curves::highest).fold(1e-9, f64::max);
+            for ((panel, curves), area) in panels.iter().zip(drawn).zip([left, right]) {
+                let Some(shown) = curves.as_ref().or(drawn[0].as_ref()) else { continue };
+                let mut chart = shown.chart(abscissa(number), panel.title.clone());
+                chart.y.1 = rotations(std::iter::once(highest));
+                if curves.is_none() {
+                    // The axes of the panel at the left, without curves.
+                    chart.message = "no vertical record at hand".into();
+                    (chart.curves, chart.bars) = (Vec::new(), Vec::new());
+                    let height = area.dim_in_pixel().1 - bars_height(bases.len());
+                    chart.draw(root, &area.split_vertically(height).0)?;
+                    continue;
+                }
+                if number < 12 {
+                    let limits = (0..bases.len()).filter_map(|i| Some((LineStyle::of(i), shown.limit(i)?)));
+                    chart.verticals = limits.collect();
+                }
+                chart.draw(root, &area)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_blocks_of_all_panels_are_valid() {
+        let sources = crate::figures::sources::read(None).unwrap();
+        for number in 10..=13 {
+            let panels = panels(number, &Detail::FULL, &sources);
+            assert_eq!(panels.len(), if number < 12 { 8 } else { 16 });
+            assert!(panels.iter().flat_map(|panel| &panel.spectrum).all(|spectrum| spectrum.check().is_ok()));
+        }
+    }
+}

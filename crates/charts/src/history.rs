@@ -1,0 +1,166 @@
+//! A history → rotation, reactions, regimes and ground acceleration over time.
+
+use std::ops::Range;
+
+use crate::chart::{Chart, Curve, MAX_ROTATION, Tile, range, rotations};
+use crate::formula::formula;
+use crate::line_style::LineStyle;
+use crate::numerals::{short, significant};
+use crate::page::{Key, Symbol, page, with_legend};
+use crate::picture::PictureError;
+use rocking_block::block::Regime;
+use rocking_block::block::{Block, Foundation};
+use rocking_studies::run::{History, Row};
+
+/// Heights of the panels: rotation, reactions, regimes, ground.
+const HEIGHTS: [u32; 4] = [6200, 5000, 2900, 3400];
+
+/// A quantity over time: its name in the legend, the style of its line, its value.
+type Series<'a> = (&'static str, LineStyle, &'a dyn Fn(&Row) -> f64);
+
+/// A chart with its height and its legend.
+type Panel<'a> = (u32, Vec<Key>, Chart<'a>);
+
+/// Draws a history as SVG, with a title for the run.
+pub fn history(block: &Block, history: &History, title: &str) -> Result<String, PictureError> {
+    let ended = history.ending.map(|(ending, time)| format!("; {ending} at t = {time:.3} s")).unwrap_or_default();
+    let heading = [title.into(), formula(&format!("{}{ended}", block_line(block)))];
+    let (alpha, weight, g) = (block.alpha, block.mass * block.gravity, block.gravity);
+    let start = history.rows.first().map_or(0.0, |row| row.time);
+    let end = history.rows.last().map_or(1.0, |row| row.time).max(start + 1e-9);
+    let axis = |shown: bool| (if shown { "time (s)" } else { "" }, start..end);
+    let moves = |of: usize| history.rows.iter().any(|row| row.ground[of] != 0.0);
+    let has_ground = moves(0) || moves(1);
+
+    let theta: Series = ("", LineStyle::THIN, &|row| row.seen.theta / alpha);
+    let left: Series = ("left corner N_L", LineStyle::BLUE, &|row| row.seen.reaction[0] / weight);
+    let right: Series = ("right corner N_R", LineStyle::ORANGE, &|row| row.seen.reaction[1] / weight);
+    let horizontal: Series = ("horizontal", LineStyle::THIN, &|row| row.ground[0] / g);
+    let vertical: Series = ("vertical", LineStyle::ORANGE, &|row| row.ground[1] / g);
+    let rotation = Chart {
+        title: beyond(history, alpha).unwrap_or_default(),
+        x: axis(false),
+        y: ("θ/α", rotations(history.rows.iter().map(theta.2))),
+        marks_alpha: true,
+        ..Chart::default()
+    };
+    let of_ground: &[Series] = match (moves(0), moves(1)) {
+        (true, true) => &[vertical, horizontal],
+        (false, true) => &[vertical],
+        (true, false) => &[("", horizontal.1, horizontal.2)],
+        (false, false) => &[],
+    };
+    let reactions = Chart { x: axis(false), y: ("N/(M g)", 0.0..0.0), ..Chart::default() };
+    let mut panels = vec![
+        panel(history, HEIGHTS[0], rotation, &[theta]),
+        panel(history, HEIGHTS[1], reactions, &[left, right]),
+        (HEIGHTS[2], Vec::new(), regimes(history, axis(!has_ground))),
+    ];
+    if has_ground {
+        let ground = Chart { x: axis(true), y: ("ground/g", 0.0..0.0), ..Chart::default() };
+        panels.push(panel(history, HEIGHTS[3], ground, of_ground));
+    }
+    page(&heading, &[], panels.iter().map(|panel| panel.0).sum(), |root, body| {
+        let mut rest = body.clone();
+        for (height, legend, chart) in &panels {
+            let (area, below) = rest.split_vertically(*height);
+            chart.draw(root, &with_legend(&area, legend)?)?;
+            rest = below;
+        }
+        Ok(())
+    })
+}
+
+/// Describes a rotation beyond the ordinate.
+fn beyond(history: &History, alpha: f64) -> Option<String> {
+    let first = history.rows.iter().find(|row| row.seen.theta.abs() > MAX_ROTATION * alpha)?;
+    let peak = significant(history.peaks.theta / alpha, 4);
+    Some(format!("|θ|/α > {} from t = {} s on; its peak is {peak}", short(MAX_ROTATION), significant(first.time, 4)))
+}
+
+/// Adds series and their legend to a chart. An empty ordinate takes the range of the series.
+fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Series]) -> Panel<'a> {
+    let legend = series
+        .iter()
+        .filter(|(name, ..)| !name.is_empty())
+        .map(|&(name, style, _)| (Symbol::Curve(style), name.into()))
+        .collect();
+    let curve = |&(_, style, value): &Series| Curve::new(style, vec![thinned(&history.rows, value)]);
+    chart.curves = series.iter().map(curve).collect();
+    if chart.y.1.is_empty() {
+        chart.y.1 = range(chart.curves.iter().flat_map(|curve| &curve.segments[0]).map(|point| point.1));
+    }
+    (height, legend, chart)
+}
+
+/// Describes the parameters of a block in a line.
+pub fn block_line(block: &Block) -> String {
+    let Block { alpha, p, xi_v, epsilon, r0, b, h, .. } = *block;
+    let foundation = match block.foundation {
+        Foundation::Viscoelastic => {
+            format!("η = {}, ξ_v = {}, ε = {}", short(block.eta()), short(xi_v), short(epsilon))
+        }
+        Foundation::Rigid if block.restitution_factor == 1.0 => format!("rigid base, e = {:.4}", block.restitution()),
+        Foundation::Rigid => {
+            let factor = short(block.restitution_factor);
+            format!("rigid base, e = {:.4}, {factor} × Housner's", block.restitution())
+        }
+    };
+    format!(
+        "α = {} rad, p = {} rad/s, {foundation} ({} m wide, {} m high, R0 = {} m)",
+        short(alpha),
+        short(p),
+        significant(2.0 * b, 5),
+        significant(2.0 * h, 5),
+        significant(r0, 5)
+    )
+}
+
+/// Draws the regimes in rows: a row tells which corners touch.
+fn regimes<'a>(history: &History, x: (&'a str, Range<f64>)) -> Chart<'a> {
+    let separated = history.events.iter().any(|event| event.after == Regime::Separated);
+    let rows: &[(Regime, &str)] = &[
+        (Regime::TiltingLeft, "on left"),
+        (Regime::FullContact, "on both"),
+        (Regime::TiltingRight, "on right"),
+        (Regime::Separated, "on none"),
+    ];
+    let rows = if separated { rows } else { &rows[..3] };
+    let row = |regime: Regime| rows.iter().position(|row| row.0 == regime).unwrap_or(0) as f64;
+    let mut since = x.1.start;
+    let mut regime = history.rows.first().map_or(Regime::FullContact, |row| row.regime);
+    let mut tiles = Vec::new();
+    let mut add = |regime, x: Range<f64>| {
+        let grey = if regime == Regime::FullContact { 155 } else { 60 };
+        tiles.push(Tile { x, y: row(regime) + 0.14..row(regime) + 0.86, grey });
+    };
+    for event in &history.events {
+        add(regime, since..event.time);
+        (regime, since) = (event.after, event.time);
+    }
+    add(regime, since..x.1.end);
+    let names = (0..).zip(rows).map(|(i, (_, name))| (f64::from(i) + 0.5, *name)).collect();
+    Chart { x, y: ("", 0.0..rows.len() as f64), names, tiles, ..Chart::default() }
+}
+
+/// Thins a series without losing a peak.
+///
+/// Each of at most 1500 stretches of time keeps its first, least, greatest and last point.
+fn thinned(rows: &[Row], value: impl Fn(&Row) -> f64) -> Vec<(f64, f64)> {
+    const STRETCHES: usize = 1500;
+    let size = rows.len().div_ceil(STRETCHES).max(1);
+    if size <= 4 {
+        return rows.iter().map(|row| (row.time, value(row))).collect();
+    }
+    let mut points = Vec::with_capacity(4 * STRETCHES);
+    for stretch in rows.chunks(size) {
+        let by_value = |a: &&Row, b: &&Row| value(a).total_cmp(&value(b));
+        let mut chosen =
+            [stretch.first(), stretch.iter().min_by(by_value), stretch.iter().max_by(by_value), stretch.last()];
+        chosen.sort_by(|a, b| {
+            a.map(|row| row.time).partial_cmp(&b.map(|row| row.time)).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        points.extend(chosen.into_iter().flatten().map(|row| (row.time, value(row))));
+    }
+    points
+}

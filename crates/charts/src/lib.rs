@@ -1,0 +1,40 @@
+//! Results → pictures.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`numerals`] | numbers → short text |
+//! | `glyphs` | text → widths and outlines, the same on every machine |
+//! | [`picture`] | SVG → SVG and PNG files |
+//! | `formula` | labels with formulas → text with subscripts |
+//! | `canvas` | drawing functions → SVG |
+//! | `line_style` | points → lines that differ without colours |
+//! | `chart` | curves, areas and marks → charts with axes |
+//! | `page` | heading, legend and charts → pages |
+//! | [`history`], [`fragility`] | histories and fragilities → pages |
+//! | [`spectrum`], [`record_spectra`] | spectra under one and under several records → pages |
+//! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
+
+mod glyphs;
+pub mod numerals;
+
+pub mod picture;
+
+mod formula;
+
+mod canvas;
+
+mod line_style;
+
+mod chart;
+
+mod page;
+
+pub mod history;
+
+pub mod fragility;
+
+pub mod spectrum;
+
+pub mod record_spectra;
+
+pub mod figures;

@@ -1,0 +1,290 @@
+//! The table of a spectrum → peak rotations over size, with separation and overturning.
+
+use std::f64::consts::TAU;
+use std::io::Read;
+use std::ops::Range;
+
+use crate::chart::{Chart, Curve, Fill, MAX_ROTATION, OutcomeBar, bars_height, rotations};
+use crate::formula::formula;
+use crate::line_style::LineStyle;
+use crate::numerals::{short, significant};
+use crate::page::{Key, Symbol, page};
+use crate::picture::PictureError;
+use rocking_block::excitation::Pulse;
+use rocking_block::words::Words;
+use rocking_studies::output::runner::Study;
+use rocking_studies::run::outcome::End;
+use rocking_studies::spectrum::{Base, Spectrum};
+
+/// Maximum number of stretches of a curve.
+const STRETCHES: u64 = 1500;
+
+/// Abscissa of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abscissa {
+    /// 2π/p (s).
+    TwoPiOverP,
+    /// Frequency ratio ω_p/p of pulse and block (1).
+    PulseRatio,
+}
+
+impl Words for Abscissa {
+    const WORDS: &'static [(&'static str, Abscissa)] =
+        &[("2pi/p", Abscissa::TwoPiOverP), ("omega_p/p", Abscissa::PulseRatio)];
+}
+
+/// A stretch of a curve, short enough that a picture cannot show more than four of its points.
+#[derive(Clone, Debug, Default)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    /// First, least, greatest and last value with their abscissas, in the order of the abscissas.
+    points: Vec<(f64, f64)>,
+    /// Whether some of its blocks had each outcome of [`Fill::ALL`].
+    outcomes: [bool; Fill::ALL.len()],
+    /// Whether some of its blocks have no peak rotation, so that the line breaks here.
+    is_broken: bool,
+}
+
+impl Abscissa {
+    /// Returns the name with the unit.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Abscissa::TwoPiOverP => "2π/p (s)",
+            Abscissa::PulseRatio => "ω_p/p",
+        }
+    }
+
+    /// Returns the abscissa of a block with this p (rad/s).
+    pub(super) fn of(self, p: f64, pulse: &Pulse) -> f64 {
+        match self {
+            Abscissa::TwoPiOverP => TAU / p,
+            Abscissa::PulseRatio => TAU / pulse.period / p,
+        }
+    }
+
+    fn column(self) -> &'static str {
+        match self {
+            Abscissa::TwoPiOverP => "2pi/p [s]",
+            Abscissa::PulseRatio => "omega_p/p [1]",
+        }
+    }
+}
+
+/// A block in a picture of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    x: f64,
+    /// Peak |θ|/α (1).
+    peak: f64,
+    end: End,
+    /// Whether the block left the ground completely.
+    flew: bool,
+}
+
+/// Reads the block of a table row, without the row number.
+pub(super) fn point<S: AsRef<str>>(over: Abscissa, row: &[S]) -> Result<Point, String> {
+    let field = |name: &str| {
+        let place = Spectrum::column(name).and_then(|place| row.get(place));
+        place.map(AsRef::as_ref).ok_or_else(|| format!("found no column {name} in the table"))
+    };
+    let number = |name: &str| {
+        let text = field(name)?;
+        text.parse::<f64>().map_err(|_| format!("found {name} = `{text}` in the table; expected a number"))
+    };
+    Ok(Point {
+        x: number(over.column())?,
+        peak: number("peak.theta/alpha [1]")?,
+        end: field("outcome")?.parse()?,
+        flew: field("flights [1]")? != "0",
+    })
+}
+
+impl Stretch {
+    fn add(&mut self, Point { x, peak, end, flew }: Point) {
+        self.to = x;
+        self.is_broken |= end != End::Completed;
+        self.outcomes[Fill::Separated as usize] |= flew && end != End::Overturned;
+        match end {
+            End::Completed => self.points.push((x, peak)),
+            End::Separated => {}
+            End::Overturned => self.outcomes[Fill::Overturned as usize] = true,
+            End::Undecided => self.outcomes[Fill::Undecided as usize] = true,
+            End::Failed => self.outcomes[Fill::Failed as usize] = true,
+        }
+        if let &[first, a, b, c, last] = self.points.as_slice() {
+            let mut inner = [a, b, c];
+            inner.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let mut kept = [inner[0], inner[2]];
+            kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+            self.points = vec![first, kept[0], kept[1], last];
+        }
+    }
+
+    fn has(&self, fill: Fill) -> bool {
+        self.outcomes[fill as usize]
+    }
+}
+
+/// Draws a spectrum from its table as SVG, with a title for the ground motion.
+pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &str) -> Result<String, PictureError> {
+    let failed = |error: Box<dyn std::error::Error>| PictureError::Drawing(error.to_string());
+    let curves = read(spectrum, table, over).map_err(failed)?;
+    let count = curves.0.len();
+    let mut legend: Vec<_> = (0..count).map(|i| (Symbol::Curve(LineStyle::of(i)), name(spectrum, i))).collect();
+    legend.extend(curves.fills());
+    let chart = curves.chart(over, curves.beyond());
+    let heading = [heading(spectrum, title), block_line(spectrum)];
+    page(&heading, &legend, 12_000 + bars_height(count), |root, body| chart.draw(root, body))
+}
+
+/// Marks the formulas of a title. The name of a record file is no formula.
+pub(super) fn heading(spectrum: &Spectrum, title: &str) -> String {
+    let is_pulse = spectrum.motions.iter().all(|(_, ground)| ground.end().is_none());
+    if is_pulse { formula(title) } else { title.into() }
+}
+
+/// Describes the common parameters of a spectrum, with marked formulas.
+pub(super) fn block_line(spectrum: &Spectrum) -> String {
+    formula(&format!("α = {} rad, γ = {}", short(spectrum.alpha), short(spectrum.common.gamma)))
+}
+
+/// Reads the curves of a spectrum from its table.
+pub(super) fn read(
+    spectrum: &Spectrum,
+    table: impl Read,
+    over: Abscissa,
+) -> Result<Curves, Box<dyn std::error::Error>> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
+    Curves::gather(
+        spectrum,
+        reader.records().map(|record| {
+            let record = record?;
+            // The first column is the row number.
+            let row: Vec<&str> = record.iter().skip(1).collect();
+            Ok(point(over, &row)?)
+        }),
+    )
+}
+
+/// The curves of a spectrum, one per ground motion and foundation.
+pub(super) struct Curves(Vec<Vec<Stretch>>);
+
+impl Curves {
+    /// Collects the blocks in the order of the rows.
+    pub(super) fn gather<E>(spectrum: &Spectrum, rows: impl Iterator<Item = Result<Point, E>>) -> Result<Curves, E> {
+        let count = spectrum.sizes.count;
+        let size = count.div_ceil(STRETCHES);
+        let mut curves = vec![Vec::new(); (spectrum.rows() / count) as usize];
+        for (row, values) in (0..spectrum.rows()).zip(rows) {
+            let point = values?;
+            let curve = &mut curves[(row / count) as usize];
+            if (row % count).is_multiple_of(size) {
+                curve.push(Stretch { from: point.x, to: point.x, ..Stretch::default() });
+            }
+            if let Some(stretch) = curve.last_mut() {
+                stretch.add(point);
+            }
+        }
+        Ok(Curves(curves))
+    }
+
+    /// Returns the segments of a curve between blocks without peak rotation.
+    ///
+    /// A block between two of these makes a single point, which is no line; the outcome bar shows it.
+    pub(super) fn segments(&self, curve: usize) -> Vec<Vec<(f64, f64)>> {
+        let mut segments = vec![Vec::new()];
+        for stretch in &self.0[curve] {
+            if let Some(segment) = segments.last_mut() {
+                segment.extend(&stretch.points);
+            }
+            if stretch.is_broken {
+                segments.push(Vec::new());
+            }
+        }
+        segments.retain(|segment| !segment.is_empty());
+        segments
+    }
+
+    /// Returns the greatest peak |θ|/α of the lines.
+    pub(super) fn highest(&self) -> f64 {
+        let segments = (0..self.0.len()).flat_map(|curve| self.segments(curve));
+        segments.filter(|segment| segment.len() > 1).flatten().fold(0.0_f64, |high, point| high.max(point.1))
+    }
+
+    /// Describes peaks beyond the ordinate, or returns an empty text.
+    fn beyond(&self) -> String {
+        match self.highest() {
+            highest if highest > MAX_ROTATION => {
+                format!("peaks above {} not shown; the greatest is {}", short(MAX_ROTATION), significant(highest, 4))
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// Returns the legend of the outcome bars.
+    pub(super) fn fills(&self) -> Vec<Key> {
+        let shown = Fill::ALL.into_iter().filter(|fill| self.0.iter().flatten().any(|stretch| stretch.has(*fill)));
+        shown.map(|fill| (Symbol::Fill(fill), fill.name().into())).collect()
+    }
+
+    /// Returns the abscissa from which on no block of a curve separates, or `None` if none does or the last does.
+    pub(super) fn limit(&self, curve: usize) -> Option<f64> {
+        let curve = &self.0[curve];
+        let last = curve.iter().rposition(|stretch| stretch.has(Fill::Separated))?;
+        curve.get(last + 1).map(|stretch| stretch.from)
+    }
+
+    /// Draws the curves with their outcome bars.
+    pub(super) fn chart(&self, over: Abscissa, title: String) -> Chart<'static> {
+        let all = || self.0.iter().flatten();
+        let (from, to) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s.from), b.max(s.to)));
+        let margin = 0.02 * (to - from);
+        let curve = |i| {
+            let style = LineStyle::of(i);
+            (Curve::new(style, self.segments(i)), outcome_bar(&self.0[i], style, from..to))
+        };
+        let (curves, bars) = (0..self.0.len()).map(curve).unzip();
+        Chart {
+            title,
+            x: (over.name(), from - margin..to + margin),
+            y: ("peak |θ|/α", rotations(std::iter::once(self.highest()))),
+            marks_alpha: true,
+            curves,
+            bars,
+            ..Chart::default()
+        }
+    }
+}
+
+fn outcome_bar(stretches: &[Stretch], style: LineStyle, range: Range<f64>) -> OutcomeBar {
+    let mut parts = Vec::new();
+    for (i, stretch) in stretches.iter().enumerate() {
+        // A stretch fills its surroundings, half way to the next one.
+        let from = if i == 0 { stretch.from } else { 0.5 * (stretches[i - 1].to + stretch.from) };
+        let to = stretches.get(i + 1).map_or(stretch.to, |next| 0.5 * (stretch.to + next.from));
+        parts.extend(Fill::ALL.into_iter().filter(|fill| stretch.has(*fill)).map(|fill| (from..to, fill)));
+    }
+    OutcomeBar { style, range, parts }
+}
+
+/// Names a curve by its foundation and, among several, its ground motion.
+fn name(spectrum: &Spectrum, curve: usize) -> String {
+    let place = spectrum.inputs(curve as u64 * spectrum.sizes.count);
+    let base = base_name(spectrum.bases[place.base]);
+    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[place.motion].0) } else { base }
+}
+
+/// Names a foundation.
+pub(super) fn base_name(base: Base) -> String {
+    match base {
+        Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => "rigid base".into(),
+        Base::Rigid { epsilon, restitution_factor: 1.0 } => format!("rigid base, ε = {}", short(epsilon)),
+        Base::Rigid { epsilon, restitution_factor } => {
+            format!("rigid base, ε = {}, {} × Housner's e", short(epsilon), short(restitution_factor))
+        }
+        Base::Viscoelastic { eta, xi_v, epsilon } => {
+            format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
+        }
+    }
+}

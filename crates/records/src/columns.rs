@@ -1,0 +1,210 @@
+//! Columns of numbers after optional lines of text: acceleration alone, or time and acceleration among others.
+//!
+//! Commas, semicolons, tabs or blanks separate the columns.
+
+use std::borrow::Cow;
+
+use super::error::RecordError;
+use super::format::Format;
+use super::options::{Column, ReadOptions, Setting};
+use super::raw::Raw;
+use super::table::{Heading, Layout, Separator, is_comment, layout};
+use super::text::{FileText, Values, print_quantum, quoted};
+use super::time_axis::TimeAxis;
+use super::unit::Unit;
+
+/// Number of values from which a first number equal to their count is a count, not an acceleration.
+const FEWEST_COUNTED: usize = 20;
+
+/// Reads the acceleration column and an optional time column, which must be evenly spaced.
+pub(super) fn read(source: &FileText<'_>, options: &ReadOptions) -> Result<Raw, RecordError> {
+    let layout = layout(source)?;
+    let (time, acceleration) = choose(source, &layout, options)?;
+    let mut raw = Raw::new(Format::Columns);
+    raw.title.clone_from(&layout.title);
+    raw.unit = unit(source, &layout, acceleration)?;
+    let time_unit = time.and_then(|index| layout.names.get(index)).and_then(|name| name.unit);
+    if let Some(unit) = time_unit
+        && !matches!(unit.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
+    {
+        return Err(source.header_error(layout.header, unit, "times in seconds, as t [s]"));
+    }
+
+    let mut axis = TimeAxis::new();
+    let mut values = Values::new(source);
+    let mut visit = |line: usize, width: usize, time: Option<&str>, acceleration: &str| {
+        if width != layout.width {
+            let expected = format!("{} columns as in line {}", layout.width, layout.first_row);
+            return Err(source.header_error(line, &format!("{width} columns"), expected));
+        }
+        if let Some(time) = time {
+            axis.push(line, source.number(line, time)?, print_quantum(time));
+        }
+        values.push(line, acceleration)
+    };
+    match layout.separator {
+        Separator::Blanks => {
+            for (line, text) in source.lines().skip(layout.first_row.saturating_sub(1)) {
+                if text.trim().is_empty() || is_comment(text) {
+                    continue;
+                }
+                let fields: Vec<&str> = text.split_whitespace().collect();
+                let field = |index: usize| fields.get(index).copied().unwrap_or("");
+                visit(line, fields.len(), time.map(field), field(acceleration))?;
+            }
+        }
+        Separator::Byte(separator) => {
+            delimited(source, layout.first_row, separator, |line, fields| {
+                let width = fields.len() - fields.iter().rev().take_while(|field| field.is_empty()).count();
+                let field = |index: usize| {
+                    let field = fields.get(index).copied().unwrap_or("");
+                    // Commas that do not separate columns are decimal commas.
+                    let is_decimal = separator != b',' && field.contains(',');
+                    if is_decimal { Cow::Owned(field.replace(',', ".")) } else { Cow::Borrowed(field) }
+                };
+                visit(line, width, time.map(field).as_deref(), &field(acceleration))
+            })?;
+        }
+    }
+    (raw.start_time, raw.time_step) = axis.even_spacing(source)?;
+    raw.values = values.finish()?;
+    if let [first, after @ ..] = raw.values.as_slice()
+        && time.is_none()
+        && after.len() >= FEWEST_COUNTED
+        && *first == after.len() as f64
+    {
+        return Err(source.header_error(
+            layout.first_row,
+            &format!("{first}, the count of the values after it"),
+            "an acceleration",
+        ));
+    }
+    Ok(raw)
+}
+
+/// Passes every row of a delimited file to `visit` with its line number, beginning at line `first`.
+fn delimited(
+    source: &FileText<'_>,
+    first: usize,
+    separator: u8,
+    mut visit: impl FnMut(usize, &[&str]) -> Result<(), RecordError>,
+) -> Result<(), RecordError> {
+    if !source.text.contains('"') {
+        // Without quotes every separator separates.
+        let mut fields = Vec::new();
+        for (line, text) in source.lines().skip(first.saturating_sub(1)) {
+            if text.starts_with('#') {
+                continue;
+            }
+            fields.clear();
+            fields.extend(text.split(char::from(separator)).map(str::trim));
+            if fields.iter().any(|field| !field.is_empty()) {
+                visit(line, &fields)?;
+            }
+        }
+        return Ok(());
+    }
+    // With one kind of line end, also on the last line, the line count of the reader is that of the file.
+    let mut rows = String::with_capacity(source.text.len() + 1);
+    for (_, text) in source.lines().skip(first.saturating_sub(1)) {
+        rows.push_str(text);
+        rows.push('\n');
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(rows.as_bytes());
+    let mut fields = csv::StringRecord::new();
+    loop {
+        let more = reader.read_record(&mut fields);
+        let line = first + usize::try_from(reader.position().line()).unwrap_or(usize::MAX).saturating_sub(2);
+        match more {
+            Ok(false) => return Ok(()),
+            Ok(true) if fields.iter().all(str::is_empty) => {}
+            Ok(true) => visit(line, &fields.iter().collect::<Vec<_>>())?,
+            Err(error) => {
+                return Err(source.header_error(line, &error.to_string(), "delimited columns"));
+            }
+        }
+    }
+}
+
+/// Returns the indices of the optional time column and of the acceleration column.
+fn choose(
+    source: &FileText<'_>,
+    layout: &Layout<'_>,
+    options: &ReadOptions,
+) -> Result<(Option<usize>, usize), RecordError> {
+    let Layout { names, width, header, .. } = layout;
+    let error = |but: String, setting: Setting| {
+        let columns = names.iter().map(|name| name.whole).collect::<Vec<_>>().join(", ");
+        let (named, or) = match names.as_slice() {
+            [] => (String::from("without names"), ""),
+            _ => (format!("named {columns}"), " or a name"),
+        };
+        let (plural, last) = if *width == 1 { ("", String::new()) } else { ("s", format!(" to {width}")) };
+        let found = format!("found {width} column{plural} {named}, {but}");
+        source.needs_setting(Some(*header), found, setting, format!("1{last}{or}"))
+    };
+    let place = |column: &Column, setting: Setting| {
+        let index = match column {
+            Column::Number(number) => number.checked_sub(1).filter(|index| index < width),
+            Column::Name(name) => {
+                names.iter().position(|n| [n.whole, n.word].iter().any(|n| n.eq_ignore_ascii_case(name)))
+            }
+        };
+        index.ok_or_else(|| error(format!("not {column}"), setting))
+    };
+    let chosen = options.acceleration_column.as_ref().map(|column| place(column, Setting::AccelerationColumn));
+    let chosen = chosen.transpose()?;
+    let time = match &options.time_column {
+        Some(column) => Some(place(column, Setting::TimeColumn)?),
+        None if *width == 1 => None,
+        None if !names.is_empty() => names.iter().position(Heading::is_time),
+        // Without names the first column is time, unless a given time step makes a table of accelerations possible.
+        None => (*width == 2 || *width > 2 && options.time_step.is_none()).then_some(0),
+    };
+    let time = time.filter(|&index| Some(index) != chosen);
+    if let Some(chosen) = chosen {
+        return Ok((time, chosen));
+    }
+    let others: Vec<usize> = (0..*width).filter(|&index| Some(index) != time).collect();
+    let named: Vec<usize> =
+        others.iter().copied().filter(|&index| names.get(index).is_some_and(Heading::is_acceleration)).collect();
+    match (others.as_slice(), named.as_slice()) {
+        (&[only], _) | (_, &[only]) => Ok((time, only)),
+        _ => {
+            let but = String::from("but no clear acceleration column");
+            Err(error(but, Setting::AccelerationColumn))
+        }
+    }
+}
+
+/// Returns the unit of the acceleration column, from its heading or from a line for all columns.
+fn unit(source: &FileText<'_>, layout: &Layout<'_>, column: usize) -> Result<Option<(usize, Unit)>, RecordError> {
+    let of_all = || match layout.stated {
+        Some((line, unit)) => Ok(source.unit(line, unit)?.map(|unit| (line, unit))),
+        None => Ok(None),
+    };
+    let Some(name) = layout.names.get(column) else {
+        return of_all();
+    };
+    if name.is_other_quantity() {
+        let found = format!("a column named {}", quoted(name.whole));
+        return Err(source.not_acceleration(layout.header, found));
+    }
+    let Some(unit) = name.unit else {
+        return of_all();
+    };
+    match source.unit(layout.header, unit)? {
+        Some(unit) => Ok(Some((layout.header, unit))),
+        None if name.is_acceleration() => {
+            Err(source.header_error(layout.header, name.whole, "a unit among g, m/s2, cm/s2"))
+        }
+        // A title rather than a column name, as "Tabas (Iran)".
+        None => Ok(None),
+    }
+}

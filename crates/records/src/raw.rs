@@ -1,0 +1,121 @@
+//! Content of a file in its own unit, caller's options → a record.
+
+use super::error::RecordError;
+use super::format::Format;
+use super::options::{ReadOptions, Setting};
+use super::record::{Peak, Record};
+use super::text::FileText;
+use super::unit::Unit;
+
+/// Largest accepted peak (g). The largest ever recorded are near 4 g, so a larger one means a wrong unit.
+const LARGEST_PEAK: f64 = 20.0;
+
+/// Relative difference below which two time steps are equal; no header prints more digits.
+const SAME_STEP: f64 = 1e-6;
+
+pub(super) struct StatedCount {
+    pub(super) line: usize,
+    /// Name of the count in the header.
+    pub(super) key: &'static str,
+    pub(super) value: usize,
+}
+
+pub(super) struct StatedStep {
+    pub(super) line: usize,
+    /// (s)
+    pub(super) value: f64,
+    /// Tolerance for the caller's time step [s].
+    pub(super) tolerance: f64,
+}
+
+impl StatedStep {
+    /// A time step printed in the header.
+    pub(super) fn exact(line: usize, value: f64) -> StatedStep {
+        StatedStep { line, value, tolerance: SAME_STEP * value.abs() }
+    }
+}
+
+/// Content of a file in its own unit.
+pub(super) struct Raw {
+    pub(super) format: Format,
+    pub(super) title: String,
+    pub(super) unit: Option<(usize, Unit)>,
+    pub(super) time_step: Option<StatedStep>,
+    pub(super) count: Option<StatedCount>,
+    /// (s)
+    pub(super) start_time: f64,
+    pub(super) values: Vec<f64>,
+}
+
+impl Raw {
+    pub(super) fn new(format: Format) -> Raw {
+        Raw {
+            format,
+            title: String::new(),
+            unit: None,
+            time_step: None,
+            count: None,
+            start_time: 0.0,
+            values: Vec::new(),
+        }
+    }
+
+    /// Agrees with the caller on unit and time step, checks count and peak, and converts to m/s².
+    pub(super) fn into_record(self, source: &FileText<'_>, options: &ReadOptions) -> Result<Record, RecordError> {
+        let file = || source.name.clone();
+        if let Some(StatedCount { line, key, value }) = self.count
+            && value != self.values.len()
+        {
+            return Err(RecordError::Count { file: file(), line, key, stated: value, counted: self.values.len() });
+        }
+        if self.values.len() < 2 {
+            return Err(RecordError::TooFew { file: file(), counted: self.values.len() });
+        }
+        let time_step = match (self.time_step, options.time_step) {
+            (Some(StatedStep { line, value, .. }), _) if !(value.is_finite() && value > 0.0) => {
+                return Err(source.header_error(line, &format!("time step {value} s"), "a time step above 0 s"));
+            }
+            (Some(StatedStep { line, value, tolerance }), Some(given)) if (given - value).abs() > tolerance => {
+                let found = format!("the file has a time step of {value} s but {given} s was given");
+                return Err(source.needs_setting(Some(line), found, Setting::TimeStep, value.to_string()));
+            }
+            (_, Some(given)) => given,
+            (Some(stated), None) => stated.value,
+            (None, None) => {
+                let found = "no time step in the file and none given";
+                return Err(source.needs_setting(None, found, Setting::TimeStep, "in seconds"));
+            }
+        };
+        let unit = match (self.unit, options.unit) {
+            (Some((line, found)), Some(given)) if found != given => {
+                let expected = found.plain();
+                let found = format!("the file is in {found} but {given} was given");
+                return Err(source.needs_setting(Some(line), found, Setting::Unit, expected));
+            }
+            (Some((_, unit)), _) | (None, Some(unit)) => unit,
+            (None, None) => {
+                let found = "no unit in the file and none given";
+                return Err(source.needs_setting(None, found, Setting::Unit, "g, m/s2 or cm/s2"));
+            }
+        };
+        let unit_line = self.unit.map(|(line, _)| line);
+        let title = if self.title.is_empty() { file() } else { self.title };
+        let Raw { format, start_time, values: acceleration, .. } = self;
+        let record = Record { title, format, unit, start_time, time_step, acceleration };
+        let record = record.scaled(unit.factor(options.gravity));
+        let Peak { acceleration, time } = record.peak();
+        // Written so that infinity and NaN from an overflow are refused as well.
+        let peak = acceleration.abs() / options.gravity;
+        if !(peak <= LARGEST_PEAK && record.acceleration.iter().all(|a| a.is_finite())) {
+            return Err(match unit_line {
+                Some(line) => RecordError::Absurd { file: file(), line, peak, time, unit, limit: LARGEST_PEAK },
+                None => {
+                    let found =
+                        format!("the peak would be {peak:.3e} g at {time} s in {unit}, more than {LARGEST_PEAK} g");
+                    source.needs_setting(None, found, Setting::Unit, unit.others())
+                }
+            });
+        }
+        Ok(record)
+    }
+}

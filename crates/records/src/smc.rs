@@ -1,0 +1,94 @@
+//! SMC files of the U.S. Geological Survey: 11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comment lines
+//! that start with `|`, then the values in cm/s² (8(1PE10.4E1), without blanks between them).
+//!
+//! "SMC- and BBF-format data files", USGS National Strong-Motion Program.
+
+use super::error::RecordError;
+use super::format::Format;
+use super::raw::{Raw, StatedCount, StatedStep};
+use super::text::{FileText, Values, fixed_width, quoted, squeezed};
+use super::unit::Unit;
+
+const TEXT_LINES: usize = 11;
+const INTEGER_LINES: usize = 6;
+const REAL_LINES: usize = 10;
+
+/// Indices within the headers.
+const COMMENT_COUNT: usize = 15;
+const VALUE_COUNT: usize = 16;
+const UNDEFINED: usize = 0;
+const SAMPLING_RATE: usize = 1;
+
+/// Highest plausible sampling rate [1/s]; some headers have nonsensical ones.
+const LARGEST_SAMPLING_RATE: f64 = 1e5;
+
+/// Returns whether a line begins an SMC file: a digit for the kind of file, and its name.
+pub(super) fn is_first_line(line: &str) -> bool {
+    let kinds = ["ACCELEROGRAM", "VELOCITY", "DISPLACEMENT", "RESPONSE SPECTR", "FOURIER"];
+    let line = line.trim().to_ascii_uppercase();
+    line.starts_with(|c: char| c.is_ascii_digit())
+        && line
+            .get(1..)
+            .is_some_and(|rest| rest.starts_with([' ', '\t']) && kinds.iter().any(|kind| rest.contains(kind)))
+}
+
+/// Reads a corrected or uncorrected accelerogram; refuses velocities, displacements and spectra.
+pub(super) fn read(source: &FileText<'_>) -> Result<Raw, RecordError> {
+    let mut raw = Raw::new(Format::Smc);
+    raw.unit = Some((1, Unit::CentimetrePerSecondSquared));
+    let mut lines = source.lines();
+    let text: Vec<&str> = lines.by_ref().take(TEXT_LINES).map(|(_, line)| line).collect();
+    let kind = text.first().copied().unwrap_or_default();
+    if !kind.to_ascii_uppercase().contains("ACCELEROGRAM") {
+        return Err(source.not_acceleration(1, format!("an SMC file of the kind {}", quoted(kind))));
+    }
+    // Line 4: date and earthquake; line 6: "station = … component = …".
+    raw.title =
+        [3, 5].iter().filter_map(|&index| text.get(index)).map(|line| squeezed(line)).collect::<Vec<_>>().join("; ");
+
+    let mut integers: Vec<(usize, &str)> = Vec::new();
+    for (line, text) in lines.by_ref().take(INTEGER_LINES) {
+        integers.extend(fixed_width(text, 10).map(|field| (line, field)));
+    }
+    let mut reals: Vec<(usize, &str)> = Vec::new();
+    for (line, text) in lines.by_ref().take(REAL_LINES) {
+        reals.extend(fixed_width(text, 15).map(|field| (line, field)));
+    }
+    let count = |index: usize, expected: &str| {
+        let (line, field) = integers.get(index).copied().unwrap_or((TEXT_LINES + 1, ""));
+        field.parse::<usize>().map(|value| (line, value)).map_err(|_| source.header_error(line, field, expected))
+    };
+    let real = |index: usize, expected: &str| {
+        let (line, field) = reals.get(index).copied().unwrap_or((TEXT_LINES + INTEGER_LINES + 1, ""));
+        source.number(line, field).map(|value| (line, value)).map_err(|_| source.header_error(line, field, expected))
+    };
+    let (_, comments) = count(COMMENT_COUNT, "the count of comment lines (integer header, 16th value)")?;
+    let (line, value) = count(VALUE_COUNT, "the count of values (integer header, 17th value)")?;
+    raw.count = Some(StatedCount { line, key: "17th integer", value });
+    let (_, undefined) = real(UNDEFINED, "the number that stands for undefined (real header, 1st value)")?;
+    let (line, rate) = real(SAMPLING_RATE, "the sampling rate (real header, 2nd value)")?;
+    if rate != undefined {
+        if !(rate > 0.0 && rate <= LARGEST_SAMPLING_RATE) {
+            return Err(source.header_error(
+                line,
+                &rate.to_string(),
+                "a sampling rate above 0 and up to 1e5 per second",
+            ));
+        }
+        raw.time_step = Some(StatedStep::exact(line, 1.0 / rate));
+    }
+
+    for (line, text) in lines.by_ref().take(comments) {
+        if !text.starts_with('|') {
+            return Err(source.header_error(line, text, format!("one of {comments} comment lines that start with |")));
+        }
+    }
+    let mut values = Values::new(source);
+    for (line, text) in lines {
+        for field in fixed_width(text, 10) {
+            values.push(line, field)?;
+        }
+    }
+    raw.values = values.finish()?;
+    Ok(raw)
+}

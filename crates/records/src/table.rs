@@ -1,0 +1,202 @@
+//! Lines → layout of a table: separator, header row, first row of numbers.
+
+use super::error::RecordError;
+use super::format::Format;
+use super::text::{FileText, HEAD_LINES, number, quoted, squeezed};
+use super::unit::{Unit, other_quantity};
+
+/// Number of columns from which values without names are in reading order, as in PEER files.
+const FEWEST_IN_BLOCK: usize = 3;
+
+/// Relative difference below which two steps of a time column are equal.
+const EQUAL_STEPS: f64 = 1e-3;
+
+/// Separator of columns.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Separator {
+    Byte(u8),
+    Blanks,
+}
+
+impl Separator {
+    pub(super) fn of(line: &str) -> Separator {
+        let found = [b';', b'\t', b','].into_iter().find(|&byte| line.trim().contains(char::from(byte)));
+        found.map_or(Separator::Blanks, Separator::Byte)
+    }
+
+    pub(super) fn split(self, line: &str) -> Vec<&str> {
+        match self {
+            Separator::Byte(byte) => {
+                line.trim().trim_end_matches(char::from(byte)).split(char::from(byte)).map(str::trim).collect()
+            }
+            Separator::Blanks => line.split_whitespace().collect(),
+        }
+    }
+
+    /// Reads a number; commas that do not separate columns are decimal commas.
+    pub(super) fn number(self, field: &str) -> Option<f64> {
+        match self {
+            Separator::Byte(b',') | Separator::Blanks => number(field),
+            Separator::Byte(_) => number(&field.replace(',', ".")),
+        }
+    }
+}
+
+/// Heading of a column: a name and its unit in brackets, as `a_gx [m/s2]`.
+pub(super) struct Heading<'a> {
+    pub(super) whole: &'a str,
+    pub(super) word: &'a str,
+    pub(super) unit: Option<&'a str>,
+}
+
+impl<'a> Heading<'a> {
+    fn new(whole: &'a str) -> Heading<'a> {
+        let whole = whole.trim().trim_matches('"').trim();
+        match whole.split_once(['[', '(']) {
+            Some((word, rest)) => {
+                Heading { whole, word: word.trim(), unit: rest.split([']', ')']).next().map(str::trim) }
+            }
+            None => Heading { whole, word: whole, unit: None },
+        }
+    }
+
+    pub(super) fn starts_with(&self, starts: &[&str]) -> bool {
+        let word = self.word.to_lowercase();
+        starts.iter().any(|start| word.starts_with(start))
+    }
+
+    pub(super) fn is_time(&self) -> bool {
+        let is_in_seconds = self.word.is_empty() && self.unit.is_some_and(is_second);
+        is_in_seconds || self.word.eq_ignore_ascii_case("t") || self.starts_with(&["time"])
+    }
+
+    /// Returns whether this is a velocity, a displacement, or the abscissa of a spectrum.
+    pub(super) fn is_other_quantity(&self) -> bool {
+        let short = ["v", "vel", "d", "disp"];
+        short.iter().any(|word| self.word.eq_ignore_ascii_case(word))
+            || self.starts_with(&["velocity", "displacement", "period", "frequency"])
+    }
+
+    pub(super) fn is_acceleration(&self) -> bool {
+        let has_its_unit = self.word.is_empty() && self.unit.is_some_and(|unit| unit.parse::<Unit>().is_ok());
+        has_its_unit || self.word.eq_ignore_ascii_case("a") || self.starts_with(&["acc", "a_", "ag"])
+    }
+}
+
+/// Layout of a table, and the text before its numbers.
+pub(super) struct Layout<'a> {
+    pub(super) separator: Separator,
+    /// Line of the first row of numbers.
+    pub(super) first_row: usize,
+    /// Number of columns.
+    pub(super) width: usize,
+    /// Line of the header row.
+    pub(super) header: usize,
+    pub(super) names: Vec<Heading<'a>>,
+    /// Unit stated in a separate line, with the line number.
+    pub(super) stated: Option<(usize, &'a str)>,
+    pub(super) title: String,
+}
+
+/// Returns whether the file is a block in reading order: numbers from the first line, three or more per line, no times.
+pub(super) fn is_block(head: &[&str]) -> bool {
+    let rows: Vec<Vec<f64>> = head
+        .iter()
+        .filter(|line| !line.trim().is_empty())
+        .map_while(|line| line.split_whitespace().map(number).collect())
+        .collect();
+    let wide = rows.first().is_some_and(|row| row.len() >= FEWEST_IN_BLOCK);
+    let times: Vec<f64> = rows.iter().filter_map(|row| row.first().copied()).collect();
+    let steps: Vec<f64> = times.windows(2).filter_map(|pair| Some(pair.get(1)? - pair.first()?)).collect();
+    let first = steps.first().copied().unwrap_or(0.0);
+    let even = first > 0.0 && steps.len() > 1 && steps.iter().all(|step| (step - first).abs() <= EQUAL_STEPS * first);
+    wide && !even
+}
+
+/// Finds the first row of numbers and the header row before it.
+pub(super) fn layout<'a>(source: &'a FileText<'_>) -> Result<Layout<'a>, RecordError> {
+    let mut before: Vec<(usize, &str)> = Vec::new();
+    for (line, text) in source.lines().take(HEAD_LINES) {
+        let separator = Separator::of(text);
+        let fields = separator.split(text);
+        if !fields.is_empty() && fields.iter().all(|field| separator.number(field.trim_matches('"')).is_some()) {
+            // A comment may be the header row, as "# t [s], a [m/s2]".
+            let bare = |text: &'a str| text.trim_start_matches(['#', '%', '!', '/']).trim();
+            let last = before.last().map(|&(line, text)| (line, bare(text)));
+            let stated = last.and_then(|(line, text)| Some((line, stated_unit(text)?)));
+            let units = last.map(|(_, text)| units(text, separator, fields.len())).unwrap_or_default();
+            if stated.is_some() || !units.is_empty() {
+                before.pop();
+            }
+            let header = before.last().map(|&(header, text)| (header, names(bare(text), separator, fields.len())));
+            let (mut header, mut names) = header.unwrap_or((line, Vec::new()));
+            if let (true, false, Some((of_units, _))) = (names.is_empty(), units.is_empty(), last) {
+                header = of_units;
+                names = units.iter().map(|&unit| Heading { whole: unit, word: "", unit: Some(unit) }).collect();
+            }
+            for (name, unit) in names.iter_mut().zip(units) {
+                name.unit = name.unit.or(Some(unit));
+            }
+            let title = before.first().filter(|&&(first, _)| names.is_empty() || first != header);
+            let title = title.map_or(String::new(), |(_, text)| squeezed(bare(text)));
+            return Ok(Layout { separator, first_row: line, width: fields.len(), header, names, stated, title });
+        }
+        let lower = text.to_lowercase();
+        let spectrum = ["spectrum", "spectra"].iter().any(|word| lower.contains(word)) && !lower.contains("matched");
+        if spectrum || lower.trim_start().trim_start_matches('"').starts_with("period") {
+            return Err(source.not_acceleration(line, format!("a response spectrum ({})", quoted(text))));
+        }
+        if !text.trim().is_empty() {
+            before.push((line, text));
+        }
+    }
+    let (line, text) = before.last().copied().unwrap_or((1, ""));
+    let expected =
+        format!("the header of a known format ({}) or a row of numbers in the first {HEAD_LINES} lines", Format::NAMES);
+    Err(source.header_error(line, text, expected))
+}
+
+/// Returns the unit of a line such as `unit: g` or `Units = cm/s^2`.
+fn stated_unit(line: &str) -> Option<&str> {
+    let start = line.get(..4).filter(|start| start.eq_ignore_ascii_case("unit"))?;
+    let unit = line.get(start.len()..)?.trim_start_matches(['s', 'S', ' ', ':', '=']).trim();
+    is_unit(unit).then_some(unit)
+}
+
+/// Returns the units of a row of units, one per column, as `s, m/s2`; otherwise nothing.
+fn units(line: &str, separator: Separator, width: usize) -> Vec<&str> {
+    let fields =
+        if separator.split(line).len() == width { separator.split(line) } else { Separator::of(line).split(line) };
+    let bare: Vec<&str> = fields.iter().map(|field| field.trim_matches(['[', ']', '(', ')', '"']).trim()).collect();
+    let are_units = bare.len() == width && bare.iter().all(|field| is_unit(field) || is_second(field));
+    if are_units && bare.iter().any(|field| is_unit(field)) { bare } else { Vec::new() }
+}
+
+fn is_unit(text: &str) -> bool {
+    text.parse::<Unit>().is_ok() || other_quantity(text).is_some()
+}
+
+fn is_second(text: &str) -> bool {
+    matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
+}
+
+/// Returns the headings of the columns, or none if the line does not fit the columns.
+fn names(line: &str, separator: Separator, width: usize) -> Vec<Heading<'_>> {
+    let split = match separator {
+        Separator::Byte(_) => separator.split(line),
+        Separator::Blanks if line.contains('\t') => Separator::Byte(b'\t').split(line),
+        Separator::Blanks => {
+            // One blank may separate a name from its unit; two blanks separate names.
+            let wide: Vec<&str> = line.split("  ").map(str::trim).filter(|name| !name.is_empty()).collect();
+            let units: Vec<&str> = line.split_inclusive([']', ')']).map(str::trim).collect();
+            let words: Vec<&str> = line.split_whitespace().collect();
+            [wide, units, words].into_iter().find(|names| names.len() == width).unwrap_or_default()
+        }
+    };
+    if split.len() == width { split.into_iter().map(Heading::new).collect() } else { Vec::new() }
+}
+
+/// Returns whether a line among the numbers is a comment.
+pub(super) fn is_comment(line: &str) -> bool {
+    line.trim_start().starts_with(['#', '%', '!'])
+}

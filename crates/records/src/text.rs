@@ -1,0 +1,222 @@
+//! Bytes of a file → lines and numbers, for all readers.
+
+use std::borrow::Cow;
+
+use super::error::RecordError;
+use super::options::Setting;
+use super::unit::{Unit, other_quantity};
+
+/// Number of lines searched for the format and the end of the header.
+pub(super) const HEAD_LINES: usize = 64;
+
+/// A file with more than one control character in this many bytes is binary.
+///
+/// Some SMC headers have a few NULs; random bytes have one control character in nine, and floating-point numbers many more.
+const CONTROL_BYTES: usize = 100;
+
+/// Number of values with equal digits that must precede a last value for it to count as cut off.
+const EQUAL_VALUES: usize = 16;
+
+/// Text of a file, with its name for errors.
+pub(super) struct FileText<'a> {
+    pub(super) name: String,
+    pub(super) text: Cow<'a, str>,
+}
+
+impl<'a> FileText<'a> {
+    /// Decodes UTF-8 with or without byte order mark, otherwise Latin-1; refuses binary and empty files.
+    pub(super) fn new(name: &str, bytes: &'a [u8]) -> Result<FileText<'a>, RecordError> {
+        let name: String = name.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+        if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+            return Err(RecordError::NotText { file: name, found: "UTF-16 text" });
+        }
+        let control = |b: &&u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\r' | b'\n' | 0x0C | 0x1A);
+        if bytes.iter().filter(control).count() > bytes.len() / CONTROL_BYTES {
+            return Err(RecordError::NotText { file: name, found: "binary data" });
+        }
+        let text = match std::str::from_utf8(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)) {
+            Ok(text) => Cow::Borrowed(text.trim_end_matches('\x1A')),
+            Err(_) => Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()),
+        };
+        if text.trim().is_empty() {
+            return Err(RecordError::Empty { file: name });
+        }
+        Ok(FileText { name, text })
+    }
+
+    /// Numbers the lines from 1, without line ends: LF, CR LF, CR CR LF, or CR in files without LF.
+    pub(super) fn lines(&self) -> impl Iterator<Item = (usize, &str)> + Clone {
+        let end = if self.text.contains('\n') { '\n' } else { '\r' };
+        (1..).zip(self.text.split(end).map(|line| line.trim_end_matches('\r')))
+    }
+
+    /// Returns the first lines, within which every known header ends.
+    pub(super) fn head(&self) -> Vec<&str> {
+        self.lines().take(HEAD_LINES).map(|(_, line)| line).collect()
+    }
+
+    pub(super) fn header_error(&self, line: usize, found: &str, expected: impl Into<String>) -> RecordError {
+        RecordError::Header { file: self.name.clone(), line, found: quoted(found), expected: expected.into() }
+    }
+
+    /// Builds the error of a file that needs a setting.
+    pub(super) fn needs_setting(
+        &self,
+        line: Option<usize>,
+        found: impl Into<String>,
+        setting: Setting,
+        expected: impl Into<String>,
+    ) -> RecordError {
+        let (file, found, expected) = (self.name.clone(), found.into(), expected.into());
+        RecordError::NeedsSetting { file, line, found, setting, expected }
+    }
+
+    pub(super) fn number(&self, line: usize, token: &str) -> Result<f64, RecordError> {
+        number(token).filter(|value| value.is_finite()).ok_or_else(|| RecordError::Number {
+            file: self.name.clone(),
+            line,
+            found: quoted(token),
+        })
+    }
+
+    /// Parses a stated unit; refuses those of other quantities and returns nothing for unknown ones.
+    pub(super) fn unit(&self, line: usize, stated: &str) -> Result<Option<Unit>, RecordError> {
+        match (stated.parse(), other_quantity(stated)) {
+            (Ok(unit), _) => Ok(Some(unit)),
+            (Err(_), Some(found)) => Err(self.not_acceleration(line, format!("{found} in {stated}"))),
+            (Err(_), None) => Ok(None),
+        }
+    }
+
+    pub(super) fn not_acceleration(&self, line: usize, found: impl Into<String>) -> RecordError {
+        RecordError::NotAcceleration { file: self.name.clone(), line, found: found.into() }
+    }
+}
+
+/// Values of a file in reading order, with the digits in which they are printed.
+pub(super) struct Values<'s> {
+    source: &'s FileText<'s>,
+    numbers: Vec<f64>,
+    /// Common digits of all values but the last.
+    digits: Option<Digits>,
+    last_line: usize,
+    last: String,
+}
+
+/// Digits of a printed number.
+#[derive(Clone, Copy)]
+struct Digits {
+    /// Decimals; `None` if values differ.
+    decimals: Option<usize>,
+    /// Digits of the exponent, the fewest of all values; 0 without exponent.
+    exponent: usize,
+}
+
+impl Digits {
+    fn of(token: &str) -> Digits {
+        let (mantissa, exponent) = split_exponent(token);
+        Digits { decimals: Some(decimals(mantissa)), exponent: exponent.trim_start_matches(['+', '-']).len() }
+    }
+
+    fn common(self, other: Digits) -> Digits {
+        Digits {
+            decimals: self.decimals.filter(|_| self.decimals == other.decimals),
+            exponent: self.exponent.min(other.exponent),
+        }
+    }
+}
+
+impl<'s> Values<'s> {
+    pub(super) fn new(source: &'s FileText<'s>) -> Values<'s> {
+        Values { source, numbers: Vec::new(), digits: None, last_line: 0, last: String::new() }
+    }
+
+    pub(super) fn push(&mut self, line: usize, token: &str) -> Result<(), RecordError> {
+        let value = self.source.number(line, token)?;
+        if !self.numbers.is_empty() {
+            let digits = Digits::of(&self.last);
+            self.digits = Some(self.digits.map_or(digits, |common| common.common(digits)));
+        }
+        self.last_line = line;
+        self.last.clear();
+        self.last.push_str(token);
+        self.numbers.push(value);
+        Ok(())
+    }
+
+    /// Returns the numbers; refuses a file that ends within the last one.
+    pub(super) fn finish(self) -> Result<Vec<f64>, RecordError> {
+        let Some(others) = self.digits else {
+            return Ok(self.numbers);
+        };
+        let last = Digits::of(&self.last);
+        let fewer = last.decimals < others.decimals || last.exponent < others.exponent;
+        if fewer && self.numbers.len() > EQUAL_VALUES && self.source.text.ends_with(&self.last) {
+            let decimals = others.decimals.map_or(String::new(), |n| format!(" {n} decimals"));
+            let exponent = if others.exponent > 0 { " an exponent" } else { "" };
+            let and = if decimals.is_empty() || exponent.is_empty() { "" } else { " and" };
+            return Err(RecordError::Truncated {
+                file: self.source.name.clone(),
+                line: self.last_line,
+                found: quoted(&self.last),
+                expected: format!("{decimals}{and}{exponent}").trim_start().to_owned(),
+            });
+        }
+        Ok(self.numbers)
+    }
+}
+
+/// Splits a number into mantissa and exponent, which may be empty.
+fn split_exponent(token: &str) -> (&str, &str) {
+    let place = token.bytes().position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'));
+    let split = place.and_then(|place| Some((token.get(..place)?, token.get(place + 1..)?)));
+    split.unwrap_or((token, ""))
+}
+
+/// Counts the decimals of a mantissa.
+fn decimals(mantissa: &str) -> usize {
+    mantissa.bytes().position(|byte| byte == b'.').map_or(0, |place| mantissa.len() - place - 1)
+}
+
+/// Reads a number printed by C or Fortran (`.5E-02`, `0.5D-02`), also infinite ones and NaN.
+pub(super) fn number(token: &str) -> Option<f64> {
+    // Nearly all numbers are in the notation of C, which has no `d`.
+    token.parse().ok().or_else(|| token.replace(['D', 'd'], "e").parse().ok())
+}
+
+/// Returns one unit of the last printed digit; the rounding error is at most half of it.
+pub(super) fn print_quantum(token: &str) -> f64 {
+    let (mantissa, exponent) = split_exponent(token);
+    let decimals = decimals(mantissa);
+    let power = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(decimals).unwrap_or(0));
+    10f64.powi(power)
+}
+
+/// Splits a line into columns of equal width, trimmed, without the empty ones at the end.
+pub(super) fn fixed_width(line: &str, width: usize) -> impl Iterator<Item = &str> {
+    let line = line.trim_end();
+    // A line that is not ASCII has no numbers; as a single column it is refused as a number.
+    let width = if line.is_ascii() { width.max(1) } else { line.len().max(1) };
+    (0..line.len())
+        .step_by(width)
+        .filter_map(move |start| line.get(start..line.len().min(start + width)).map(str::trim))
+}
+
+/// Quotes a piece of the file in an error message, shortened to one line.
+pub(super) fn quoted(piece: &str) -> String {
+    const LONGEST: usize = 60;
+    let piece = piece.trim();
+    let more = if piece.chars().count() > LONGEST { "…" } else { "" };
+    format!("{:?}", piece.chars().take(LONGEST).collect::<String>() + more)
+}
+
+/// Joins the words of a header line with single blanks.
+pub(super) fn squeezed(line: &str) -> String {
+    line.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Returns whether a line marks the end of the data: `*** End Data ***`, `/& --- END OF DATA`, `End-of-data for`.
+pub(super) fn is_end_mark(line: &str) -> bool {
+    let line = line.trim_start();
+    line.starts_with("***") || line.starts_with("/&") || line.to_ascii_lowercase().starts_with("end-of-data")
+}

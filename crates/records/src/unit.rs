@@ -1,0 +1,100 @@
+//! Spellings of units of acceleration → factor to m/s².
+
+use std::{fmt, str::FromStr};
+
+use serde::{Deserialize, Serialize};
+
+/// A word that names none of the units of [`Unit`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("found unit {0:?}, expected one of g, m/s2, cm/s2, gal")]
+pub struct UnknownUnit(pub String);
+
+/// Unit of the accelerations in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unit {
+    /// Acceleration of gravity, with the caller's value; see [`Unit::factor`].
+    G,
+    /// m/s².
+    MetrePerSecondSquared,
+    /// cm/s², also called gal.
+    CentimetrePerSecondSquared,
+}
+
+impl Unit {
+    /// Returns the value of the unit in m/s², with `gravity` [m/s²] for `g`.
+    ///
+    /// Processed records "in g" do not state the value that was used.
+    #[must_use]
+    pub fn factor(self, gravity: f64) -> f64 {
+        match self {
+            Unit::G => gravity,
+            Unit::MetrePerSecondSquared => 1.0,
+            Unit::CentimetrePerSecondSquared => 0.01,
+        }
+    }
+
+    /// Returns the spelling for options.
+    pub(super) fn plain(self) -> &'static str {
+        match self {
+            Unit::G => "g",
+            Unit::MetrePerSecondSquared => "m/s2",
+            Unit::CentimetrePerSecondSquared => "cm/s2",
+        }
+    }
+
+    /// Returns the spellings of the other units.
+    pub(super) fn others(self) -> &'static str {
+        match self {
+            Unit::G => "m/s2 or cm/s2",
+            Unit::MetrePerSecondSquared => "g or cm/s2",
+            Unit::CentimetrePerSecondSquared => "g or m/s2",
+        }
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Unit::G => "g",
+            Unit::MetrePerSecondSquared => "m/s²",
+            Unit::CentimetrePerSecondSquared => "cm/s²",
+        })
+    }
+}
+
+impl FromStr for Unit {
+    type Err = UnknownUnit;
+
+    /// Reads the spellings of headers and users, in any case: `g`, `m/s2`, `m/s²`, `M/SEC/SEC`, `cm/s^2`, `cm/sec2`, `gal`.
+    fn from_str(text: &str) -> Result<Unit, UnknownUnit> {
+        match plain(text).as_str() {
+            "g" => Ok(Unit::G),
+            "m/s2" | "m/s/s" | "ms-2" => Ok(Unit::MetrePerSecondSquared),
+            "cm/s2" | "cm/s/s" | "cms-2" | "gal" | "gals" => Ok(Unit::CentimetrePerSecondSquared),
+            _ => Err(UnknownUnit(text.to_owned())),
+        }
+    }
+}
+
+/// Returns the quantity that another known unit measures.
+pub(super) fn other_quantity(text: &str) -> Option<&'static str> {
+    match plain(text).as_str() {
+        "cm/s" | "m/s" | "mm/s" | "in/s" | "ft/s" => Some("a velocity"),
+        "cm" | "m" | "mm" | "in" | "ft" => Some("a displacement"),
+        "count" | "counts" => Some("instrument readings"),
+        _ => None,
+    }
+}
+
+/// Normalizes a spelling: lower case, no blanks, `s` for second and `2` for the square.
+fn plain(text: &str) -> String {
+    let squeezed: String = text.to_lowercase().split_whitespace().collect();
+    squeezed
+        .replace("seconds", "s")
+        .replace("second", "s")
+        .replace("sec", "s")
+        .replace('²', "2")
+        .replace("**2", "2")
+        .replace("^2", "2")
+        .replace('·', "")
+}

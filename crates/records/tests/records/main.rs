@@ -1,0 +1,42 @@
+//! Accelerogram files: real ones of every format, made-up ones, and random ones.
+
+#[path = "../../../../tests/common/cases.rs"]
+mod cases;
+mod columns;
+mod real;
+mod refused;
+mod round_trip;
+#[path = "../../../../tests/common/skipped.rs"]
+mod skipped;
+
+use rocking_records::{ReadOptions, Record, RecordError, Unit, parse};
+
+/// Options for a file without header.
+pub fn unit_and_step(unit: Unit, time_step: f64) -> ReadOptions {
+    ReadOptions { unit: Some(unit), time_step: Some(time_step), ..ReadOptions::default() }
+}
+
+/// Reads a text as a file.
+pub fn parsed(text: &str, options: &ReadOptions) -> Result<Record, RecordError> {
+    parse("made-up", text.as_bytes(), options)
+}
+
+/// Returns the message with which a text is refused.
+pub fn refusal(text: &str, options: &ReadOptions) -> String {
+    let message = parsed(text, options).expect_err(text).to_string();
+    assert!(!message.contains('\n'), "{message}");
+    message
+}
+
+/// Checks the message for a text read without options.
+#[track_caller]
+pub fn assert_refused(text: &str, expected: &str) {
+    let message = refusal(text, &ReadOptions::default());
+    assert_eq!(message, expected);
+}
+
+/// Returns the record of a valid text.
+#[track_caller]
+pub fn accelerations(text: &str, options: &ReadOptions) -> Record {
+    parsed(text, options).unwrap_or_else(|error| panic!("{error}"))
+}

@@ -1,0 +1,212 @@
+//! Options, accelerogram files → records of ground motions.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::checks::checked;
+use crate::input;
+use crate::output::NamedFile;
+use rocking_block::ground::Ground;
+use rocking_records::{Column, Format, ReadOptions, Unit};
+use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
+
+/// Records of one ground motion.
+#[derive(Args)]
+pub struct Accelerograms {
+    /// Accelerogram of the horizontal ground motion: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for standard input
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Accelerogram of the vertical ground motion; `-` for standard input
+    #[arg(long, value_name = "FILE")]
+    pub vertical: Option<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    #[command(flatten)]
+    vertical_reading: VerticalReadingOptions,
+}
+
+/// Records of several ground motions.
+#[derive(Args)]
+pub struct ManyAccelerograms {
+    /// Accelerograms of horizontal ground motions, one or more: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for
+    /// standard input
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    record: Vec<PathBuf>,
+    /// Accelerograms of the vertical ground motions, in the same order; `-` for standard input
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    vertical: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    #[command(flatten)]
+    vertical_reading: VerticalReadingOptions,
+}
+
+/// Files of one ground motion.
+#[derive(Clone, Copy)]
+pub struct MotionFiles<'a> {
+    /// Horizontal record.
+    pub horizontal: Option<&'a Path>,
+    /// Vertical record.
+    pub vertical: Option<&'a Path>,
+}
+
+/// Information missing from the files.
+#[derive(Args)]
+pub struct ReadingOptions {
+    /// Unit of accelerograms that do not state it: g, m/s2 or cm/s2
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// Time step of accelerograms that do not state it [s]
+    #[arg(long, value_name = "S")]
+    dt: Option<f64>,
+    /// Format, if the content leaves it open: peer, smc, columns, cosmos, csmip or esm
+    #[arg(long)]
+    format: Option<Format>,
+    /// Channel of a COSMOS or CSMIP file with several, from 1
+    #[arg(long, value_name = "N")]
+    channel: Option<usize>,
+    /// Column of the accelerations in a table, by name or by number from 1
+    #[arg(long, value_name = "COLUMN")]
+    acceleration_column: Option<Column>,
+    /// Column of the times in a table, by name or by number from 1
+    #[arg(long, value_name = "COLUMN")]
+    time_column: Option<Column>,
+}
+
+/// Information missing from vertical files.
+#[derive(Args)]
+pub struct VerticalReadingOptions {
+    /// Unit of the vertical accelerogram, instead of --unit
+    #[arg(long, value_name = "UNIT")]
+    vertical_unit: Option<Unit>,
+    /// Time step of the vertical accelerogram, instead of --dt [s]
+    #[arg(long, value_name = "S")]
+    vertical_dt: Option<f64>,
+    /// Format of the vertical accelerogram, instead of --format
+    #[arg(long, value_name = "FORMAT")]
+    vertical_format: Option<Format>,
+    /// Channel of the vertical accelerogram, instead of --channel
+    #[arg(long, value_name = "N")]
+    vertical_channel: Option<usize>,
+    /// Column of the vertical accelerations, instead of --acceleration-column
+    #[arg(long, value_name = "COLUMN")]
+    vertical_acceleration_column: Option<Column>,
+    /// Column of the vertical times, instead of --time-column
+    #[arg(long, value_name = "COLUMN")]
+    vertical_time_column: Option<Column>,
+}
+
+impl MotionFiles<'_> {
+    /// Returns the files with the options that name them.
+    pub fn named(&self) -> Vec<NamedFile> {
+        NamedFile::of_options([("record", self.horizontal), ("vertical", self.vertical)])
+    }
+}
+
+impl Accelerograms {
+    /// Returns whether no record is named.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_none() && self.vertical.is_none()
+    }
+
+    /// Returns the files.
+    pub fn files(&self) -> MotionFiles<'_> {
+        MotionFiles { horizontal: self.record.as_deref(), vertical: self.vertical.as_deref() }
+    }
+
+    /// Reads the records, those in g with this gravity (m/s²).
+    pub fn read(&self, gravity: f64) -> anyhow::Result<Ground> {
+        let grounds = read(&[self.files()], &self.reading, &self.vertical_reading, gravity)?;
+        Ok(grounds.into_iter().next().unwrap_or_default())
+    }
+}
+
+impl ManyAccelerograms {
+    /// Returns whether no record is named.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_empty() && self.vertical.is_empty()
+    }
+
+    /// Returns the files of each ground motion; without records, one motion without files.
+    pub fn files(&self) -> Vec<MotionFiles<'_>> {
+        let count = self.record.len().max(self.vertical.len()).max(1);
+        let files = |i| MotionFiles {
+            horizontal: self.record.get(i).map(PathBuf::as_path),
+            vertical: self.vertical.get(i).map(PathBuf::as_path),
+        };
+        (0..count).map(files).collect()
+    }
+
+    /// Reads the records of each ground motion, those in g with this gravity (m/s²).
+    pub fn read(&self, gravity: f64) -> anyhow::Result<Vec<Ground>> {
+        let (horizontal, vertical) = (self.record.len(), self.vertical.len());
+        anyhow::ensure!(
+            horizontal == 0 || vertical == 0 || horizontal == vertical,
+            "--record names {horizontal} files and --vertical {vertical}; expected equal numbers, in the same order"
+        );
+        read(&self.files(), &self.reading, &self.vertical_reading, gravity)
+    }
+}
+
+fn read(
+    files: &[MotionFiles],
+    reading: &ReadingOptions,
+    vertical_reading: &VerticalReadingOptions,
+    gravity: f64,
+) -> anyhow::Result<Vec<Ground>> {
+    let said = RecordOptions { both: reading.read_options(gravity)?, vertical: vertical_reading.read_options()? };
+    let named = files.iter().flat_map(|files| [("--record", files.horizontal), ("--vertical", files.vertical)]);
+    input::check_one_standard(named.filter_map(|(option, path)| Some((option, path?))))?;
+    let read = |path: Option<&Path>, is_vertical| {
+        let read = |path| said.read(is_vertical, RecordOption::option, |options| input::record(path, options));
+        path.map(read).transpose().map_err(anyhow::Error::msg)
+    };
+    let ground = |files: &MotionFiles| {
+        Ok(Ground { horizontal: read(files.horizontal, false)?, vertical: read(files.vertical, true)? })
+    };
+    let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
+    refuse_unread(&said, &grounds)?;
+    Ok(grounds)
+}
+
+/// Refuses options that none of the files needed.
+pub fn refuse_unread(said: &RecordOptions, grounds: &[Ground]) -> anyhow::Result<()> {
+    match said.unread(grounds) {
+        Some((name, needed)) => anyhow::bail!("{} has no effect without {needed}", name.option()),
+        None => Ok(()),
+    }
+}
+
+impl ReadingOptions {
+    /// Returns the options of the reader, with this gravity for records in g (m/s²).
+    pub fn read_options(&self, gravity: f64) -> anyhow::Result<ReadOptions> {
+        Ok(ReadOptions {
+            format: self.format,
+            unit: self.unit,
+            time_step: time_step("dt", self.dt)?,
+            gravity,
+            time_column: self.time_column.clone(),
+            acceleration_column: self.acceleration_column.clone(),
+            channel: self.channel,
+        })
+    }
+}
+
+impl VerticalReadingOptions {
+    fn read_options(&self) -> anyhow::Result<ReadOptions> {
+        Ok(ReadOptions {
+            format: self.vertical_format,
+            unit: self.vertical_unit,
+            time_step: time_step("vertical-dt", self.vertical_dt)?,
+            time_column: self.vertical_time_column.clone(),
+            acceleration_column: self.vertical_acceleration_column.clone(),
+            channel: self.vertical_channel,
+            ..ReadOptions::default()
+        })
+    }
+}
+
+fn time_step(option: &str, value: Option<f64>) -> anyhow::Result<Option<f64>> {
+    checked(option, value, |x| x > 0.0, "a time > 0 s")
+}

@@ -1,0 +1,30 @@
+//! Numbers of options → refusals of those out of range.
+
+use rocking_block::simulation::Settings;
+
+/// Refuses a number that is not finite or does not fit.
+pub fn check(option: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> anyhow::Result<()> {
+    anyhow::ensure!(value.is_finite() && fits(value), "--{option} = {value}; expected {expected}");
+    Ok(())
+}
+
+/// Checks the value of an option that may be missing, and returns it.
+pub fn checked(
+    option: &str,
+    value: Option<f64>,
+    fits: impl Fn(f64) -> bool,
+    expected: &str,
+) -> anyhow::Result<Option<f64>> {
+    value.map_or(Ok(()), |value| check(option, value, fits, expected))?;
+    Ok(value)
+}
+
+/// Refuses a tolerance too loose or too tight for meaningful results.
+pub fn check_tolerance(tolerance: f64) -> anyhow::Result<()> {
+    check("tolerance", tolerance, Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)
+}
+
+/// Checks a coefficient of friction.
+pub fn check_friction(friction: Option<f64>) -> anyhow::Result<Option<f64>> {
+    checked("friction", friction, |x| x > 0.0, "a coefficient > 0")
+}

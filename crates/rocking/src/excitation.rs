@@ -1,0 +1,199 @@
+//! Options → the excitation: records and a pulse.
+
+use std::path::Path;
+
+use clap::Args;
+
+use crate::accelerograms::{Accelerograms, ManyAccelerograms, MotionFiles};
+use crate::checks::check;
+use crate::choices;
+use crate::explicit_options::ExplicitOptions;
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::ground::Ground;
+use rocking_block::words::Words;
+use rocking_charts::numerals::significant;
+use rocking_records::Record;
+use rocking_studies::intensity::pga;
+use rocking_studies::spectrum::statistics::direction;
+
+/// One ground motion.
+#[derive(Args)]
+pub struct ExcitationOptions {
+    #[command(flatten)]
+    pub accelerograms: Accelerograms,
+    /// Scale factor on the accelerograms
+    #[arg(long, default_value_t = 1.0)]
+    pub scale: f64,
+    #[command(flatten)]
+    pub pulse: PulseOptions,
+}
+
+/// Several ground motions.
+#[derive(Args)]
+pub struct ManyExcitationOptions {
+    #[command(flatten)]
+    pub accelerograms: ManyAccelerograms,
+    /// Scale factor on the accelerograms
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    #[command(flatten)]
+    pulse: PulseOptions,
+}
+
+/// Pulse of the ground.
+#[derive(Args)]
+pub struct PulseOptions {
+    /// Pulse, alone or added to the record
+    #[arg(id = "pulse", long = "pulse", value_name = "SHAPE", value_parser = choices::pulse_shape(),
+          default_value = PulseShape::None.word())]
+    shape: PulseShape,
+    /// Acceleration amplitude a_p of the pulse [m/s2]
+    #[arg(long, value_name = "A", default_value_t = 0.0)]
+    amplitude: f64,
+    /// Period T_p of the pulse [s]
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    period: f64,
+    /// Start time of the pulse [s]
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    start: f64,
+}
+
+/// Excitation of one run.
+pub struct Excitation {
+    /// Scaled records.
+    pub ground: Ground,
+    /// Pulse.
+    pub pulse: Pulse,
+    /// Both in words, for summaries and pictures.
+    pub description: String,
+}
+
+/// Excitations of the runs of a spectrum.
+pub struct ManyExcitations {
+    /// Scaled records with their names, at least one; without records an empty one.
+    pub grounds: Vec<(String, Ground)>,
+    /// Pulse, the same for all.
+    pub pulse: Pulse,
+    /// All in words, for summaries and pictures.
+    pub description: String,
+}
+
+impl ExcitationOptions {
+    /// Reads the records, those in g with this gravity (m/s²); `default` replaces a missing horizontal record.
+    pub fn read(
+        &self,
+        explicit: &ExplicitOptions,
+        gravity: f64,
+        default: Option<Record>,
+    ) -> anyhow::Result<Excitation> {
+        let has_record = default.is_some() || !self.accelerograms.is_empty();
+        check_scale(explicit, self.scale, has_record)?;
+        let Ground { horizontal, vertical } = self.accelerograms.read(gravity)?;
+        let ground = Ground { horizontal: horizontal.or(default), vertical }.scaled(self.scale);
+        let pulse = self.pulse.read(explicit)?;
+        let mut parts = describe_records(&ground, self.accelerograms.files(), gravity);
+        parts.extend(describe_pulse(&pulse));
+        Ok(Excitation { ground, pulse, description: parts.join(" + ") })
+    }
+}
+
+impl ManyExcitationOptions {
+    /// Returns whether there is a pulse and no record.
+    pub fn is_pulse_alone(&self) -> bool {
+        self.accelerograms.is_empty() && self.pulse.shape != PulseShape::None
+    }
+
+    /// Reads the records, those in g with this gravity (m/s²).
+    pub fn read(&self, explicit: &ExplicitOptions, gravity: f64) -> anyhow::Result<ManyExcitations> {
+        check_scale(explicit, self.scale, !self.accelerograms.is_empty())?;
+        let grounds = self.accelerograms.read(gravity)?;
+        let grounds: Vec<Ground> = grounds.into_iter().map(|ground| ground.scaled(self.scale)).collect();
+        let pulse = self.pulse.read(explicit)?;
+        let files = self.accelerograms.files();
+        let mut parts = match (grounds.as_slice(), files.as_slice()) {
+            ([ground], [files]) => describe_records(ground, *files, gravity),
+            _ => {
+                let pgas = grounds.iter().filter_map(|ground| ground.horizontal.as_ref().or(ground.vertical.as_ref()));
+                let pgas: Vec<f64> = pgas.map(|record| pga(record) / gravity).collect();
+                let [least, greatest] = [f64::min, f64::max].map(|of| pgas.iter().copied().reduce(of).unwrap_or(0.0));
+                let names = names(&files);
+                let names = match names.as_slice() {
+                    [first, .., last] if names.len() > 4 => format!("{first} … {last}"),
+                    names => names.join(", "),
+                };
+                let [least, greatest] = [least, greatest].map(|pga| significant(pga, 3));
+                vec![format!("{} records ({names}), {least} to {greatest} g", grounds.len())]
+            }
+        };
+        parts.extend(describe_pulse(&pulse));
+        let names = names(&files);
+        if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            anyhow::bail!("--record names {name} twice; expected each record once");
+        }
+        let grounds = names.into_iter().zip(grounds).collect();
+        Ok(ManyExcitations { grounds, pulse, description: parts.join(" + ") })
+    }
+}
+
+fn check_scale(explicit: &ExplicitOptions, scale: f64, has_record: bool) -> anyhow::Result<()> {
+    check("scale", scale, |_| true, "a finite factor")?;
+    explicit.refuse_unless(has_record, &["scale"], "without --record or --vertical")
+}
+
+/// Describes the records of a ground motion, with their PGA in units of this gravity (m/s²).
+fn describe_records(ground: &Ground, files: MotionFiles, gravity: f64) -> Vec<String> {
+    let parts = [("", &ground.horizontal, files.horizontal), ("vertical ", &ground.vertical, files.vertical)];
+    let parts = parts.into_iter().filter_map(|(direction, record, path)| {
+        let record = record.as_ref()?;
+        Some(format!("{direction}{}, {} g", title(record, path), significant(pga(record) / gravity, 3)))
+    });
+    parts.collect()
+}
+
+/// Names ground motions: a single one by its directions, several by their files, with folders if names repeat.
+pub fn names(files: &[MotionFiles]) -> Vec<String> {
+    if let [files] = files {
+        return vec![direction(files.vertical.is_some()).into()];
+    }
+    let name = |of: fn(&Path) -> String| {
+        let name = |files: &MotionFiles| {
+            [files.horizontal, files.vertical].into_iter().flatten().map(of).collect::<Vec<_>>().join(" + ")
+        };
+        files.iter().map(name).collect::<Vec<_>>()
+    };
+    let short = name(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into());
+    let repeats = short.iter().enumerate().any(|(i, name)| short[..i].contains(name));
+    if repeats { name(|path| path.display().to_string()) } else { short }
+}
+
+impl PulseOptions {
+    /// Returns the pulse, which may have no shape.
+    fn read(&self, explicit: &ExplicitOptions) -> anyhow::Result<Pulse> {
+        let PulseOptions { shape, amplitude, period, start } = *self;
+        let has_shape = shape != PulseShape::None;
+        explicit.refuse_unless(has_shape, &["amplitude", "period", "start"], "without --pulse")?;
+        check("amplitude", amplitude, |_| true, "a finite acceleration")?;
+        check("period", period, |x| x > 0.0, "a time > 0 s")?;
+        check("start", start, |_| true, "a finite time")?;
+        anyhow::ensure!(
+            !has_shape || amplitude != 0.0,
+            "--amplitude = 0 m/s2 is not a pulse; expected the amplitude a_p"
+        );
+        Ok(Pulse { shape, amplitude, period, start })
+    }
+}
+
+/// Describes a pulse, if it has a shape.
+fn describe_pulse(pulse: &Pulse) -> Option<String> {
+    let Pulse { shape, amplitude, period, .. } = pulse;
+    let describe = || format!("{} pulse, a_p = {amplitude} m/s², T_p = {period} s", shape.word());
+    (*shape != PulseShape::None).then(describe)
+}
+
+/// Returns file and title of a record on one line. A file without a title has its path in the place of one.
+fn title(record: &Record, path: Option<&Path>) -> String {
+    let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
+    let Some(path) = path else { return title };
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    if path.as_os_str() == record.title.as_str() { file.into() } else { format!("{file}: {title}") }
+}

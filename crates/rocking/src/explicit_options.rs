@@ -1,0 +1,33 @@
+//! Command line → the options that the user set; refusals of those without effect.
+
+use clap::ArgMatches;
+use clap::parser::ValueSource;
+
+/// The options that the user set, as opposed to those at their defaults.
+pub struct ExplicitOptions<'a>(&'a ArgMatches);
+
+impl ExplicitOptions<'_> {
+    /// Collects the options of the innermost subcommand, or of the program.
+    pub fn of(matches: &ArgMatches) -> ExplicitOptions<'_> {
+        let mut innermost = matches;
+        while let Some((_, matches)) = innermost.subcommand() {
+            innermost = matches;
+        }
+        ExplicitOptions(innermost)
+    }
+
+    /// Returns whether the user set an option, by its name without the leading dashes.
+    pub fn has(&self, option: &str) -> bool {
+        self.0.value_source(&option.replace('-', "_")) == Some(ValueSource::CommandLine)
+    }
+
+    /// Refuses the first of these options that the user set, unless they are read.
+    ///
+    /// `why` completes the message "--amplitude has no effect …", as in "without --pulse".
+    pub fn refuse_unless(&self, read: bool, options: &[&str], why: &str) -> anyhow::Result<()> {
+        match options.iter().find(|option| !read && self.has(option)) {
+            Some(option) => anyhow::bail!("--{option} has no effect {why}"),
+            None => Ok(()),
+        }
+    }
+}

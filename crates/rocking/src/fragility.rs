@@ -1,0 +1,145 @@
+//! `rocking fragility`: the table of a sweep → fragility curves.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Parser;
+
+use crate::checks::check;
+use crate::choices;
+use crate::explicit_options::ExplicitOptions;
+use crate::formats::PictureOptions;
+use crate::fragility_report::{FragilityReport, MeasureReport, RowCounts, SurfaceReport};
+use crate::input;
+use crate::output::{NamedFile, Pending, check_distinct};
+use crate::report::{ReportOptions, WrittenFiles};
+use rocking_block::words::Words;
+use rocking_charts::fragility as charts;
+use rocking_charts::picture::PictureFormat;
+use rocking_studies::fragility::{Assessment, Ida, Limit, Link, Surface, SweepTable, Uncertainty, sufficiency_beside};
+
+/// Options of `rocking fragility`.
+#[derive(Parser)]
+pub struct Options {
+    /// Table of a sweep; `-` for standard input
+    #[arg(value_name = "TABLE.csv")]
+    table: PathBuf,
+    /// Intensity measure, or any other column of positive numbers, with or without its unit; several are compared
+    #[arg(long, value_name = "COLUMN", required = true)]
+    im: Vec<String>,
+    /// Limit to exceed: overturned, or a number such as 0.5 for |theta|/alpha > 0.5. Counts the probabilities of ensembles if
+    /// the table has them, else the outcomes of single runs
+    #[arg(long, value_name = "LIMIT", default_value = "overturned")]
+    limit: Limit,
+    /// Use only the rows in which a column has this value; several conditions must all hold
+    #[arg(long = "where", value_name = "COLUMN=VALUE")]
+    conditions: Vec<String>,
+    /// Distribution behind the curve
+    #[arg(long, value_parser = choices::link(), default_value = Link::Probit.word())]
+    link: Link,
+    /// Confidence level of the intervals and of the band
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
+    ci: f64,
+    /// Compute intervals from this many bootstrap samples of the records, not from the profile likelihood (clustered by record
+    /// if rows share records)
+    #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    bootstrap: Option<u32>,
+    /// Seed of the bootstrap samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Second measure, for a surface of both
+    #[arg(long, value_name = "COLUMN")]
+    surface: Option<String>,
+    /// Column against which the sufficiency of each measure is tested
+    #[arg(long, value_name = "COLUMN")]
+    beside: Vec<String>,
+    /// Picture of incremental dynamic analysis, peaks over the levels of a sweep; SVG or PNG by its extension
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    ida: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let Options { im, limit, link, ci, bootstrap, seed, beside, ida, .. } = options;
+    let plot = options.picture.plot.as_deref();
+    explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
+    explicit.refuse_unless(bootstrap.is_some(), &["seed"], "without --bootstrap")?;
+    check("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
+    for option in ["plot", "surface", "ida"].into_iter().filter(|option| explicit.has(option)) {
+        anyhow::ensure!(im.len() == 1, "--{option} with {} measures; expected one --im", im.len());
+    }
+    let format = options.picture.format()?;
+    let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
+    let outputs = [("plot", plot), ("ida", ida.as_deref())];
+    check_distinct(&[NamedFile::new("the table", &options.table)], &NamedFile::of_options(outputs))?;
+    let picture = plot.map(Pending::new).transpose()?;
+    let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
+    let (name, text) = input::text(&options.table)?;
+    let mut table = SweepTable::read(&name, text.as_bytes())?;
+    for condition in &options.conditions {
+        let (column, value) = condition
+            .split_once('=')
+            .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))?;
+        table.keep(column, value)?;
+    }
+    let found = table.cases(*limit)?;
+    let blocks = charts::blocks(&table);
+    let column = |name: &str| -> anyhow::Result<Vec<Option<f64>>> {
+        let numbers = table.numbers(name)?;
+        Ok(found.cases.iter().map(|case| numbers[case.row]).collect())
+    };
+    let uncertainty = bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, *seed));
+    let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
+    let mut intervals = None;
+    for measure in im {
+        let heading = table.heading(measure)?;
+        let at = || format!("{name}: {measure}");
+        let values = column(measure)?;
+        let assessment = Assessment::new(&found.cases, &values, *link, *ci, uncertainty).with_context(at)?;
+        intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
+        let p_value = |other: &String| {
+            let found = sufficiency_beside(&found.cases, &values, &column(other)?, *link);
+            Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
+        };
+        let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;
+        if let Some(other) = &options.surface {
+            let found = Surface::new(&found.cases, &values, &column(other)?, *link);
+            let found = found.with_context(|| format!("{name}: {measure} and {other}"))?;
+            let headings = [heading, table.heading(other)?];
+            if format.is_some() {
+                svg = Some(charts::surface(&blocks, &found.data, &found.fit, headings, *limit)?);
+            }
+            surface = Some(SurfaceReport::of(headings, &found));
+        } else if format.is_some() {
+            svg = Some(charts::curve(&blocks, &assessment, heading, *limit, *ci)?);
+        }
+        measures.push(MeasureReport::of(heading, &assessment, sufficiency));
+    }
+    let mut pictures = Vec::new();
+    if let (Some(file), Some(format), Some(svg)) = (picture, format, svg) {
+        pictures.push((file, format.encode(&svg)?));
+    }
+    if let (Some(file), Some(format)) = (ida_picture, ida_format) {
+        let curves = Ida::read(&table, &im[0])?;
+        let svg = charts::ida(&blocks, &curves, table.heading(&im[0])?)?;
+        pictures.push((file, format.encode(&svg)?));
+    }
+    Pending::write(pictures)?;
+    let result = FragilityReport {
+        table: name,
+        limit: limit.to_string(),
+        link: link.to_string(),
+        confidence: *ci,
+        intervals: intervals.unwrap_or_default(),
+        rows: RowCounts::of(&table, &found),
+        measures,
+        surface,
+    };
+    let written = WrittenFiles::new(outputs);
+    options.report.print("fragility", &written, &[], &(result.text() + &written.lines()), &result)
+}

@@ -1,0 +1,210 @@
+//! The `rocking` program: command line → tables, pictures and summaries.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`choices`] | words of the command line → choices of the engine |
+//! | [`explicit_options`] | command line → the options that the user set; refusals of those without effect |
+//! | [`checks`] | numbers of options → refusals of those out of range |
+//! | [`input`] | path or `-` → content |
+//! | [`formats`] | name of an output → its format |
+//! | [`output`] | content → files, checked first and replaced as a whole |
+//! | [`report`] | result → a summary, as text or JSON |
+//! | [`progress`] | finished part of the work → a bar on the terminal |
+//! | [`accelerograms`] | options, files → records |
+//! | [`excitation`] | options → records and a pulse |
+//! | [`run_options`] | options shared by commands → settings, a table of many runs |
+//! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
+//! | [`spectrum`] | options → peak rotations of blocks of all sizes |
+//! | [`sweep`] | study file → the table of a sweep |
+//! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
+//! | [`search`] | range → the values at which the outcome changes |
+//! | [`record`] | accelerograms → their contents and intensity measures |
+//! | [`figures`] | numbers of figures → pictures with their tables |
+//! | [`shell`] | command line → completions, manual pages |
+
+mod choices;
+
+mod explicit_options;
+
+mod checks;
+
+mod input;
+
+mod formats;
+
+mod output;
+
+mod report;
+
+mod progress;
+
+mod accelerograms;
+
+mod excitation;
+
+mod run_options;
+
+mod summary;
+
+mod simulate;
+
+mod spectrum;
+
+mod sweep;
+
+mod fragility_report;
+
+mod fragility;
+
+mod search;
+
+mod record;
+
+mod figures;
+
+mod shell;
+
+use std::any::TypeId;
+use std::io;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use explicit_options::ExplicitOptions;
+use rocking_studies::output::resumable::TableWriteError;
+
+/// Simulate rigid blocks that rock under earthquakes and pulses.
+///
+/// Without a command, run an example: a slender block of the size of a statue under an embedded record.
+#[derive(Parser)]
+#[command(name = "rocking", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Simulate one block: a table, a picture and a summary
+    Simulate(Box<simulate::Options>),
+    /// Compute peak rotations of blocks of all sizes on several foundations
+    Spectrum(Box<spectrum::Options>),
+    /// Vary any parameters, records and their strengths: a table of runs for fragility curves
+    Sweep(sweep::Options),
+    /// Fit fragility curves to the table of a sweep and compare intensity measures
+    Fragility(Box<fragility::Options>),
+    /// Find the values at which a block begins to overturn or to leave the ground
+    Search(Box<search::Options>),
+    /// Show the contents and intensity measures of accelerograms, or convert one to a table
+    Record(Box<record::Options>),
+    /// Compute the figures of Palmeri and Makris (2008) anew, as pictures with their tables
+    Figures(figures::Options),
+    /// Print a script that completes commands and options in a shell
+    Completions(shell::Completions),
+    /// Print the manual page, or write one for each command
+    Man(shell::Man),
+}
+
+/// Command line of the example.
+const EXAMPLE: [&str; 8] = ["rocking", "simulate", "--alpha", "0.15", "--p", "2", "--xi-v", "0.2"];
+
+/// Builds the command line.
+///
+/// Choices are read in any case. The argument after an option that takes a number is its value, even `-1e-3`; elsewhere a
+/// negative number is a value, not an option.
+fn command() -> clap::Command {
+    fn is_number(arg: &clap::Arg) -> bool {
+        let found = arg.get_value_parser().type_id();
+        [TypeId::of::<f64>(), TypeId::of::<u64>(), TypeId::of::<usize>(), TypeId::of::<u16>(), TypeId::of::<u8>()]
+            .iter()
+            .any(|number| found == *number)
+    }
+    fn with_negative_numbers(command: clap::Command) -> clap::Command {
+        command
+            .mut_args(|arg| {
+                match arg.get_value_parser().possible_values().is_some() && arg.get_action().takes_values() {
+                    true => arg.ignore_case(true),
+                    false => arg,
+                }
+            })
+            .mut_args(|arg| match arg.get_action().takes_values() {
+                true if is_number(&arg) => arg.allow_hyphen_values(true),
+                true => arg.allow_negative_numbers(true),
+                false => arg,
+            })
+            .mut_subcommands(with_negative_numbers)
+    }
+    with_negative_numbers(Arguments::command())
+}
+
+/// Flag of the signal SIGXFSZ, never read: the failed write reports the error.
+#[cfg(unix)]
+static BEYOND_LIMIT: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+
+/// Reads the command line and runs the command.
+///
+/// # Errors
+/// One line: the fault, its place and the expected value.
+fn run() -> anyhow::Result<()> {
+    // By default the signal of a write beyond the limit of the file size would end the program; this way the write fails.
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &BEYOND_LIMIT)?;
+    match command().try_get_matches() {
+        Ok(matches) => run_with(&matches),
+        // Help and version are printed as they are.
+        Err(error) if !error.use_stderr() => error.exit(),
+        Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => error.exit(),
+        Err(error) => {
+            eprintln!("rocking: {}", one_line(&error));
+            std::process::exit(error.exit_code())
+        }
+    }
+}
+
+/// Condenses an error of the command line to one line: the fault, and the expected values or options.
+fn one_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let text = text.split("\n\nUsage:").next().unwrap_or_default();
+    let text = text.split("\n\nFor more information").next().unwrap_or_default();
+    let text = text.strip_prefix("error: ").unwrap_or(text).replace("\n\n  tip: ", "; ");
+    let text = text.replace("invalid float literal", "expected a number");
+    let text = text.replace("invalid digit found in string", "expected a whole number");
+    text.split_whitespace().collect::<Vec<_>>().join(" ") + "; --help lists all options"
+}
+
+fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
+    let explicit = ExplicitOptions::of(matches);
+    match Arguments::from_arg_matches(matches)?.command {
+        Some(Command::Simulate(options)) => simulate::run(&options, &explicit),
+        Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
+        Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
+        Some(Command::Search(options)) => search::run(&options, &explicit),
+        Some(Command::Record(options)) => record::run(&options),
+        Some(Command::Figures(options)) => figures::run(&options),
+        Some(Command::Completions(options)) => shell::completions(&options, command()),
+        Some(Command::Man(options)) => shell::man(&options, command()),
+        None => run_with(&command().get_matches_from(EXAMPLE)),
+    }
+}
+
+/// Returns whether the reader of a table has closed its pipe, as in `rocking sweep study.toml --csv - | head`.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    matches!(
+        error.downcast_ref(),
+        Some(TableWriteError::Io { error, .. }) if error.kind() == io::ErrorKind::BrokenPipe
+    )
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            // One line, including all causes.
+            eprintln!("rocking: {}", format!("{error:#}").replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}

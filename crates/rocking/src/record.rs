@@ -1,0 +1,153 @@
+//! `rocking record`: accelerograms → their contents and intensity measures, or a table.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Parser;
+use serde::{Serialize, Serializer};
+
+use crate::accelerograms::{ReadingOptions, refuse_unread};
+use crate::checks::check;
+use crate::formats::check_table;
+use crate::input;
+use crate::output::{NamedFile, Pending, check_distinct};
+use crate::report::{ReportOptions, WrittenFiles};
+use rocking_block::block::Common;
+use rocking_block::ground::Ground;
+use rocking_records::Record;
+use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
+use rocking_studies::intensity::{Measure, PERIODS};
+
+/// Options of `rocking record`.
+#[derive(Parser)]
+pub struct Options {
+    /// Accelerograms: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for standard input
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten, next_help_heading = "Reading")]
+    reading: ReadingOptions,
+    /// Gravitational acceleration, for records in g and for the Arias intensity [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+    /// Periods of Sa and Sv, with 5 % damping [s]
+    #[arg(long, value_name = "S,S,...", value_delimiter = ',', help_heading = "Results")]
+    periods: Vec<f64>,
+    /// Table of times and accelerations of a single record; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+/// Runs the command.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let Options { files, csv, g, periods, .. } = options;
+    anyhow::ensure!(csv.is_none() || files.len() == 1, "--csv with {} records; expected one", files.len());
+    csv.as_deref().map_or(Ok(()), check_table)?;
+    for &period in periods {
+        check("periods", period, |period| PERIODS.contains(&period), "times from 0.001 to 1000 s")?;
+    }
+    let outputs = [("csv", csv.as_deref())];
+    let inputs: Vec<_> = files.iter().map(|path| NamedFile::new("the record", path)).collect();
+    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
+    let said = RecordOptions { both: options.reading.read_options(*g)?, ..RecordOptions::default() };
+    let read = |path: &PathBuf| {
+        let record = said.read(false, RecordOption::option, |options| input::record(path, options));
+        Ok(Ground { horizontal: Some(record.map_err(anyhow::Error::msg)?), vertical: None })
+    };
+    let grounds = files.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+    refuse_unread(&said, &grounds)?;
+    let records = || grounds.iter().filter_map(|ground| ground.horizontal.as_ref());
+    if let Some(path) = csv {
+        let table: String = records().map(table).collect();
+        Pending::write(vec![(Pending::new(path)?, table.into_bytes())])?;
+    }
+    let measures = Measure::of_record(periods);
+    let report = |(path, record): (&PathBuf, &Record)| Report::of(path.display().to_string(), record, &measures, *g);
+    let reports: Vec<Report> = files.iter().zip(records()).map(report).collect();
+    let texts: Vec<String> = reports.iter().map(|report| report.text(*g)).collect();
+    let written = WrittenFiles::new(outputs);
+    let text = texts.join("\n") + &written.lines();
+    options.report.print("record", &written, &[], &text, &BTreeMap::from([("records", reports)]))
+}
+
+/// Contents of a record, in SI units.
+#[derive(Serialize)]
+struct Report {
+    file: String,
+    title: String,
+    format: String,
+    /// Unit of the file.
+    unit: String,
+    samples: usize,
+    dt: f64,
+    start: f64,
+    duration: f64,
+    #[serde(rename = "PGA.time")]
+    pga_time: f64,
+    /// By their names; null if the record has no value.
+    #[serde(flatten, serialize_with = "by_name")]
+    measures: Vec<(Measure, Option<f64>)>,
+}
+
+fn by_name<S: Serializer>(measures: &[(Measure, Option<f64>)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(measures.iter().map(|(measure, value)| (measure.to_string(), value)))
+}
+
+impl Report {
+    fn of(file: String, record: &Record, measures: &[Measure], gravity: f64) -> Report {
+        Report {
+            file,
+            title: record.title.split_whitespace().collect::<Vec<_>>().join(" "),
+            format: record.format.to_string(),
+            unit: record.unit.to_string(),
+            samples: record.acceleration.len(),
+            dt: record.time_step,
+            start: record.start_time,
+            duration: record.duration(),
+            pga_time: record.peak().time,
+            measures: measures.iter().map(|&measure| (measure, measure.of(record, gravity))).collect(),
+        }
+    }
+
+    /// Writes the report as text, with the PGA also in units of this gravity (m/s²).
+    fn text(&self, gravity: f64) -> String {
+        let Report { file, title, format, unit, samples, dt, start, duration, pga_time, measures } = self;
+        let [duration, pga_time] = [duration, pga_time].map(|value| short(*value));
+        let mut text = format!(
+            "file          {file}\n\
+             title         {title}\n\
+             format        {format}, in {unit}\n\
+             samples       {samples}, every {dt} s from {start} s\n\
+             duration      {duration} s\n"
+        );
+        for (measure, value) in measures {
+            let in_g = match (measure, value) {
+                (Measure::Pga, Some(pga)) => format!(" = {:.3} g at {pga_time} s", pga / gravity),
+                _ => String::new(),
+            };
+            let unit = measure.unit().replace('2', "²");
+            let value = value.map_or("none".into(), |value| format!("{} {unit}{in_g}", short(value)));
+            // Writing to a String never fails.
+            let _ = writeln!(text, "{:<13} {value}", measure.to_string());
+        }
+        text
+    }
+}
+
+/// Rounds a number to six digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// Writes all samples of a record in full precision.
+fn table(record: &Record) -> String {
+    let mut table = String::from("t [s],a [m/s2]\n");
+    for (number, acceleration) in record.acceleration.iter().enumerate() {
+        let time = record.start_time + number as f64 * record.time_step;
+        // Writing to a String never fails.
+        let _ = writeln!(table, "{time},{acceleration}");
+    }
+    table
+}

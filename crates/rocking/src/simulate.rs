@@ -1,0 +1,344 @@
+//! `rocking simulate`: options → a run → a table, a picture and a summary.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::{Args, Parser};
+
+use crate::checks::{check, check_friction, check_tolerance, checked};
+use crate::choices;
+use crate::excitation::{Excitation, ExcitationOptions};
+use crate::explicit_options::ExplicitOptions;
+use crate::formats::{PictureOptions, check_table};
+use crate::output::{NamedFile, Pending, check_distinct};
+use crate::progress::Progress;
+use crate::report::{ReportOptions, WrittenFiles};
+use crate::run_options::warn_of_soft_supports;
+use crate::summary::Summary;
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
+use rocking_block::words::Words;
+use rocking_charts::picture::PictureFormat;
+use rocking_records::{ReadOptions, Record};
+use rocking_studies::run::outcome::End;
+use rocking_studies::run::stopping_rule::loses_energy;
+use rocking_studies::run::table;
+use rocking_studies::run::{History, Run};
+
+/// Default record: U.S. Geological Survey, public domain.
+const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../../records/np01002p_4225a_a.smc"));
+
+/// Options of `rocking simulate`.
+#[derive(Parser)]
+pub struct Options {
+    #[command(
+        flatten,
+        next_help_heading = "Excitation (by default, unless the block starts from an initial state, an embedded record)"
+    )]
+    excitation: ExcitationOptions,
+    #[command(flatten)]
+    block: BlockOptions,
+    #[command(flatten)]
+    initial: InitialOptions,
+    /// Relative tolerance of the integration
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL", help_heading = "Run")]
+    tolerance: f64,
+    /// Action at complete separation
+    #[arg(long, value_parser = choices::on_separation(), default_value = OnSeparation::Terminate.word(),
+          help_heading = "Run")]
+    on_separation: OnSeparation,
+    /// Duration; by default the run lasts until the ground has come to rest and the block has come down [s]
+    #[arg(long, value_name = "S", help_heading = "Run")]
+    duration: Option<f64>,
+    /// Time between rows of the table; by default the record's time step, or 0.01 [s]
+    #[arg(long, value_name = "S", help_heading = "Run")]
+    step: Option<f64>,
+    /// Table of the history; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// Coefficient of friction: report the longest time for which |H|/(N_L + N_R) exceeds it, checked every ms
+    #[arg(long, value_name = "MU", help_heading = "Results")]
+    friction: Option<f64>,
+    /// List each event in the summary
+    #[arg(long, help_heading = "Results")]
+    events: bool,
+    /// Print no summary
+    #[arg(long, help_heading = "Results", conflicts_with = "json")]
+    quiet: bool,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Block")]
+struct BlockOptions {
+    /// Slenderness angle alpha [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    alpha: f64,
+    /// Frequency parameter p [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
+    p: f64,
+    /// Stiffness ratio eta = omega_v/p of the supports
+    #[arg(long, default_value_t = 40.0)]
+    eta: f64,
+    /// Vertical damping ratio xi_v of the supports
+    #[arg(long, default_value_t = 0.1)]
+    xi_v: f64,
+    /// Width of the base; with --height, --stiffness, --damping and --mass it replaces alpha, p, eta and xi_v [m]
+    #[arg(long, value_name = "M")]
+    width: Option<f64>,
+    /// Twice the height of the centre of mass above the base [m]
+    #[arg(long, value_name = "M")]
+    height: Option<f64>,
+    /// Stiffness K of one support; not on a rigid base [N/m]
+    #[arg(long, value_name = "N/M")]
+    stiffness: Option<f64>,
+    /// Damping C of one support; not on a rigid base [N.s/m]
+    #[arg(long, value_name = "N.S/M")]
+    damping: Option<f64>,
+    /// Mass M; it changes the motion only together with --stiffness [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    /// Shape factor gamma = M R0²/I0
+    #[arg(long, default_value_t = Common::default().gamma)]
+    gamma: f64,
+    /// Restitution epsilon of the landing corner, from 0 to 1
+    #[arg(long, default_value_t = Common::default().epsilon)]
+    epsilon: f64,
+    /// Gravitational acceleration, also for records in g [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+    /// Foundation under the block
+    #[arg(long, value_parser = choices::foundation(), default_value = Foundation::Viscoelastic.word())]
+    foundation: Foundation,
+    /// Factor on Housner's restitution e of the rigid base; their product is at most 1
+    #[arg(long, value_name = "FACTOR", default_value_t = Common::default().restitution_factor)]
+    restitution_factor: f64,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Initial state (without excitation, the block moves freely from it)")]
+struct InitialOptions {
+    /// Initial rotation, positive to the right [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
+    theta: f64,
+    /// Initial angular velocity [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.0)]
+    theta_dot: f64,
+    /// Initial height of the centre of mass above its position at rest; by default the vertical equilibrium [m]
+    #[arg(long, value_name = "M")]
+    v: Option<f64>,
+    /// Initial vertical velocity; by default the vertical equilibrium [m/s]
+    #[arg(long, value_name = "M/S")]
+    v_dot: Option<f64>,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    options.refuse_unread(explicit)?;
+    let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
+    options.csv.as_deref().map_or(Ok(()), check_table)?;
+    let (run, excitation) = options.run(explicit)?;
+    let (csv, plot) = options.outputs()?;
+    let outputs = [("csv", csv.as_deref()), ("plot", plot.as_deref())];
+    check_distinct(&options.excitation.accelerograms.files().named(), &NamedFile::of_options(outputs))?;
+    let csv_file = csv.as_deref().map(Pending::new).transpose()?;
+    let picture_file = plot.as_deref().map(Pending::new).transpose()?;
+
+    const PARTS: u64 = 1000;
+    let mut bar = Progress::new(PARTS, 0);
+    let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
+    bar.clear();
+
+    let mut files = Vec::new();
+    if let Some(file) = csv_file {
+        let mut bytes = Vec::new();
+        table::write(&history, &mut bytes).context("the table cannot be written")?;
+        files.push((file, bytes));
+    }
+    if let Some(file) = picture_file {
+        let svg = rocking_charts::history::history(&run.block, &history, &excitation)?;
+        files.push((file, format.encode(&svg)?));
+    }
+    Pending::write(files)?;
+    if options.quiet {
+        return Ok(());
+    }
+    let written = WrittenFiles::new(outputs);
+    let sliding = options.friction.map(|friction| (friction, run.longest_above(friction)));
+    let text = summary(&run, &history, &excitation, sliding, options.events) + &written.lines();
+    let warnings =
+        is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0));
+    let json = Summary::new(&run, &history, &excitation, sliding, options.events);
+    options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
+}
+
+impl Options {
+    /// Returns table and picture; by default `out/rocking.csv` and `out/rocking.png`.
+    fn outputs(&self) -> anyhow::Result<(Option<PathBuf>, Option<PathBuf>)> {
+        if self.csv.is_some() || self.picture.plot.is_some() {
+            return Ok((self.csv.clone(), self.picture.plot.clone()));
+        }
+        let folder = Path::new("out");
+        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
+        Ok((Some(folder.join("rocking.csv")), Some(folder.join("rocking.png"))))
+    }
+
+    /// Refuses options without effect.
+    fn refuse_unread(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        let on_supports = match self.block.foundation {
+            Foundation::Viscoelastic => true,
+            Foundation::Rigid => false,
+        };
+        let of_supports = ["eta", "xi-v", "stiffness", "damping", "v", "v-dot"];
+        explicit.refuse_unless(on_supports, &of_supports, "on a rigid base")?;
+        let needed = "on viscoelastic supports; expected --foundation rigid";
+        explicit.refuse_unless(!on_supports, &["restitution-factor"], needed)?;
+        explicit.refuse_unless(self.block.width.is_none(), &["alpha", "p", "eta", "xi-v"], "with --width")?;
+        explicit.refuse_unless(self.block.width.is_some(), &["height", "stiffness", "damping"], "without --width")?;
+        explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
+        explicit.refuse_unless(!self.quiet, &["events", "friction"], "with --quiet")
+    }
+
+    /// Returns the run and a description of its excitation.
+    fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Run, String)> {
+        let block = self.block()?;
+        let has_mass = self.block.stiffness.is_none() || explicit.has("mass");
+        anyhow::ensure!(has_mass, "--stiffness without --mass; expected both, since eta and xi_v depend on the mass");
+        warn_of_soft_supports(&block);
+        let embedded = self.embedded(explicit)?;
+        let Excitation { ground, pulse, mut description } = self.excitation.read(explicit, self.block.g, embedded)?;
+        if description.is_empty() {
+            description = "free motion".into();
+        }
+        let InitialOptions { theta, theta_dot, v, v_dot } = self.initial;
+        check("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
+        check("theta-dot", theta_dot, |_| true, "a finite rate")?;
+        check_friction(self.friction)?;
+        check_tolerance(self.tolerance)?;
+        let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
+        for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
+            check("v and v-dot", *value, |_| true, "finite numbers")?;
+        }
+        let output_step = self.step.or(ground.time_step()).unwrap_or(0.01);
+        check("step", output_step, |x| x > 0.0, "a time > 0 s")?;
+        checked("duration", self.duration, |x| x > 0.0, "a time > 0 s")?;
+        let settings = Settings { tolerance: self.tolerance, on_separation: self.on_separation, ..Settings::default() };
+        let initial = Initial { theta, theta_dot, vertical };
+        let run = Run { block, settings, initial, pulse, ground, duration: self.duration, output_step };
+        let duration = run.longest_duration();
+        let rows = duration / output_step;
+        anyhow::ensure!(
+            rows < 1e8,
+            "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
+        );
+        Ok((run, description))
+    }
+
+    /// Returns the embedded record, if neither excitation nor initial state is given.
+    fn embedded(&self, explicit: &ExplicitOptions) -> anyhow::Result<Option<Record>> {
+        if !is_embedded(explicit) {
+            return Ok(None);
+        }
+        let (name, bytes) = EMBEDDED;
+        let options = ReadOptions { gravity: self.block.g, ..ReadOptions::default() };
+        let record = rocking_records::parse(name, bytes, &options)?;
+        Ok(Some(Record { title: format!("{name}: {}", record.title), ..record }))
+    }
+
+    fn block(&self) -> anyhow::Result<Block> {
+        let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } =
+            self.block;
+        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
+        let BlockOptions { width: Some(width), height, stiffness, damping, .. } = self.block else {
+            return Ok(Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?);
+        };
+        let height = height.context("--width without --height; expected both")?;
+        let (stiffness, damping) = match (foundation, stiffness, damping) {
+            (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
+            (Foundation::Viscoelastic, ..) => {
+                anyhow::bail!(
+                    "--width without --stiffness and --damping; expected both and --mass, or --foundation rigid"
+                )
+            }
+            // The rigid base reads neither; these make a valid block.
+            (Foundation::Rigid, ..) => (mass * g / height, 0.0),
+        };
+        Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?)
+    }
+}
+
+/// Returns whether neither excitation nor initial state is given.
+fn is_embedded(explicit: &ExplicitOptions) -> bool {
+    const OPTIONS: [&str; 7] = ["record", "vertical", "pulse", "theta", "theta-dot", "v", "v-dot"];
+    !OPTIONS.iter().any(|option| explicit.has(option))
+}
+
+/// Predicts the future of a block that neither overturned nor separated.
+fn prospect(run: &Run, history: &History) -> &'static str {
+    match (history.end, run.duration) {
+        (End::Completed, _) if history.is_at_rest => "the block is at rest",
+        (End::Completed, _) if loses_energy(&run.block) => "the block will come to rest",
+        (End::Completed, _) => "the block will not overturn",
+        (_, Some(_)) => "the duration is too short to tell whether the block overturns",
+        (_, None) => "the block may still overturn",
+    }
+}
+
+/// Writes the summary as text.
+fn summary(run: &Run, history: &History, excitation: &str, sliding: Option<(f64, f64)>, with_events: bool) -> String {
+    let block = &run.block;
+    let History { events, peaks, counts, ending, .. } = history;
+    let weight = block.mass * block.gravity;
+    let last = history.rows.last().map_or(0.0, |row| row.time);
+    let end = match ending {
+        Some((ending @ Ending::Separated, time)) => {
+            format!("{ending} at t = {time:.4} s; --on-separation fly follows the block")
+        }
+        Some((ending, time)) => format!("{ending} at t = {time:.4} s"),
+        None => format!("{} at t = {last:.4} s: {}", history.end, prospect(run, history)),
+    };
+    let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
+    let largest = history.greatest_energy();
+    let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
+    line("excitation", excitation.into());
+    line("block", format!("{}, M = {} kg", rocking_charts::history::block_line(block), block.mass));
+    line("end", end);
+    line(
+        "peak",
+        format!(
+            "|θ|/α = {:.4}, uplift {:.1} mm, N = {:.3} M g, |H| = {:.3} M g",
+            peaks.theta / block.alpha,
+            1e3 * peaks.uplift,
+            peaks.reaction / weight,
+            peaks.horizontal / weight
+        ),
+    );
+    if let Some((friction, time)) = sliding {
+        line("friction", format!("|H|/(N_L + N_R) exceeds {friction} for at most {time:.4} s at a time"));
+    }
+    let last_event = events.last().map(|event| format!(", the last at t = {:.4} s", event.time));
+    let so_far = if ending.is_some() || history.is_at_rest { "" } else { " so far" };
+    line(
+        "events",
+        format!("{} impacts, {} lift-offs{so_far}{}", counts.impacts, counts.liftoffs, last_event.unwrap_or_default()),
+    );
+    line(
+        "energy",
+        format!(
+            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J; residual {residual:.1e} of the largest",
+            energies.input, energies.dashpots, energies.impacts
+        ),
+    );
+    line("steps", format!("{} ({} repeated), {} evaluations", counts.steps, counts.rejected, counts.evaluations));
+    if with_events {
+        for event in events {
+            line("", event.to_string());
+        }
+    }
+    text
+}

@@ -1,0 +1,188 @@
+//! `rocking spectrum`: options → peak rotations of blocks of all sizes → a table and a picture.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser};
+
+use crate::accelerograms::MotionFiles;
+use crate::checks::{check, check_friction};
+use crate::choices;
+use crate::excitation::{ManyExcitationOptions, ManyExcitations, names};
+use crate::explicit_options::ExplicitOptions;
+use crate::formats::{PictureOptions, check_table};
+use crate::output::{NamedFile, Pending, check_distinct};
+use crate::report::is_standard_output;
+use crate::run_options::{RunOptions, SizeOptions, StudyOptions, warn_of_soft_supports};
+use rocking_block::block::Common;
+use rocking_block::excitation::PulseShape;
+use rocking_block::ground::Ground;
+use rocking_charts::spectrum::Abscissa;
+use rocking_studies::spectrum::statistics::Statistics;
+use rocking_studies::spectrum::{Base, Sizes, Spectrum};
+
+/// Options of `rocking spectrum`.
+#[derive(Parser)]
+pub struct Options {
+    #[command(flatten, next_help_heading = "Excitation")]
+    excitation: ManyExcitationOptions,
+    /// With --vertical: also draw curves of the horizontal motion alone
+    #[arg(long, help_heading = "Excitation")]
+    also_horizontal: bool,
+    #[command(flatten)]
+    blocks: BlockOptions,
+    #[command(flatten)]
+    run: RunOptions,
+    /// Coefficient of friction: add a column with the longest time for which |H|/(N_L + N_R) exceeds it, checked every ms
+    #[arg(long, value_name = "MU", help_heading = "Results")]
+    friction: Option<f64>,
+    #[command(flatten)]
+    study: StudyOptions,
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// Horizontal axis of the picture; by default omega_p/p for a pulse, 2pi/p for a record
+    #[arg(long, value_parser = choices::abscissa(), help_heading = "Results")]
+    over: Option<Abscissa>,
+    /// Table of statistics over several records, for each foundation and size
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    statistics: Option<PathBuf>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Blocks")]
+struct BlockOptions {
+    /// Slenderness angle alpha [rad]; or --width and --height, only for their ratio, since p sets the size
+    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
+    alpha: f64,
+    #[command(flatten)]
+    size: SizeOptions,
+    /// Foundation of a curve: ETA,XI_V,EPSILON or `rigid`, `rigid,EPSILON`, `rigid,EPSILON,FACTOR` with a factor on Housner's
+    /// restitution e for this epsilon, which is 0 by default; one option per curve
+    #[arg(long, value_name = "BASE", allow_hyphen_values = true, default_values = ["40,0.1,0", "rigid"])]
+    foundation: Vec<String>,
+    /// Smallest frequency parameter p, of the largest block [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.5)]
+    p_min: f64,
+    /// Largest frequency parameter p, of the smallest block [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value_t = 8.0)]
+    p_max: f64,
+    /// Number of blocks on each foundation, evenly spaced in 1/p
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
+    points: u64,
+    /// Mass M [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    /// Shape factor gamma = M R0²/I0
+    #[arg(long, default_value_t = Common::default().gamma)]
+    gamma: f64,
+    /// Gravitational acceleration, also for records in g [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
+    g: f64,
+}
+
+/// Parses the foundation of a curve.
+fn base(text: &str) -> anyhow::Result<Base> {
+    let lower = text.to_lowercase();
+    let (rigid, numbers) = match lower.strip_prefix("rigid") {
+        Some("") => return Ok(Base::HOUSNER),
+        Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
+        None => (false, lower.as_str()),
+    };
+    let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    match (rigid, numbers.unwrap_or_default().as_slice()) {
+        (true, &[epsilon]) => Ok(Base::Rigid { epsilon, restitution_factor: 1.0 }),
+        (true, &[epsilon, restitution_factor]) => Ok(Base::Rigid { epsilon, restitution_factor }),
+        (false, &[eta, xi_v, epsilon]) => Ok(Base::Viscoelastic { eta, xi_v, epsilon }),
+        _ => anyhow::bail!(
+            "--foundation {text}; expected ETA,XI_V,EPSILON, as in 40,0.1,0, or rigid, rigid,EPSILON or rigid,EPSILON,FACTOR"
+        ),
+    }
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    explicit.refuse_unless(options.picture.plot.is_some(), &["over", "plot-format"], "without --plot")?;
+    explicit.refuse_unless(explicit.has("vertical"), &["also-horizontal"], "without --vertical")?;
+    let (csv, plot) = (&options.study.csv, options.picture.plot.as_deref());
+    let statistics_path = options.statistics.as_deref();
+    check_table(csv)?;
+    statistics_path.map_or(Ok(()), check_table)?;
+    let format = options.picture.format()?;
+    let outputs = [("csv", Some(csv.as_path())), ("plot", plot), ("statistics", statistics_path)];
+    let files = options.excitation.accelerograms.files();
+    check_distinct(&files.iter().flat_map(MotionFiles::named).collect::<Vec<_>>(), &NamedFile::of_options(outputs))?;
+    explicit.refuse_unless(files.len() > 1, &["statistics"], "without several records")?;
+    let (spectrum, excitation) = options.spectrum(explicit)?;
+    let over = match options.over {
+        Some(over) => over,
+        None if spectrum.pulse.shape != PulseShape::None && options.excitation.is_pulse_alone() => Abscissa::PulseRatio,
+        None => Abscissa::TwoPiOverP,
+    };
+    let without_pulse = over == Abscissa::PulseRatio && spectrum.pulse.shape == PulseShape::None;
+    anyhow::ensure!(!without_pulse, "--over omega_p/p without a pulse; expected --pulse or --over 2pi/p");
+    let picture = plot.map(Pending::new).transpose()?;
+    let statistics_file = statistics_path.map(Pending::new).transpose()?;
+    // A closed pipe on standard output ends the work, unless a picture or statistics need the rows.
+    let read_back = picture.is_some() || statistics_file.is_some() || !is_standard_output(csv);
+    let (made, table) = options.study.run(&spectrum, read_back)?;
+    let statistics = if read_back { Statistics::of(&spectrum, table.read_back()?) } else { Ok(Statistics::default()) };
+    let statistics = statistics.map_err(|error| anyhow::anyhow!("{}: {error}", csv.display()))?;
+    let mut written = Vec::new();
+    if let (Some(file), Some(format)) = (picture, format) {
+        let svg = match files.len() {
+            1 => rocking_charts::spectrum::spectrum(&spectrum, table.read_back()?, over, &excitation)?,
+            _ => {
+                rocking_charts::record_spectra::spectrum(&spectrum, &statistics, table.read_back()?, over, &excitation)?
+            }
+        };
+        written.push((file, format.encode(&svg)?));
+    }
+    if let Some(file) = statistics_file {
+        written.push((file, statistics.table(&spectrum)?));
+    }
+    Pending::write(written)?;
+    let others = [("statistics", statistics_path), ("plot", plot)];
+    options.study.report("spectrum", &made, Some(&excitation), &statistics.curves, &others)
+}
+
+impl Options {
+    /// Returns the spectrum and a description of its excitation.
+    fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Spectrum, String)> {
+        let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
+        let alpha = match size.read(explicit, &["alpha"])? {
+            Some([width, height]) => libm::atan2(width, height),
+            None => alpha,
+        };
+        let ManyExcitations { grounds, pulse, description } = self.excitation.read(explicit, g)?;
+        let none = self.excitation.accelerograms.is_empty() && pulse.shape == PulseShape::None;
+        anyhow::ensure!(!none, "no excitation; expected --record, --vertical or --pulse");
+        check("p-min", p_min, |x| x >= 0.001, "a frequency of at least 0.001 rad/s")?;
+        check("p-max", p_max, |x| x > p_min, "a frequency above --p-min")?;
+        let mut motions = Vec::new();
+        if self.also_horizontal {
+            let files = self.excitation.accelerograms.files();
+            let horizontal = files.iter().map(|files| MotionFiles { vertical: None, ..*files }).collect::<Vec<_>>();
+            let alone = grounds.iter().map(|(_, ground)| Ground { vertical: None, ..ground.clone() });
+            motions.extend(names(&horizontal).into_iter().zip(alone));
+        }
+        motions.extend(grounds);
+        let bases = foundation.iter().map(|text| base(text)).collect::<anyhow::Result<Vec<_>>>()?;
+        let spectrum = Spectrum {
+            alpha,
+            common: Common { mass, gamma, gravity: g, ..Common::default() },
+            bases,
+            sizes: Sizes { least: p_min, greatest: p_max, count: points },
+            motions,
+            pulse,
+            settings: self.run.settings()?,
+            duration: self.run.duration()?,
+            step: self.run.step()?,
+            friction: check_friction(self.friction)?,
+        };
+        spectrum.check()?;
+        // All sizes of a foundation share eta, so they all fall over or none does.
+        for &base in &spectrum.bases {
+            warn_of_soft_supports(&spectrum.block(base, p_max)?);
+        }
+        Ok((spectrum, description))
+    }
+}

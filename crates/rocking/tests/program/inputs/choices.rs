@@ -1,0 +1,149 @@
+//! Choices in any case, sizes instead of angles, and errors of the command line.
+
+use crate::program::{refusal, rocking, stdout, text};
+
+/// Study file with these words for its choices.
+fn study(words: [&str; 5]) -> String {
+    let [design, foundation, separation, shape, spacing] = words;
+    format!(
+        "[study]\ndesign = \"{design}\"\n[parameters]\nalpha = 0.2\np = {{ from = 2, to = 3, count = 2, spacing = \"{spacing}\" }}\n\
+         foundation = \"{foundation}\"\non_separation = \"{separation}\"\npulse.shape = \"{shape}\"\npulse.amplitude = 5\n\
+         pulse.period = 1\n"
+    )
+}
+
+/// Study files take the words of the program and of the FMU, in any case; tables hold those of the program.
+#[test]
+fn choices_are_read_in_any_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut tables = Vec::new();
+    for words in [
+        ["grid", "rigid", "fly", "one-sine", "log"],
+        ["GRID", "Rigid", "Fly", "OneSine", "LOG"],
+        ["Grid", "RIGID", "FLY", "ONE_SINE", "Log"],
+    ] {
+        std::fs::write(folder.path().join("study.toml"), study(words)).unwrap();
+        let table = stdout(folder.path(), &["sweep", "study.toml", "--csv", "-"]);
+        tables.push(table.lines().filter(|line| !line.starts_with('#')).map(String::from).collect::<Vec<_>>());
+    }
+    assert!(tables.iter().all(|table| *table == tables[0]));
+    assert!(
+        tables[0][0].starts_with("row,alpha [rad],p [rad/s],foundation,on_separation,pulse.shape,"),
+        "{}",
+        tables[0][0]
+    );
+    assert!(tables[0][1].starts_with("0,0.2,2,rigid,fly,one-sine,"), "{}", tables[0][1]);
+    let old = study(["grid", "rigid", "fly", "one-sine", "log"]).replace("alpha =", "dimensionless.alpha =");
+    std::fs::write(folder.path().join("study.toml"), &old).unwrap();
+    let table = stdout(folder.path(), &["sweep", "study.toml", "--csv", "-"]);
+    assert!(table.ends_with(&(tables[0].join("\n") + "\n")), "the FMU has another name for the same parameter");
+    std::fs::write(folder.path().join("study.toml"), old.replace("alpha =", "alpha = 0.2\nalpha =")).unwrap();
+    let twice = refusal(folder.path(), &["sweep", "study.toml", "--csv", "x.csv"]);
+    assert!(twice.contains("is given twice"), "{twice}");
+    let pulse = ["simulate", "--amplitude", "5", "--csv", "x.csv"];
+    let of = |words: [&str; 3]| {
+        let [shape, foundation, separation] = words;
+        let words = ["--pulse", shape, "--foundation", foundation, "--on-separation", separation];
+        stdout(folder.path(), &[&pulse[..], &words].concat())
+    };
+    assert_eq!(of(["one-sine", "rigid", "fly"]), of(["One-Sine", "RIGID", "Fly"]));
+    let search =
+        ["search", "overturning", "--period", "1", "--points", "3", "--resolution", "0.1", "--foundation", "Rigid"];
+    stdout(folder.path(), &search);
+}
+
+#[test]
+fn all_commands_take_sizes_instead_of_angles() {
+    let folder = tempfile::tempdir().unwrap();
+    let (alpha, p) = (0.25_f64.atan(), (0.75 * 9.81 / (0.5 * 0.8_f64.hypot(3.2))).sqrt());
+    let search =
+        ["search", "overturning", "--period", "1", "--points", "3", "--resolution", "1e-3", "--foundation", "rigid"];
+    let sizes = ["--width", "0.8", "--height", "3.2"];
+    let angles = [format!("--alpha={alpha}"), format!("--p={p}")];
+    let angles: Vec<&str> = angles.iter().map(String::as_str).collect();
+    assert_eq!(
+        stdout(folder.path(), &[&search[..], &sizes].concat()),
+        stdout(folder.path(), &[&search[..], &angles].concat())
+    );
+    let spectrum =
+        ["spectrum", "--pulse", "c1", "--amplitude", "4", "--points", "2", "--foundation", "rigid", "--csv", "-"];
+    let alpha = format!("--alpha={}", libm::atan2(0.8, 3.2));
+    assert_eq!(
+        stdout(folder.path(), &[&spectrum[..], &sizes].concat()),
+        stdout(folder.path(), &[&spectrum[..], &[&alpha]].concat())
+    );
+    for (command, told) in [
+        (&["search", "damping", "--width", "1"][..], "--width without --height; expected both"),
+        (&["search", "damping", "--height", "1"], "--height without --width; expected both"),
+        (&["search", "damping", "--width", "1", "--height", "4", "--p", "2"], "--p has no effect with --width"),
+        (
+            &["search", "overturning", "--period", "1", "--width", "1", "--height", "4"],
+            "--width without --eta; expected the stiffness ratio of the supports, or --foundation rigid",
+        ),
+    ] {
+        assert_eq!(refusal(folder.path(), command), told);
+    }
+}
+
+/// Errors of the command-line library are one line as well.
+#[test]
+fn errors_of_the_command_line_are_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, words) in [
+        (&["simulate", "--alpha", "wide"][..], &["'wide' for '--alpha <RAD>'", "expected a number"][..]),
+        (&["simulate", "--pulse", "one-sin"], &["'one-sin'", "possible values: none, one-sine", "similar value"]),
+        (&["simulate", "--alfa", "1"], &["unexpected argument '--alfa'", "'--alpha'"]),
+        (&["spectrum", "--pulse", "c1"], &["required", "--csv <FILE.csv>"]),
+        (&["spectrum", "--csv", "x.csv", "--resume", "--force"], &["cannot be used with"]),
+        (&["fragility", "x.csv", "--im", "PGV", "--limit", "-1"], &["found limit `-1`", "a number > 0"]),
+        (&["simulte"], &["unrecognized subcommand 'simulte'"]),
+    ] {
+        let output = rocking(folder.path(), arguments);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.starts_with("rocking: ") && told.lines().count() == 1, "{told}");
+        assert!(words.iter().all(|word| told.contains(word)), "{words:?}: {told}");
+    }
+    assert!(stdout(folder.path(), &["--help"]).lines().count() > 10);
+    let loose = "--tolerance = 5; expected a number from 1e-14 to 0.1";
+    for command in [
+        &["simulate", "--theta", "0.1"][..],
+        &["search", "damping"],
+        &["spectrum", "--pulse", "c1", "--amplitude", "1", "--csv", "x.csv"],
+    ] {
+        assert_eq!(refusal(folder.path(), &[command, &["--tolerance", "5"]].concat()), loose);
+    }
+    for command in [
+        &["simulate", "--theta", "0.1", "--duration", "0.1", "--csv", "x.csv"][..],
+        &["search", "overturning", "--period", "1", "--points", "2", "--resolution", "100"],
+    ] {
+        let soft = rocking(folder.path(), &[command, &["--eta", "0.001"]].concat());
+        let told = text(&soft.stderr);
+        assert!(
+            told.contains("warning: the block falls over by itself on supports of eta = 0.001")
+                && told.contains("expected eta > "),
+            "{told}"
+        );
+    }
+}
+
+/// Only `--force` replaces an existing table, by the one that a new name would get.
+#[test]
+fn only_force_replaces_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let spectrum = ["spectrum", "--pulse", "c1", "--amplitude", "4", "--points", "2", "--foundation", "rigid"];
+    let to = |more: &[&'static str]| [&spectrum[..], &["--csv", "x.csv"], more].concat();
+    stdout(folder.path(), &to(&["--p-min", "1"]));
+    let refused = refusal(folder.path(), &to(&[]));
+    assert!(refused.contains("--resume") && refused.contains("--force"), "{refused}");
+    stdout(folder.path(), &to(&["--force"]));
+    stdout(folder.path(), &[&spectrum[..], &["--csv", "y.csv"]].concat());
+    let [x, y] = ["x.csv", "y.csv"].map(|name| std::fs::read(folder.path().join(name)).unwrap());
+    assert!(x == y);
+    // An extension that names no format draws a warning.
+    let output = rocking(folder.path(), &[&spectrum[..], &["--csv", "z.txt"]].concat());
+    assert!(
+        output.status.success()
+            && text(&output.stderr).contains("z.txt: the table is written as CSV; expected a name in .csv")
+    );
+}

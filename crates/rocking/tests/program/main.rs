@@ -1,0 +1,17 @@
+//! The `rocking` program, as a user runs it.
+//!
+//! | module | subject |
+//! | --- | --- |
+//! | `inputs` | options, study files and records: values, choices, refusals |
+//! | `simulate` | single runs: table, picture and summary |
+//! | `studies` | spectra, sweeps, searches, fragility curves, figures |
+//! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
+
+mod inputs;
+#[cfg(unix)]
+mod outputs;
+mod program;
+mod simulate;
+#[path = "../../../../tests/common/skipped.rs"]
+mod skipped;
+mod studies;

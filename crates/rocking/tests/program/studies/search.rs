@@ -1,0 +1,234 @@
+//! `rocking search`, and the searches of the library.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::ground::Ground;
+use rocking_block::numerics::wide::Width;
+use rocking_block::simulation::{Initial, Settings};
+use rocking_studies::run::Run;
+use rocking_studies::run::outcome::End;
+use rocking_studies::search::{Scan, Shaking, damping_against_separation, overturning};
+
+use crate::program::{RECORD, Table, files, refused, stdout};
+
+/// No lanes; the module `lanes` compares results with and without them.
+const WIDTH: Option<Width> = None;
+
+const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+
+fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
+    let (settings, ground) = (Settings::default(), Ground::default());
+    let duration = Some(duration);
+    Run { block: *block, settings, initial, pulse, ground, duration, output_step: f64::INFINITY }.outcome().end
+}
+
+/// Blocks on both sides of each change have the outcomes found, and separate below the damping needed.
+#[test]
+fn damping_against_separation_brackets_the_change() {
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
+    let found =
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
+            .unwrap();
+    assert!(!found.changes.is_empty());
+    for change in &found.changes {
+        assert!(change.above - change.below <= scan.resolution && change.below < change.above);
+        for (xi_v, expected) in [(change.below, change.from), (change.above, change.to)] {
+            let block = Block::from_dimensionless(&Dimensionless { xi_v, ..BLOCK }, &Common::default()).unwrap();
+            let initial = Initial { theta_dot: 0.95 * 0.25, ..Initial::default() };
+            assert_eq!(end(&block, initial, Pulse::NONE, 50.0), expected, "xi_v = {xi_v}");
+        }
+    }
+    assert_eq!((found.first, found.last), ((0.0, End::Separated), (0.4, End::Completed)));
+    let needed = found.least_without(End::Separated).unwrap();
+    let last = found.changes.iter().rfind(|change| change.from == End::Separated).unwrap();
+    assert_eq!(needed, last.above);
+}
+
+/// On a rigid base the block stands, overturns, stands again under a stronger pulse, and overturns for good.
+#[test]
+fn overturning_is_found_with_the_island_above_it() {
+    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let block = Block::from_dimensionless(&BLOCK, &common).unwrap();
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 0.0, period: 1.2566, start: 0.0 };
+    let scan = Scan { from: 5.0, to: 20.0, points: 16, resolution: 1e-6 };
+    let found = overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ());
+    let ends: Vec<End> = found.stretches().iter().map(|stretch| stretch.2).collect();
+    assert_eq!(ends, [End::Completed, End::Overturned, End::Completed, End::Overturned]);
+    for change in &found.changes {
+        assert!(change.above - change.below <= scan.resolution);
+        for (amplitude, expected) in [(change.below, change.from), (change.above, change.to)] {
+            // Twice the duration of the search settles the outcome.
+            let duration = 2.0 * (1.2566 + 50.0);
+            assert_eq!(end(&block, Initial::default(), Pulse { amplitude, ..pulse }, duration), expected);
+        }
+    }
+    assert_eq!(found.least(End::Overturned), Some(found.changes[0].above));
+}
+
+/// Similarity of the rigid block: scaling p and 1/T_p by one factor leaves the least overturning amplitude.
+#[test]
+fn similar_blocks_overturn_at_the_same_amplitude() {
+    let least = |p: f64| {
+        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let block = Block::from_dimensionless(&Dimensionless { p, ..BLOCK }, &common).unwrap();
+        let pulse = Pulse { shape: PulseShape::OneCosine, amplitude: 0.0, period: 3.0 / p, start: 0.0 };
+        let scan = Scan { from: 2.0, to: 20.0, points: 10, resolution: 1e-5 };
+        overturning(&block, &Shaking::Pulse(pulse), Settings::default(), &scan, WIDTH, |_, _| ())
+            .least(End::Overturned)
+            .unwrap()
+    };
+    assert!((least(0.8) - least(2.4)).abs() < 3e-5, "{} and {}", least(0.8), least(2.4));
+}
+
+#[test]
+fn the_program_prints_the_result_of_the_library() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["search", "damping", "--to", "0.4", "--points", "9", "--resolution", "1e-4"];
+    let one = stdout(folder.path(), &[&arguments[..], &["--threads", "1", "--csv", "d.csv"]].concat());
+    let two = stdout(folder.path(), &[&arguments[..], &["--threads", "2"]].concat());
+    assert_eq!(one, two);
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
+    let found =
+        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
+            .unwrap();
+    let needed = found.least_without(End::Separated).unwrap();
+    // Four decimals, as fine as the resolution.
+    assert!(one.contains(&format!("no separation from xi_v = {needed:.4} to 0.4\n")), "{one}");
+    assert!(one.contains(&format!("xi_v = {needed:.4} to 0.4: ")), "{one}");
+    assert!(one.contains("9 values, 0.05 apart") && one.contains("within 0.0001"), "{one}");
+    let table = Table::read(&folder.path().join("d.csv"));
+    let stretches = found.stretches();
+    assert_eq!(table.rows.len(), stretches.len());
+    for (row, (from, to, end)) in stretches.iter().enumerate() {
+        assert_eq!((table.number(row, "from"), table.number(row, "to")), (*from, *to));
+        assert_eq!(table.get(row, "outcome"), end.to_string());
+    }
+    let told = stdout(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
+    assert!(told.contains("separation even at xi_v = 0.02"), "{told}");
+}
+
+/// Records are searched over their scale factor; `rocking simulate` confirms the outcomes on both sides of each change.
+#[test]
+fn records_are_searched_over_their_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let block = ["--record", RECORD, "--vertical", RECORD, "--alpha", "0.15", "--p", "2"];
+    let range = ["--from", "1.5", "--to", "3.5", "--points", "5", "--resolution", "1e-3", "--csv", "o.csv"];
+    let told = stdout(folder.path(), &[&["search", "overturning"], &block[..], &range].concat());
+    let table = Table::read(&folder.path().join("o.csv"));
+    assert_eq!((table.number(0, "from"), table.get(0, "outcome")), (1.5, "completed"));
+    let row = (0..table.rows.len()).find(|&row| table.get(row, "outcome") == "overturned").unwrap();
+    let least = table.number(row, "from");
+    assert_ne!(table.get(row, "from"), format!("{least:.3}"), "the table has all digits");
+    assert!(told.contains(&format!("first overturning at scale = {least:.3}\n")), "{told}");
+    let run = [&["simulate", "--on-separation", "fly", "--csv", "x.csv"], &block[..]].concat();
+    for row in 0..table.rows.len() {
+        let words = match table.get(row, "outcome") {
+            "overturned" => "overturning",
+            word => word,
+        };
+        for scale in ["from", "to"].map(|column| table.get(row, column)) {
+            let told = stdout(folder.path(), &[&run[..], &["--scale", scale]].concat());
+            assert!(told.contains(words), "{words} at {scale}: {told}");
+        }
+    }
+}
+
+/// Without a duration `simulate` agrees with `search` on both sides of the least overturning amplitude.
+///
+/// A block that falls slowly is not reported as standing.
+#[test]
+fn simulate_and_search_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let pulse = ["--pulse", "one-sine", "--period", "1.2566"];
+    let range = ["--foundation", "rigid", "--from", "6", "--to", "8", "--points", "3", "--csv", "o.csv"];
+    stdout(folder.path(), &[&["search", "overturning"], &pulse[..], &range].concat());
+    let table = Table::read(&folder.path().join("o.csv"));
+    let words =
+        ["completed", "overturned"].map(|word| (0..table.rows.len()).find(|&row| table.get(row, "outcome") == word));
+    let [Some(below), Some(above)] = words else { panic!("{:?}", table.rows) };
+    let rigid = ["--foundation", "rigid", "--csv", "x.csv"];
+    for (amplitude, words) in
+        [(table.get(below, "to"), "completed at"), (table.get(above, "from"), "overturning, with")]
+    {
+        let told = stdout(folder.path(), &[&["simulate", "--amplitude", amplitude], &pulse[..], &rigid].concat());
+        assert!(told.contains(words), "{words} at {amplitude}: {told}");
+    }
+    let slow = ["simulate", "--pulse", "one-sine", "--amplitude", "14", "--period", "1"];
+    let told = stdout(folder.path(), &[&slow[..], &rigid].concat());
+    assert!(told.contains("overturning, with complete separation at t = 8.1424 s"), "{told}");
+    // A short duration leaves the outcome undecided.
+    let told = stdout(folder.path(), &[&slow[..], &rigid, &["--duration", "5"]].concat());
+    assert!(told.contains("undecided at t = 5.0000 s: the duration is too short"), "{told}");
+}
+
+/// Progress counts every run once and ends with all runs done.
+#[test]
+fn progress_ends_with_all_runs_done() {
+    let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
+    let told = std::sync::Mutex::new(Vec::new());
+    let progress = |done, runs| told.lock().unwrap().push((done, runs));
+    damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, progress).unwrap();
+    let mut told = told.into_inner().unwrap();
+    told.sort_unstable();
+    assert!(told.iter().map(|run| run.0).eq(1..=told.len() as u64));
+    assert!(told[..9].iter().all(|run| run.1 == 9) && told.iter().all(|(done, runs)| done <= runs));
+    let (done, runs) = told[told.len() - 1];
+    assert_eq!(done, runs, "the number of bisections follows from the width of the change");
+}
+
+/// On supports the search begins at zero, since blocks overturn below g tan α; a range above the least value bounds it.
+#[test]
+fn a_least_value_is_exact_or_reported_as_a_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let search = |arguments: &[&str]| {
+        let told = stdout(folder.path(), &[&["search"], arguments, &["--resolution", "1e-4", "--json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let [bound, answer] = ["bound", "answer"].map(|name| json[name].as_str().unwrap().to_string());
+        (json["least"].as_f64(), bound, answer)
+    };
+    let block = ["--alpha", "0.2", "--p", "4", "--eta", "30", "--xi-v", "0.3", "--period", "0.8"];
+    let overturning = |more: &[&str]| search(&[&["overturning"], &block[..], more].concat());
+    let static_limit = 9.81 * 0.2_f64.tan();
+    let (found, bound, _) = overturning(&["--points", "41"]);
+    assert!((found.unwrap() - 1.9153).abs() < 2e-4 && found.unwrap() < static_limit, "{found:?}");
+    assert_eq!(bound, "none");
+    let least = found.unwrap().to_string();
+    for (from, expected) in [("1.98", "upper"), ("0.5", "none")] {
+        let (value, bound, answer) = overturning(&["--from", from, "--to", "3", "--points", "11"]);
+        assert_eq!(bound, expected);
+        assert_eq!(answer.contains("at most"), expected == "upper", "{answer}");
+        assert!(value.unwrap() >= found.unwrap() - 1e-4, "{value:?} beside {least}");
+    }
+    let (value, bound, answer) = overturning(&["--to", "1", "--points", "5"]);
+    assert_eq!((value, bound.as_str()), (None, "lower"));
+    assert!(answer.starts_with("no overturning from a_p = 0"), "{answer}");
+    // On a rigid base no block rocks below g tan α, unless vertical motion reduces its weight.
+    let stretches = |more: &[&str]| {
+        let block =
+            ["overturning", "--record", RECORD, "--foundation", "rigid", "--points", "3", "--resolution", "0.1"];
+        stdout(folder.path(), &[&["search"], &block[..], more, &["--json"]].concat())
+    };
+    assert!(!stretches(&[]).contains("\"from\":0,") && stretches(&["--vertical", RECORD]).contains("\"from\":0.0,"));
+    let (value, bound, answer) = search(&["damping", "--from", "0.5", "--points", "3"]);
+    assert_eq!((value, bound.as_str()), (Some(0.5), "upper"));
+    assert!(answer.contains("at most"), "{answer}");
+}
+
+#[test]
+fn wrong_ranges_and_excitations_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&[&str], &[&str]); 8] = [
+        (&["damping", "--from", "0.5", "--to", "0.1"], &["--to = 0.1", "--from = 0.5"]),
+        (&["damping", "--from=-0.5"], &["xi_v = -0.5"]),
+        (&["damping", "--eta", "0"], &["eta = 0"]),
+        (&["damping", "--resolution", "0"], &["--resolution = 0"]),
+        (&["overturning", "--period", "0"], &["--period = 0"]),
+        (&["overturning", "--period", "1", "--pulse", "none"], &["--pulse none"]),
+        (&["overturning", "--record", "none.at2"], &["none.at2"]),
+        (&["overturning", "--period", "1", "--vertical", RECORD], &["--vertical without --record"]),
+    ];
+    for (arguments, words) in cases {
+        refused(folder.path(), &[&["search"], arguments, &["--csv", "x.csv"]].concat(), words);
+        assert!(files(folder.path()).is_empty());
+    }
+}

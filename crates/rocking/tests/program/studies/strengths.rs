@@ -1,0 +1,231 @@
+//! Levels, least overturning levels and ensembles of `rocking sweep`.
+
+use rocking_block::ground::Ground;
+use rocking_block::simulation::Settings;
+use rocking_records::{ReadOptions, Unit, read};
+use rocking_studies::intensity::pgv;
+use rocking_studies::run::outcome::End;
+use rocking_studies::search::{Scan, Shaking, overturning};
+use rocking_studies::sweep::ensemble::{Distribution, Spread, SpreadTarget, SpreadWidth};
+
+use crate::program::{Table, refused, stdout};
+use crate::studies::resumes_to_the_same_bytes;
+
+/// Study file of two blocks under a record that overturns them at some strengths.
+fn study(strength: &str) -> String {
+    format!(
+        "[study]\ndesign = \"grid\"\n{strength}\n[parameters]\nalpha = 0.2\np = [1.5, 3]\n\
+         foundation = \"rigid\"\n[[records]]\nhorizontal = \"h.csv\"\nunit = \"m/s2\"\ndt = 0.02\n"
+    )
+}
+
+fn folder(study: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    // Two beating sines: a later wave may or may not catch the block.
+    let wave = |t: f64| 3.0 * ((4.0 * t).sin() + (5.3 * t).sin());
+    let text: String = (0..400).map(|i| format!("{}\n", wave(0.02 * f64::from(i)))).collect();
+    std::fs::write(folder.path().join("h.csv"), text).unwrap();
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    folder
+}
+
+fn sweep(study: &str) -> Table {
+    let folder = folder(study);
+    stdout(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"]);
+    Table::read(&folder.path().join("out.csv"))
+}
+
+/// Each row has the requested level of the measure, and equals the run with the factor in that row.
+#[test]
+fn levels_are_met_by_factors() {
+    for im in ["PGV", "Arias", "SI", "Sa(0.4 s)", "PGA/(g tan alpha)", "p PGV/(g tan alpha)"] {
+        let table = sweep(&study(&format!("levels = {{ im = \"{im}\", values = [0.7, 2.5] }}")));
+        assert_eq!(table.rows.len(), 4);
+        let table_column = table.headers.iter().find(|name| name.starts_with(&format!("{im} ["))).unwrap().to_string();
+        let mut factors = Vec::new();
+        for row in 0..4 {
+            let level = table.number(row, &table_column);
+            assert_eq!(level, [0.7, 2.5][row % 2], "{im}");
+            factors.push(table.get(row, "scale [1]").to_string());
+        }
+        // The same factors give the same rows.
+        let scaled = sweep(&study(&format!("periods = [0.4]\nscales = [{}]", factors.join(", "))));
+        for row in 0..4 {
+            // Each block has its own two of the four factors.
+            let same = 4 * (row / 2) + row;
+            for column in ["outcome", "peak.theta/alpha [1]", "end_time [s]", "Arias [m/s]"] {
+                if column != table_column {
+                    assert_eq!(table.get(row, column), scaled.get(same, column), "{im} {column}");
+                }
+            }
+            let met = scaled.number(same, &table_column);
+            assert!((met / [0.7, 2.5][row % 2] - 1.0).abs() < 1e-14, "{im}: {met}");
+        }
+    }
+}
+
+/// Least level and overturning ranges equal those of `rocking search` over the factor.
+#[test]
+fn least_levels_and_islands_are_those_of_a_search() {
+    let least = "least = { im = \"PGV\", from = 0.2, to = 4, points = 60, resolution = 1e-3 }";
+    let table = sweep(&study(least));
+    assert_eq!(table.rows.len(), 2);
+    let options =
+        ReadOptions { unit: Some(Unit::MetrePerSecondSquared), time_step: Some(0.02), ..ReadOptions::default() };
+    let files = folder(&study(least));
+    let record = read(&files.path().join("h.csv"), &options).unwrap();
+    let pgv = pgv(&record);
+    let mut most = 0;
+    for row in 0..2 {
+        let block = rocking_block::block::Block::from_dimensionless(
+            &rocking_block::block::Dimensionless { alpha: 0.2, p: [1.5, 3.0][row], eta: 40.0, xi_v: 0.1 },
+            &rocking_block::block::Common {
+                foundation: rocking_block::block::Foundation::Rigid,
+                ..rocking_block::block::Common::default()
+            },
+        )
+        .unwrap();
+        let settings = Settings { on_separation: rocking_block::simulation::OnSeparation::Fly, ..Settings::default() };
+        let scan = Scan { from: 0.2 / pgv, to: 4.0 / pgv, points: 60, resolution: 1e-3 / pgv };
+        let shaking = Shaking::Records(Ground { horizontal: Some(record.clone()), vertical: None });
+        let found = overturning(&block, &shaking, settings, &scan, None, |_, _| ());
+        assert_eq!(table.get(row, "outcome"), "overturned");
+        let level = table.number(row, "least.PGV [m/s]");
+        assert!((level / (found.least(End::Overturned).unwrap() * pgv) - 1.0).abs() < 1e-9, "{level}");
+        let stretches = found.stretches();
+        let ranges: Vec<_> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
+        assert_eq!(table.number(row, "overturning_ranges [1]"), ranges.len() as f64);
+        let told = table.get(row, "overturning.PGV [m/s]").to_string();
+        let numbers: Vec<f64> =
+            told.split("; ").flat_map(|range| range.split(" to ")).map(|x| x.parse().unwrap()).collect();
+        let exact: Vec<f64> = ranges.iter().flat_map(|stretch| [stretch.0 * pgv, stretch.1 * pgv]).collect();
+        assert!(numbers.iter().zip(&exact).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{told}: {exact:?}");
+        assert_eq!(numbers[0], level);
+        assert_eq!(table.get(row, "least.bound"), "none");
+        assert_eq!(table.number(row, "always_from.PGV [m/s]"), numbers[numbers.len() - 2]);
+        most = most.max(ranges.len());
+    }
+    assert!(most > 1, "no island");
+}
+
+/// A range that begins with overturning, or ends without, bounds the least level.
+#[test]
+fn a_least_level_at_an_end_of_the_range_is_a_bound() {
+    for (from, to, outcome, bound) in [(3.9, 4.0, "overturned", "upper"), (0.01, 0.02, "completed", "lower")] {
+        let table = sweep(&study(&format!(
+            "least = {{ im = \"PGV\", from = {from}, to = {to}, points = 3, resolution = 1e-3 }}"
+        )));
+        for row in 0..2 {
+            assert_eq!((table.get(row, "outcome"), table.get(row, "least.bound")), (outcome, bound));
+            assert_eq!(table.get(row, "least.PGV [m/s]"), if bound == "upper" { "3.9" } else { "" });
+        }
+    }
+}
+
+/// An ensemble counts the runs with the factors of its distribution.
+#[test]
+fn an_ensemble_counts_its_runs() {
+    let spread = Spread {
+        target: SpreadTarget::Scale,
+        distribution: Distribution::Lognormal,
+        width: SpreadWidth::Relative(0.2),
+    };
+    let factors: Vec<String> = (0..9).map(|i| (spread.value(0.6, (f64::from(i) + 0.5) / 9.0)).to_string()).collect();
+    assert_eq!(factors[4], "0.6");
+    let single = sweep(&study(&format!("scales = [{}]", factors.join(", "))));
+    let table = sweep(&study("scales = [0.6]\nensemble = { scale = 0.2, samples = 9, limits = [0.1, 0.4] }"));
+    let mut between = 0;
+    for row in 0..2 {
+        let of_block = || 9 * row..9 * row + 9;
+        let overturned = |row: usize| single.get(row, "outcome") == "overturned";
+        let count = of_block().filter(|&row| overturned(row)).count() as f64;
+        assert_eq!(table.number(row, "ensemble.samples [1]"), 9.0);
+        assert_eq!(table.number(row, "ensemble.failed [1]"), 0.0);
+        assert_eq!(table.number(row, "ensemble.overturned [1]"), count);
+        assert_eq!(table.number(row, "P(overturned) [1]"), count / 9.0);
+        for limit in [0.1, 0.4] {
+            let exceeds = |row: &usize| overturned(*row) || single.number(*row, "peak.theta/alpha [1]") > limit;
+            let count = of_block().filter(exceeds).count() as f64;
+            assert_eq!(table.number(row, &format!("ensemble.theta/alpha>{limit} [1]")), count);
+            assert_eq!(table.number(row, &format!("P(theta/alpha>{limit}) [1]")), count / 9.0);
+        }
+        // The row itself is the run without spread, which equals the middle sample.
+        for column in ["outcome", "peak.theta/alpha [1]", "PGV [m/s]"] {
+            assert_eq!(table.get(row, column), single.get(9 * row + 4, column));
+        }
+        between += usize::from(0.0 < count && count < 9.0);
+    }
+    assert!(between > 0, "all samples have the same outcome");
+}
+
+const SEVERAL: &str = "scales = [0.5, 0.6, 0.7]\n[study.ensemble]\nsamples = 5\nseed = 3\nscale = 0.1\n\
+                       dimensionless.p = { distribution = \"normal\", cov = 0.05 }\n\
+                       initial.theta = { distribution = \"uniform\", deviation = 0.01 }";
+
+/// Samples depend on the seed and the row, not on threads or interruptions.
+#[test]
+fn ensembles_of_several_spreads_are_reproducible() {
+    let folder = folder(&study(SEVERAL));
+    for threads in ["1", "2"] {
+        stdout(folder.path(), &["sweep", "study.toml", "--csv", &format!("{threads}.csv"), "--threads", threads]);
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(read("1.csv") == read("2.csv"));
+    resumes_to_the_same_bytes(folder.path(), &["sweep", "study.toml"], "1.csv");
+    let table = Table::read(&folder.path().join("1.csv"));
+    let counts: Vec<f64> = (0..6).map(|row| table.number(row, "ensemble.overturned [1]")).collect();
+    assert!(counts.iter().any(|&count| 0.0 < count && count < 5.0), "{counts:?}");
+}
+
+#[test]
+fn wrong_strengths_and_ensembles_are_refused_with_their_line() {
+    let cases = [
+        (
+            "levels = { im = \"PGV\", values = [1] }\nscales = [1]",
+            "3:",
+            "levels = { im = \"PGV\", values = [1] }; expected none beside scales",
+        ),
+        ("levels = { im = \"PVG\", values = [1] }", "3:", "found intensity measure `PVG`; expected one of PGA, PGV"),
+        ("levels = { im = \"T_m\", values = [1] }", "3:", "im = \"T_m\"; expected a measure that grows"),
+        ("levels = { im = \"PGV\", values = [0] }", "3:", "values = 0"),
+        ("levels = { im = \"PGV\" }", "3:", "has no values"),
+        ("levels = { values = [1] }", "3:", "levels has no im"),
+        (
+            "least = { im = \"PGV\", from = 1, to = 1, points = 9, resolution = 0.1 }",
+            "3:",
+            "to = 1; expected a number > 1",
+        ),
+        ("least = { im = \"PGV\", from = 1, to = 2, resolution = 0.1 }", "3:", "has no points"),
+        (
+            "ensemble = { scale = 0.1, samples = 9 }\nleast = { im = \"PGV\", from = 1, to = 2, points = 9, resolution = 0.1 }",
+            "3:",
+            "expected none beside least",
+        ),
+        ("ensemble = { samples = 9 }", "3:", "ensemble spreads 0 values"),
+        ("ensemble = { scale = 0.1 }", "3:", "ensemble has no samples"),
+        ("ensemble = { scale = -0.1, samples = 9 }", "3:", "scale expects a coefficient of variation > 0"),
+        ("ensemble = { scale = 0.1, samples = 9, seed = 1 }", "3:", "seed = 1"),
+        ("ensemble = { scale = 0.1, epsilon = 0.1, samples = 9 }", "3:", "ensemble has no seed"),
+        ("ensemble = { epsilon = 0.1, samples = 9 }", "3:", "epsilon = 0 has no coefficient of variation"),
+        (
+            "ensemble = { epsilon = { distribution = \"normal\", deviation = 0.1 }, samples = 9 }",
+            "3:",
+            "in a sample of the ensemble, epsilon = -0.15",
+        ),
+        ("ensemble = { foundation = 0.1, samples = 9 }", "3:", "foundation has no distribution"),
+        ("ensemble = { size = 0.1, samples = 9 }", "3:", "there is no parameter size"),
+        ("ensemble = { dimensionless.eta = 0.1, samples = 9 }", "3:", "eta of the ensemble is not read"),
+        ("ensemble = { scale = { cov = 0.1, deviation = 0.1 }, samples = 9 }", "3:", "either cov or deviation"),
+        (
+            "ensemble = { scale = { distribution = \"gamma\", cov = 0.1 }, samples = 9 }",
+            "3:",
+            "\"lognormal\", \"normal\" or",
+        ),
+        ("ensemble = { scale = 0.1, samples = 9, limits = [-1] }", "3:", "limits = -1"),
+    ];
+    for (strength, line, words) in cases {
+        let folder = folder(&study(strength));
+        refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"], &[&format!("study.toml:{line}"), words]);
+        assert!(!folder.path().join("out.csv").exists());
+    }
+}

@@ -1,0 +1,182 @@
+//! Overheads around the solver, as ratios of times measured in turn: `cargo bench --bench goals [-- RECORD [BLOCKS]]`.
+//!
+//! RECORD replaces the embedded accelerogram; BLOCKS is the number of blocks of the spectrum.
+
+#[path = "../../../tests/common/fmu.rs"]
+#[allow(dead_code, reason = "the tests use the rest")]
+mod fmu;
+
+mod common;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
+use rocking_block::block::Foundation;
+use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
+use rocking_block::ground::Ground;
+use rocking_block::numerics::wide::Width;
+use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::system::dynamics::State;
+use rocking_records::ReadOptions;
+use rocking_studies::output::resumable::TableOptions;
+use rocking_studies::output::runner::{self, Study};
+use rocking_studies::run::batch::{LaneUse, in_lanes};
+use rocking_studies::spectrum::Spectrum;
+
+const ROUNDS: usize = 7;
+
+/// Least times (s) of the tasks, which run in turn.
+fn least<const N: usize>(rounds: usize, mut tasks: [&mut dyn FnMut(); N]) -> [f64; N] {
+    let mut least = [f64::INFINITY; N];
+    for _ in 0..rounds {
+        for (least, task) in least.iter_mut().zip(&mut tasks) {
+            let start = Instant::now();
+            task();
+            *least = least.min(start.elapsed().as_secs_f64());
+        }
+    }
+    least
+}
+
+fn main() {
+    // cargo bench adds an argument of its own.
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let ground = arguments.first().map_or_else(loma_prieta, |path| {
+        let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let record =
+            rocking_records::parse(path, &bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        Ground { horizontal: Some(record), vertical: None }
+    });
+    let blocks = arguments.get(1).map_or(1000, |text| text.parse().expect("BLOCKS, a number"));
+
+    record_through_the_fmu(&ground);
+    short_steps_of_the_fmu();
+    spectrum(ground, blocks);
+}
+
+fn record_through_the_fmu(ground: &Ground) {
+    let intervals = intervals(ground);
+    let [core, fmu] = least(
+        10 * ROUNDS,
+        [
+            &mut || {
+                black_box(run_record(&intervals));
+            },
+            &mut || drop(run_record_through_fmu(&intervals)),
+        ],
+    );
+    println!(
+        "one run of {} intervals: core {:.3} ms, through fmi2DoStep {:.3} ms",
+        intervals.len(),
+        1e3 * core,
+        1e3 * fmu
+    );
+    println!("    ratio {:.3}", fmu / core);
+}
+
+/// Compares steps of 0.1 ms with a raised corner with the right-hand side at the same state.
+fn short_steps_of_the_fmu() {
+    const STEPS: u32 = 10_000;
+    const STEP: f64 = 1e-4;
+    let block = block(Foundation::Viscoelastic);
+    let inputs = Inputs { a_gx: Ramp::held(4.0), ..Inputs::default() };
+    let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &Initial::default(), 0.0, &inputs);
+    for k in 1..=STEPS {
+        simulation.advance(f64::from(k) * STEP, &inputs, &mut |_| ()).expect("the run goes through");
+    }
+    let evaluations = simulation.counts().evaluations as f64 / f64::from(STEPS);
+    let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, &block);
+    let (regime, state) = (simulation.regime(), *simulation.state());
+    // Independent evaluations overlap in the processor; those of a step wait for each other.
+    let mut alone = || {
+        for k in 0..STEPS {
+            let time = black_box(f64::from(k) * STEP);
+            black_box(right_hand_side(&block, regime, &excitation, time, black_box::<&State>(&state)));
+        }
+    };
+    let mut in_turn = || {
+        let mut x = state;
+        for k in 0..STEPS {
+            let time = black_box(f64::from(k) * STEP);
+            x = x + right_hand_side(&block, regime, &excitation, time, &x).state * 1e-12;
+        }
+        black_box(x);
+    };
+    let mut steps = || {
+        let mut fmu = instance(0.0, 4.0);
+        for k in 0..STEPS {
+            assert_eq!(fmu.step(f64::from(k) * STEP, STEP), fmu::OK);
+        }
+    };
+    let [alone, in_turn, step] =
+        least(ROUNDS, [&mut alone, &mut in_turn, &mut steps]).map(|time| 1e9 * time / f64::from(STEPS));
+    println!("fmi2DoStep of 0.1 ms: {step:.0} ns, of {evaluations:.2} evaluations");
+    println!("    one right-hand side alone {alone:.1} ns, after another one {in_turn:.1} ns");
+    let ratio = |rate: f64| step / (evaluations * rate);
+    println!("    ratio of the step to its evaluations {:.2}, {:.2}", ratio(alone), ratio(in_turn));
+}
+
+/// Counts the steps of a spectrum in lanes of vectors of a width.
+fn lane_use(spectrum: &Spectrum, blocks: u64, width: Width) -> LaneUse {
+    in_lanes(width, (0..blocks).map(|row| spectrum.run(row).expect("a block")), || ()).1
+}
+
+fn spectrum(ground: Ground, blocks: u64) {
+    let made = |blocks: u64, threads: usize, lanes: usize| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("spectrum.csv");
+        let spectrum = common::spectrum(ground.clone(), blocks);
+        let pool = runner::pool(Some(threads)).expect("threads");
+        let mut table = spectrum.open(&path, TableOptions::default()).expect("a table");
+        runner::run(&spectrum, &pool, Width::at_most(lanes), &mut table, |_, _| ()).expect("the spectrum is made");
+    };
+    made(blocks / 10, 2, 1);
+    let before = peak_memory();
+    made(blocks, 2, 1);
+    let after = peak_memory();
+    let single = common::spectrum(ground.clone(), blocks);
+    let rounds = if blocks > 2000 { 2 } else { 3 };
+    let [alone, one, two] = least(
+        rounds,
+        [
+            &mut || {
+                (0..blocks).for_each(|row| {
+                    black_box(single.run(row).expect("a block").outcome());
+                })
+            },
+            &mut || made(blocks, 1, 1),
+            &mut || made(blocks, 2, 1),
+        ],
+    );
+    println!("a spectrum of {blocks} blocks: single runs {alone:.2} s, on one thread {one:.2} s, on two {two:.2} s");
+    println!("    ratio of two threads to one {:.3}, of one to the single runs {:.3}", one / two, one / alone);
+    let [one, two, four, eight] = least(
+        rounds,
+        [&mut || made(blocks, 1, 1), &mut || made(blocks, 1, 2), &mut || made(blocks, 1, 4), &mut || {
+            made(blocks, 1, 8)
+        }],
+    );
+    println!("    in lanes: 1 {one:.2} s, 2 {two:.2} s, 4 {four:.2} s, 8 {eight:.2} s");
+    println!("    ratio of 1 lane to 2 {:.2}, to 4 {:.2}, to 8 {:.2}", one / two, one / four, one / eight);
+    for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+        let LaneUse { in_lanes, alone, repeated, idle } = lane_use(&single, blocks, width);
+        let percent = |count: u64| 100.0 * count as f64 / (in_lanes + alone) as f64;
+        println!(
+            "    {} lanes: {:.2} % of the steps alone, {:.2} % after an attempt in a lane; {:.2} % idle lanes",
+            width.lanes(),
+            percent(alone),
+            percent(repeated),
+            percent(idle)
+        );
+    }
+    if let (Some(before), Some(after)) = (before, after) {
+        println!("    peak memory: {before} kB with {} blocks, {after} kB with {blocks}", blocks / 10);
+    }
+}
+
+/// Peak memory of this process (kB), where the system reports it.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix(" kB")?.trim().parse().ok()
+}

@@ -1,0 +1,204 @@
+//! Cases and a measure → its curve with intervals and quality.
+
+use crate::fragility::bootstrap::{Bootstrap, bootstrap};
+use crate::fragility::clusters::{self, Independence};
+use crate::fragility::data::Data;
+use crate::fragility::likelihood::Link;
+use crate::fragility::observation::{FitError, Observation};
+use crate::fragility::profile::{Interval, Profile};
+use crate::fragility::quality::{auc, brier, efficiency, sufficiency};
+use crate::fragility::regression::Fit;
+use crate::fragility::table::Case;
+
+/// The method for intervals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Uncertainty {
+    /// Profile likelihood, with rows clustered by record where records repeat.
+    Profile,
+    /// Bootstrap of whole records: number of samples and seed.
+    Bootstrap(u32, u64),
+}
+
+impl Uncertainty {
+    /// The method in words.
+    pub fn words(self, independence: Independence) -> String {
+        match self {
+            Uncertainty::Profile => format!("profile likelihood, {independence}"),
+            Uncertainty::Bootstrap(samples, _) => format!("{samples} bootstrap samples, {independence}"),
+        }
+    }
+}
+
+/// The curve of one measure with its intervals and its quality.
+pub struct Assessment {
+    /// The cases with a value of the measure.
+    pub data: Data,
+    /// The curve.
+    pub fit: Fit,
+    /// Interval of the median.
+    pub median: Interval,
+    /// Interval of the dispersion.
+    pub dispersion: Interval,
+    /// Area under the receiver operating characteristic of the fitted probabilities.
+    pub auc: f64,
+    /// Brier score.
+    pub brier: f64,
+    /// Scatter of the peaks about a power law of the measure, for the blocks that rock and stand.
+    pub efficiency: Option<f64>,
+    /// Number of blocks that rock and stand: lift-off and a peak of at least α/1000.
+    pub rocking: usize,
+    /// The independent units behind the intervals.
+    pub independence: Independence,
+    /// Standard errors of the coefficients, clustered by record where records repeat.
+    ///
+    /// Infinite if one record alone determines a coefficient.
+    pub standard_errors: Vec<f64>,
+    /// Number of cases without a value of the measure.
+    pub without: usize,
+    /// Confidence level of the intervals.
+    confidence: f64,
+    records: Vec<usize>,
+    bootstrap: Option<Bootstrap>,
+}
+
+impl Assessment {
+    /// Fits a curve; `measures` has the value of each case, `confidence` is above 0 and below 1.
+    ///
+    /// # Errors
+    /// Those of [`Data::new`], [`Data::fit`] and [`bootstrap`].
+    pub fn new(
+        cases: &[Case],
+        measures: &[Option<f64>],
+        link: Link,
+        confidence: f64,
+        uncertainty: Uncertainty,
+    ) -> Result<Assessment, FitError> {
+        let pairs: Vec<(&Case, f64)> =
+            cases.iter().zip(measures).filter_map(|(case, measure)| Some((case, (*measure)?))).collect();
+        let observation = |(case, measure): &(&Case, f64)| Observation::with_probability(&[*measure], case.fraction);
+        let data = Data::new(pairs.iter().map(observation).collect())?;
+        let fit = data.fit(link)?;
+        let (rocking, peaks): (Vec<f64>, Vec<f64>) =
+            pairs.iter().filter_map(|(case, measure)| Some((*measure, rocking_peak(case)?))).unzip();
+        let probabilities = fit.probabilities(data.observations());
+        let records: Vec<usize> = pairs.iter().map(|(case, _)| case.motion).collect();
+        let (median, dispersion, bootstrap) = match uncertainty {
+            Uncertainty::Profile => {
+                let profile = Profile::new(&data, &fit, confidence, &records)?;
+                (profile.median(), profile.dispersion(), None)
+            }
+            Uncertainty::Bootstrap(samples, seed) => {
+                let found = bootstrap(&data, &records, link, samples, seed)?;
+                let interval = |feature: fn(&Fit) -> f64| found.interval(confidence, feature);
+                (interval(Fit::median), interval(Fit::dispersion), Some(found))
+            }
+        };
+        Ok(Assessment {
+            median,
+            dispersion,
+            auc: auc(data.observations(), &probabilities),
+            brier: brier(data.observations(), &probabilities),
+            efficiency: efficiency(&rocking, &peaks),
+            rocking: rocking.len(),
+            independence: Independence::of(&records),
+            standard_errors: standard_errors(&data, &fit, &records),
+            without: cases.len() - pairs.len(),
+            confidence,
+            records,
+            bootstrap,
+            data,
+            fit,
+        })
+    }
+
+    /// Pointwise intervals of the probability at these measures, each above zero.
+    pub fn band(&self, measures: &[f64]) -> Vec<Interval> {
+        match &self.bootstrap {
+            Some(found) => {
+                let at = |&measure: &f64| found.interval(self.confidence, |fit| fit.probability(&[measure]));
+                measures.iter().map(at).collect()
+            }
+            None => match Profile::new(&self.data, &self.fit, self.confidence, &self.records) {
+                Ok(profile) => measures.iter().map(|&measure| profile.probability(measure)).collect(),
+                Err(_) => unreachable!("the data have one measure"),
+            },
+        }
+    }
+
+    /// Number of bootstrap samples without a curve, if a bootstrap was made.
+    pub fn without_curve(&self) -> Option<usize> {
+        self.bootstrap.as_ref().map(|found| found.without)
+    }
+}
+
+/// Least peak |θ|/α (1) that counts as rocking.
+///
+/// Accelerations just above uplift leave peaks down to 1e-13, whose logarithms would dominate the efficiency.
+const LEAST_ROCKING: f64 = 1e-3;
+
+fn rocking_peak(case: &Case) -> Option<f64> {
+    case.peak.filter(|peak| *peak >= LEAST_ROCKING)
+}
+
+/// Standard errors of the coefficients, clustered by record.
+fn standard_errors(data: &Data, fit: &Fit, records: &[usize]) -> Vec<f64> {
+    match clusters::covariance(data, fit, records) {
+        Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
+        None => vec![f64::INFINITY; fit.coefficients.len()],
+    }
+}
+
+/// The surface of two measures with its quality.
+pub struct Surface {
+    /// The cases with values of both.
+    pub data: Data,
+    /// The surface.
+    pub fit: Fit,
+    /// Standard errors of the coefficients, as in [`Assessment`].
+    pub standard_errors: Vec<f64>,
+    /// Area under the receiver operating characteristic.
+    pub auc: f64,
+    /// Brier score.
+    pub brier: f64,
+}
+
+impl Surface {
+    /// Fits a surface; `measures` and `others` have the values of each case.
+    ///
+    /// # Errors
+    /// Those of [`Data::new`] and [`Data::fit`].
+    pub fn new(
+        cases: &[Case],
+        measures: &[Option<f64>],
+        others: &[Option<f64>],
+        link: Link,
+    ) -> Result<Surface, FitError> {
+        let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
+            Some((Observation::with_probability(&[(*measure)?, (*other)?], case.fraction), case.motion))
+        });
+        let (observations, records): (Vec<Observation>, Vec<usize>) = both.unzip();
+        let data = Data::new(observations)?;
+        let fit = data.fit(link)?;
+        let probabilities = fit.probabilities(data.observations());
+        let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
+        let standard_errors = standard_errors(&data, &fit, &records);
+        Ok(Surface { data, fit, standard_errors, auc, brier })
+    }
+}
+
+/// The [`sufficiency`] of a measure beside another, from the cases with values of both.
+///
+/// # Errors
+/// Those of [`sufficiency`], and of [`Data::new`] for the first measure.
+pub fn sufficiency_beside(
+    cases: &[Case],
+    measures: &[Option<f64>],
+    others: &[Option<f64>],
+    link: Link,
+) -> Result<f64, FitError> {
+    let both = cases.iter().zip(measures).zip(others).filter_map(|((case, measure), other)| {
+        Some((Observation::with_probability(&[(*measure)?], case.fraction), ((*other)?, case.motion)))
+    });
+    let (observations, (others, records)): (Vec<Observation>, (Vec<f64>, Vec<usize>)) = both.unzip();
+    sufficiency(&Data::new(observations)?, &others, link, &records)
+}

@@ -1,0 +1,71 @@
+//! Observations of several records → curves of resampled records.
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
+
+use crate::fragility::data::Data;
+use crate::fragility::likelihood::Link;
+use crate::fragility::observation::FitError;
+use crate::fragility::profile::Interval;
+use crate::fragility::regression::Fit;
+
+/// The curves of resampled records.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bootstrap {
+    /// The curves of the samples that have one.
+    pub fits: Vec<Fit>,
+    /// Number of samples without a curve: a single class, or classes that do not overlap.
+    pub without: usize,
+}
+
+impl Bootstrap {
+    /// The central interval that holds this fraction of a feature's values; unbounded for fewer than two curves.
+    pub fn interval(&self, confidence: f64, of: impl Fn(&Fit) -> f64) -> Interval {
+        let mut values: Vec<f64> = self.fits.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        if values.len() < 2 {
+            return Interval { low: None, high: None };
+        }
+        // Linear interpolation between order statistics, the default of R and NumPy.
+        let quantile = |probability: f64| {
+            let position = probability * (values.len() - 1) as f64;
+            let below = position.floor() as usize;
+            let above = (below + 1).min(values.len() - 1);
+            values[below] + (position - below as f64) * (values[above] - values[below])
+        };
+        Interval { low: Some(quantile(0.5 - 0.5 * confidence)), high: Some(quantile(0.5 + 0.5 * confidence)) }
+    }
+}
+
+/// Fits curves to groups of observations drawn with replacement, as many groups per sample as there are.
+///
+/// B. Efron, Bootstrap methods: another look at the jackknife, Ann. Stat. 7 (1979) 1–26. `groups` has the group of each
+/// observation, such as its record; rows of a group are not independent of each other and stay together. The same seed gives the
+/// same curves on every machine: ChaCha with 8 rounds, one stream per sample.
+///
+/// # Errors
+/// [`FitError::OneMotion`] for fewer than two groups.
+pub fn bootstrap(data: &Data, groups: &[usize], link: Link, samples: u32, seed: u64) -> Result<Bootstrap, FitError> {
+    let count = groups.iter().max().map_or(0, |last| last + 1);
+    let mut members = vec![Vec::new(); count];
+    for (observation, &group) in data.observations().iter().zip(groups) {
+        members[group].push(observation);
+    }
+    let members: Vec<_> = members.into_iter().filter(|members| !members.is_empty()).collect();
+    if members.len() < 2 {
+        return Err(FitError::OneMotion { found: members.len() });
+    }
+    let mut found = Bootstrap { fits: Vec::new(), without: 0 };
+    for sample in 0..samples {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(sample.into());
+        // The bias of the remainder of 64 bits is below 2⁻³².
+        let mut draw = || &members[(random.next_u64() % members.len() as u64) as usize];
+        let drawn = (0..members.len()).flat_map(|_| draw().iter().map(|&row| row.clone())).collect();
+        match Data::new(drawn).and_then(|data| data.fit(link)) {
+            Ok(fit) => found.fits.push(fit),
+            Err(_) => found.without += 1,
+        }
+    }
+    Ok(found)
+}

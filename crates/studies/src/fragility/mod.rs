@@ -1,0 +1,59 @@
+//! The table of a sweep → fragility curves: the probability of overturning, or of exceeding a limit.
+//!
+//! A curve is `P = F(a + b ln IM)` of an intensity measure IM > 0, a surface `F(a + b₁ ln IM₁ + b₂ ln IM₂)` of two. With the
+//! normal distribution for F (probit) it is the lognormal fragility curve of median `exp(−a/b)` and dispersion `β = 1/b`; with the
+//! logistic one (logit) it is logistic regression. Coefficients maximize the likelihood (J. W. Baker, Efficient analytical
+//! fragility function fitting using dynamic structural analysis, Earthquake Spectra 31 (2015) 579–599, without his grouping of
+//! levels); intervals and bands are those of the profile likelihood, with rows clustered by record, or of a bootstrap of whole
+//! records.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `table` | the table of a sweep, a limit → cases that exceed it or not |
+//! | `observation` | the measures and the outcome of a case → an observation |
+//! | `separation` | observations → whether a best curve exists |
+//! | `data` | observations → data with a unique best curve |
+//! | `likelihood` | a linear predictor, an outcome → the log-likelihood and its derivatives |
+//! | `regression` | data → the curve of maximum likelihood |
+//! | `clusters` | rows that share records → covariance of the coefficients |
+//! | `profile` | a curve → intervals and bands of the profile likelihood |
+//! | `bootstrap` | observations of several records → intervals from resampled records |
+//! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
+//! | `assessment` | cases, a measure → its curve with intervals and quality |
+//! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
+//!
+//! ```
+//! use rocking_studies::fragility::{Data, Link, Observation};
+//!
+//! let rows = [(0.2, false), (0.3, false), (0.4, true), (0.5, false), (0.6, true), (0.9, true)];
+//! let data = Data::new(rows.map(|(pgv, overturned)| Observation::of(&[pgv], overturned)).to_vec())?;
+//! let fit = data.fit(Link::Probit)?;
+//! assert!((0.4..0.5).contains(&fit.median()));
+//! # Ok::<(), rocking_studies::fragility::FitError>(())
+//! ```
+
+mod assessment;
+mod bootstrap;
+mod clusters;
+mod data;
+mod ida;
+mod likelihood;
+mod observation;
+mod profile;
+mod quality;
+mod regression;
+mod separation;
+mod table;
+
+pub use crate::run::limit::Limit;
+pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
+pub use bootstrap::{Bootstrap, bootstrap};
+pub use clusters::Independence;
+pub use data::Data;
+pub use ida::{Ida, Response};
+pub use likelihood::Link;
+pub use observation::{FitError, Observation};
+pub use profile::{Interval, Profile};
+pub use quality::{auc, brier, efficiency, sufficiency};
+pub use regression::Fit;
+pub use table::{Case, Cases, SweepTable, SweepTableError};

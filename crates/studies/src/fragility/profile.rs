@@ -1,0 +1,147 @@
+//! A fitted curve → intervals and bands of the profile likelihood.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::fragility::clusters::{self, Independence};
+use crate::fragility::data::Data;
+use crate::fragility::observation::{FitError, Observation};
+use crate::fragility::regression::{Design, Fit, maximize};
+use rocking_block::numerics::roots::sign_change;
+
+/// An interval; an end without a bound is `None`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+impl Interval {
+    /// Whether a value lies inside.
+    pub fn contains(&self, value: f64) -> bool {
+        self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
+    }
+
+    fn map(self, of: impl Fn(f64) -> f64) -> Interval {
+        Interval { low: self.low.map(&of), high: self.high.map(&of) }
+    }
+}
+
+/// The profile likelihood of a curve of one measure: one feature fixed, the other coefficient maximized.
+///
+/// The interval of a feature holds the values whose likelihood ratio statistic is at most the quantile of χ² with one degree of
+/// freedom. It does not depend on the unit of a feature or on taking its logarithm, and need not be symmetric.
+///
+/// Rows of the same record are not independent. Where records repeat, the permitted statistic grows by the ratio of the feature's
+/// variance with rows clustered by record to that with independent rows (R. E. Chandler, S. Bate, Inference for clustered data
+/// using the independence loglikelihood, Biometrika 94 (2007) 167–183), and the quantile is that of t².
+pub struct Profile<'a> {
+    observations: &'a [Observation],
+    /// Logarithms of the measure.
+    x: Vec<f64>,
+    fit: &'a Fit,
+    /// Covariance of the coefficients; `None` if one record alone determines them.
+    covariance: Option<DMatrix<f64>>,
+    /// Permitted likelihood ratio statistic for independent rows.
+    allowed: f64,
+}
+
+impl<'a> Profile<'a> {
+    /// Prepares the profile of a curve fitted to these data of one measure.
+    ///
+    /// `confidence` is above 0 and below 1; `records` has the record of each observation.
+    ///
+    /// # Errors
+    /// [`FitError::Measures`] for a surface.
+    pub fn new(data: &'a Data, fit: &'a Fit, confidence: f64, records: &[usize]) -> Result<Profile<'a>, FitError> {
+        if data.measures() != 1 {
+            return Err(FitError::Measures { row: 0, found: data.measures(), expected: "1 for a curve" });
+        }
+        let deviate = Independence::of(records).deviate(confidence);
+        let covariance = clusters::covariance(data, fit, records);
+        let x = data.observations().iter().map(|row| libm::log(row.measures[0])).collect();
+        Ok(Profile { observations: data.observations(), x, fit, covariance, allowed: deviate * deviate })
+    }
+
+    /// Interval of the median, in the unit of the measure; unbounded where the data admit a slope of zero.
+    pub fn median(&self) -> Interval {
+        let [a, b] = self.coefficients();
+        let log_median = -a / b;
+        let gradient = [-1.0 / b, a / (b * b)];
+        self.interval(log_median, gradient, |log_median, x| (x - log_median, 0.0)).map(libm::exp)
+    }
+
+    /// Interval of the dispersion β; no upper bound where the data admit a slope of zero.
+    ///
+    /// If both signs of β are admissible, only bounds of the fitted sign are reported.
+    pub fn dispersion(&self) -> Interval {
+        let [_, b] = self.coefficients();
+        let slopes = self.interval(b, [0.0, 1.0], |b, x| (1.0, b * x));
+        let same_sign = |slope: Option<f64>| slope.filter(|slope| slope * b > 0.0).map(|slope| 1.0 / slope);
+        Interval { low: same_sign(slopes.high), high: same_sign(slopes.low) }
+    }
+
+    /// Pointwise interval of the probability at a measure above zero.
+    pub fn probability(&self, measure: f64) -> Interval {
+        let ([a, b], x0) = (self.coefficients(), libm::log(measure));
+        let found = self.interval(a + b * x0, [1.0, x0], |predictor, x| (x - x0, predictor));
+        let found = found.map(|predictor| self.fit.link.probability(predictor));
+        Interval { low: found.low.or(Some(0.0)), high: found.high.or(Some(1.0)) }
+    }
+
+    fn coefficients(&self) -> [f64; 2] {
+        [self.fit.coefficients[0], self.fit.coefficients[1]]
+    }
+
+    /// The likelihood ratio statistic of the predictor `offset + x c` with the best c.
+    ///
+    /// `of` maps the logarithm of the measure to x and offset.
+    fn statistic(&self, of: impl Fn(f64) -> (f64, f64)) -> f64 {
+        let (x, offset): (Vec<f64>, Vec<f64>) = self.x.iter().map(|&x| of(x)).unzip();
+        let rows = self.x.len();
+        let (x, offset) = (DMatrix::from_vec(rows, 1, x), DVector::from_vec(offset));
+        match maximize(&Design { observations: self.observations, x, offset }, self.fit.link) {
+            Ok(maximum) => 2.0 * (self.fit.log_likelihood - maximum.log_likelihood),
+            // So far out that the likelihood underflows.
+            Err(_) => f64::INFINITY,
+        }
+    }
+
+    /// The interval of a feature from its estimate and its gradient with respect to the coefficients.
+    ///
+    /// `of` gives x and offset of [`Profile::statistic`] for a value of the feature and a logarithm of the measure.
+    fn interval(&self, estimate: f64, gradient: [f64; 2], of: impl Fn(f64, f64) -> (f64, f64)) -> Interval {
+        /// An end farther than 2⁴⁰ standard deviations counts as unbounded.
+        const DOUBLINGS: i32 = 40;
+        let naive = variance(gradient, &self.fit.covariance);
+        let clustered = self.covariance.as_ref().map_or(f64::INFINITY, |of| variance(gradient, of));
+        let (deviation, allowed) = (clustered.sqrt(), self.allowed * clustered / naive);
+        if !(deviation > 0.0 && deviation.is_finite() && allowed.is_finite()) {
+            return Interval { low: None, high: None };
+        }
+        let excess = |value: f64| self.statistic(|x| of(value, x)) - allowed;
+        let end = |sign: f64| {
+            let mut near = (estimate, -allowed);
+            for doubling in 0..DOUBLINGS {
+                let value = estimate + sign * deviation * f64::from(2).powi(doubling);
+                let far = (value, excess(value));
+                if far.1 > 0.0 {
+                    // The bracket runs from the estimate outwards.
+                    let point = |t: f64| near.0 + t * (far.0 - near.0);
+                    return Some(point(sign_change(0.0, 1.0, -near.1, -far.1.min(1e9), |t| {
+                        -excess(point(t)).min(1e9)
+                    })));
+                }
+                near = far;
+            }
+            None
+        };
+        Interval { low: end(-1.0), high: end(1.0) }
+    }
+}
+
+/// The variance of a feature with this gradient.
+fn variance([a, b]: [f64; 2], covariance: &DMatrix<f64>) -> f64 {
+    a * a * covariance[(0, 0)] + 2.0 * a * b * covariance[(0, 1)] + b * b * covariance[(1, 1)]
+}

@@ -1,0 +1,123 @@
+//! Observations and a curve → quality of the measure: AUC, Brier score, efficiency, sufficiency.
+
+use crate::fragility::clusters::{self, Independence};
+use crate::fragility::data::Data;
+use crate::fragility::likelihood::Link;
+use crate::fragility::observation::{FitError, Observation};
+
+/// The area under the receiver operating characteristic (1); ½ is chance.
+///
+/// The probability that a row that exceeds the limit has a greater score than one that does not, ties counting half. A row with a
+/// fraction of exceedances counts in both classes, weighted by the fraction and its complement. `scores` has a finite number for
+/// each observation that increases with the probability; scores that differ by rounding alone are ties.
+pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
+    let mut rows: Vec<(f64, [f64; 2])> = observations
+        .iter()
+        .zip(scores)
+        .map(|(row, &score)| (score, [row.weight * (1.0 - row.fraction), row.weight * row.fraction]))
+        .collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Equal scores may differ by rounding.
+    let is_tie = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
+    let (mut below, mut ordered, mut total) = (0.0, 0.0, [0.0; 2]);
+    for alike in rows.chunk_by(|a, b| is_tie(a.0, b.0)) {
+        let sum = alike.iter().fold([0.0; 2], |sum, (_, parts)| [sum[0] + parts[0], sum[1] + parts[1]]);
+        ordered += sum[1] * (below + 0.5 * sum[0]);
+        below += sum[0];
+        total = [total[0] + sum[0], total[1] + sum[1]];
+    }
+    ordered / (total[0] * total[1])
+}
+
+/// The Brier score (1): the mean square of probability minus outcome, or minus the fraction of exceedances.
+///
+/// G. W. Brier, Verification of forecasts expressed in terms of probability, Mon. Weather Rev. 78 (1950) 1–3, halved.
+pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
+    let weight: f64 = observations.iter().map(|row| row.weight).sum();
+    let error = |(row, probability): (&Observation, &f64)| row.weight * (probability - row.fraction).powi(2);
+    observations.iter().zip(probabilities).map(error).sum::<f64>() / weight
+}
+
+/// The efficiency of a measure (1): the standard deviation of the log peaks about their regression on the log measure.
+///
+/// Smaller is better (N. Luco, C. A. Cornell, Structure-specific scalar intensity measures for near-source and ordinary earthquake
+/// ground motions, Earthquake Spectra 23 (2007) 357–392). Peaks are |θ|/α > 0 of the blocks that rock and stand. Nothing for fewer
+/// than three pairs, or a constant measure.
+pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
+    let [x, y] = [measures, peaks].map(|values| values.iter().map(|&value| libm::log(value)).collect::<Vec<f64>>());
+    let count = x.len() as f64;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
+    let (mean_x, mean_y) = (mean(&x), mean(&y));
+    let product = |a: &[f64], mean_a: f64, b: &[f64], mean_b: f64| -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum()
+    };
+    let (xx, xy) = (product(&x, mean_x, &x, mean_x), product(&x, mean_x, &y, mean_y));
+    let slope = xy / xx;
+    let residuals = x.iter().zip(&y).map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2));
+    (x.len() > 2 && xx > 0.0).then(|| (residuals.sum::<f64>() / (count - 2.0)).sqrt())
+}
+
+/// The sufficiency of a measure beside another: the p-value of the other one as a second measure.
+///
+/// The likelihood ratio test, χ² with one degree of freedom; a small value, below 0.05 say, rejects that the first measure is
+/// sufficient. `others` has the other measure of each observation, above zero, and `records` its record. Where records repeat,
+/// the statistic is divided by the ratio of the variances of the added coefficient, as in [`Profile`](super::Profile).
+///
+/// # Errors
+/// Those of [`Data::new`] and [`Data::fit`] for the surface of both measures, which may separate classes that overlap in one.
+pub fn sufficiency(data: &Data, others: &[f64], link: Link, records: &[usize]) -> Result<f64, FitError> {
+    let both = data
+        .observations()
+        .iter()
+        .zip(others)
+        .map(|(row, &other)| Observation { measures: vec![row.measures[0], other], ..row.clone() });
+    let curve = data.fit(link)?;
+    let both = Data::new(both.collect())?;
+    let surface = both.fit(link)?;
+    let gain = 2.0 * (surface.log_likelihood - curve.log_likelihood).max(0.0);
+    // The added coefficient is the last one.
+    let clustered = clusters::covariance(&both, &surface, records).map_or(f64::INFINITY, |found| found[(2, 2)]);
+    let deviate = (gain * surface.covariance[(2, 2)] / clustered).sqrt();
+    Ok(Independence::of(records).exceedance(deviate))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counted by hand: of the 3·2 pairs (exceeded, not), five are in order and one is a tie.
+    #[test]
+    fn auc_is_the_fraction_of_pairs_in_order() {
+        let rows = [(1.0, false), (2.0, true), (2.0, false), (3.0, true), (4.0, true)];
+        let observations: Vec<Observation> = rows.iter().map(|&(x, y)| Observation::of(&[x], y)).collect();
+        let scores = rows.map(|(x, _)| x);
+        assert!((auc(&observations, &scores) - 5.5 / 6.0).abs() < 1e-15);
+        assert!((auc(&observations, &scores.map(|x| -x)) - 0.5 / 6.0).abs() < 1e-15);
+        assert!((auc(&observations, &[7.0; 5]) - 0.5).abs() < 1e-15);
+        // A fraction equals its single rows.
+        let parts = [Observation::counted(&[1.0], 1, 3), Observation::counted(&[2.0], 2, 3)];
+        let single = [(1.0, true), (1.0, false), (1.0, false), (2.0, true), (2.0, true), (2.0, false)];
+        let single: Vec<Observation> = single.iter().map(|&(x, y)| Observation::of(&[x], y)).collect();
+        let of_single: Vec<f64> = single.iter().map(|row| row.measures[0]).collect();
+        assert!((auc(&parts, &[1.0, 2.0]) - auc(&single, &of_single)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn brier_is_the_mean_square() {
+        let rows = [Observation::of(&[1.0], false), Observation::of(&[2.0], true), Observation::counted(&[3.0], 1, 2)];
+        let exact = (0.04 + 0.25 + 2.0 * 0.09) / 4.0;
+        assert!((brier(&rows, &[0.2, 0.5, 0.8]) - exact).abs() < 1e-15);
+    }
+
+    /// A power law with errors of 0.1 in the logarithm, alternating so that the regression line stays.
+    #[test]
+    fn efficiency_is_the_scatter_about_a_power_law() {
+        let x: Vec<f64> = (0..400).map(|i| (0.01 * f64::from(i)).exp()).collect();
+        let signs = [1.0_f64, -1.0, -1.0, 1.0];
+        let y: Vec<f64> = x.iter().enumerate().map(|(i, x)| 3.0 * x.powf(1.7) * (0.1 * signs[i % 4]).exp()).collect();
+        let exact = 0.1 * (400.0_f64 / 398.0).sqrt();
+        assert!((efficiency(&x, &y).unwrap() / exact - 1.0).abs() < 1e-6, "{:?}", efficiency(&x, &y));
+        assert_eq!(efficiency(&[1.0, 2.0], &[1.0, 2.0]), None);
+        assert_eq!(efficiency(&[1.0; 5], &[1.0; 5]), None);
+    }
+}

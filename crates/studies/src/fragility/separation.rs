@@ -1,0 +1,127 @@
+//! Observations → whether a best curve exists.
+//!
+//! The likelihood has a maximum at finite coefficients if and only if no line (for one measure: no value) separates the two
+//! classes, points on the line included (A. Albert, J. A. Anderson, On the existence of maximum likelihood estimates in logistic
+//! regression models, Biometrika 71 (1984) 1–10). A row with a fraction of exceedances belongs to both classes.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::fragility::observation::{FitError, Observation};
+
+/// Checks that both classes occur, that the measures vary, and that the classes overlap.
+///
+/// Needs valid measures.
+pub(super) fn check(observations: &[Observation]) -> Result<(), FitError> {
+    let rows = observations.len();
+    let class = |is: fn(f64) -> bool| observations.iter().filter(move |row| is(row.fraction));
+    let (others, exceeded) = (|y: f64| y < 1.0, |y: f64| y > 0.0);
+    for (is, other) in [(others as fn(f64) -> bool, true), (exceeded, false)] {
+        if class(is).next().is_none() {
+            return Err(FitError::OneClass { exceeded: other, rows });
+        }
+    }
+    let count = observations[0].measures.len();
+    for measure in 0..count {
+        let value = observations[0].measures[measure];
+        if observations.iter().all(|row| row.measures[measure] == value) {
+            return Err(FitError::Alike { value, rows });
+        }
+    }
+    if count == 1 {
+        let ends = |is| {
+            let values = class(is).map(|row| row.measures[0]);
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        };
+        let ((low_others, high_others), (low_exceeded, high_exceeded)) = (ends(others), ends(exceeded));
+        if high_others <= low_exceeded {
+            return Err(FitError::Separable { below: high_others, above: low_exceeded, falls: false });
+        }
+        if high_exceeded <= low_others {
+            return Err(FitError::Separable { below: high_exceeded, above: low_others, falls: true });
+        }
+        return Ok(());
+    }
+    let points =
+        |is| -> Vec<[f64; 2]> { class(is).map(|row| [row.measures[0], row.measures[1]].map(libm::log)).collect() };
+    if hull(points(|_| true)).len() < 3 {
+        return Err(FitError::Collinear { rows });
+    }
+    if is_separable(&hull(points(others)), &hull(points(exceeded))) {
+        let (exceeded, others) = (class(exceeded).count(), class(others).count());
+        return Err(FitError::SeparablePlane { exceeded, others });
+    }
+    Ok(())
+}
+
+/// Whether a line separates two sets, given by their convex hulls.
+///
+/// Equivalent: all differences of their points lie in one half-plane.
+fn is_separable(one: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+    /// Tolerance of an angle (rad).
+    const ROUNDING: f64 = 1e-12;
+    let differences = one.iter().flat_map(|a| other.iter().map(move |b| [b[0] - a[0], b[1] - a[1]]));
+    let mut angles: Vec<f64> = differences.filter(|d| *d != [0.0, 0.0]).map(|[x, y]| libm::atan2(y, x)).collect();
+    angles.sort_by(f64::total_cmp);
+    let Some(&first) = angles.first() else { return true };
+    let next = angles.iter().skip(1).copied().chain(std::iter::once(first + TAU));
+    angles.iter().zip(next).any(|(angle, next)| next - angle >= PI - ROUNDING)
+}
+
+/// The corners of the convex hull; two for points on a line.
+///
+/// A. M. Andrew, Another efficient algorithm for convex hulls in two dimensions, Inf. Process. Lett. 9 (1979) 216–219.
+fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    if points.len() < 3 {
+        return points;
+    }
+    let half = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for &point in points {
+            while let [.., a, b] = chain[..] {
+                if turns_left(a, b, point) {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        // The last point begins the other half.
+        chain.pop();
+        chain
+    };
+    [half(&mut points.iter()), half(&mut points.iter().rev())].concat()
+}
+
+/// Whether the path a → b → c turns left by more than rounding.
+fn turns_left(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
+    let [first, second] = [[a, b], [a, c]].map(|[from, to]| [to[0] - from[0], to[1] - from[1]]);
+    let area = first[0] * second[1] - first[1] * second[0];
+    area > 1e-12 * (first[0] * second[1]).abs().max((first[1] * second[0]).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hulls_have_corners_only() {
+        let grid: Vec<[f64; 2]> = (0..25).map(|i| [f64::from(i % 5), f64::from(i / 5)]).collect();
+        assert_eq!(hull(grid), [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+        assert_eq!(hull((0..9).map(|i| [f64::from(i) * 0.1, f64::from(i) * 0.3]).collect()).len(), 2);
+    }
+
+    /// A line separates sets that touch it.
+    #[test]
+    fn touching_sets_are_separable() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let moved = |x: f64, y: f64| square.map(|[a, b]| [a + x, b + y]);
+        assert!(is_separable(&square, &moved(1.5, 0.0)));
+        assert!(is_separable(&square, &moved(1.0, 0.3)));
+        assert!(is_separable(&square, &moved(1.0, 1.0)));
+        assert!(!is_separable(&square, &moved(0.9, 0.9)));
+        assert!(!is_separable(&square, &moved(0.0, 0.0)));
+        assert!(!is_separable(&square, &[[0.5, 0.5]]));
+    }
+}

@@ -1,0 +1,85 @@
+//! Accelerogram files and their options → records.
+
+use rocking_block::ground::Ground;
+use rocking_records::{ReadOptions, Record, RecordError, Setting};
+
+/// Options for reading the files of ground motions.
+#[derive(Clone, Debug, Default)]
+pub struct RecordOptions {
+    /// Options of horizontal and vertical files.
+    pub both: ReadOptions,
+    /// Options of vertical files, which override `both`, except for the gravity.
+    pub vertical: ReadOptions,
+}
+
+/// A setting of record files, and its name for users.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecordOption {
+    /// The setting.
+    pub setting: Setting,
+    /// Whether it applies to vertical files only.
+    pub vertical: bool,
+}
+
+impl RecordOption {
+    /// The option of the command line, such as `--vertical-unit`.
+    pub fn option(self) -> String {
+        format!("--{}", self.key().replace('_', "-"))
+    }
+
+    /// The key in a study file, such as `vertical_unit`.
+    pub fn key(self) -> String {
+        let word = match self.setting {
+            Setting::Format => "format",
+            Setting::Unit => "unit",
+            Setting::TimeStep => "dt",
+            Setting::Channel => "channel",
+            Setting::TimeColumn => "time_column",
+            Setting::AccelerationColumn => "acceleration_column",
+        };
+        format!("{}{word}", if self.vertical { "vertical_" } else { "" })
+    }
+}
+
+impl RecordOptions {
+    /// Reads a horizontal or a vertical file with `read`; the error is one line, with settings named by `name`.
+    pub fn read(
+        &self,
+        vertical: bool,
+        name: impl Fn(RecordOption) -> String,
+        read: impl FnOnce(&ReadOptions) -> Result<Record, RecordError>,
+    ) -> Result<Record, String> {
+        let options = if vertical { self.vertical.or(&self.both) } else { self.both.clone() };
+        read(&options).map_err(|error| error.naming(|setting| name(RecordOption { setting, vertical })))
+    }
+
+    /// The first option without effect on these ground motions, and the kind of file it needs.
+    pub fn unread(&self, grounds: &[Ground]) -> Option<(RecordOption, String)> {
+        let horizontal: Vec<&Record> = grounds.iter().filter_map(|ground| ground.horizontal.as_ref()).collect();
+        let vertical: Vec<&Record> = grounds.iter().filter_map(|ground| ground.vertical.as_ref()).collect();
+        let all = [&horizontal[..], &vertical].concat();
+        let of_vertical: Vec<Setting> = self.vertical.given().collect();
+        let of_both = self.both.given().map(|setting| {
+            let (files, needed) = match of_vertical.contains(&setting) {
+                true => (&horizontal, "a horizontal record"),
+                false => (&all, "a record"),
+            };
+            (RecordOption { setting, vertical: false }, files, needed)
+        });
+        let of_vertical = of_vertical
+            .iter()
+            .map(|&setting| (RecordOption { setting, vertical: true }, &vertical, "a vertical record"));
+        of_both.chain(of_vertical).find_map(|(name, files, needed)| {
+            let formats = name.setting.formats();
+            let needed = match files.is_empty() {
+                true => needed.into(),
+                false => {
+                    let words: Vec<String> = formats.iter().map(ToString::to_string).collect();
+                    format!("a {} file", words.join(" or "))
+                }
+            };
+            let read = files.iter().any(|record| formats.contains(&record.format));
+            (!read).then_some((name, needed))
+        })
+    }
+}

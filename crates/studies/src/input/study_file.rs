@@ -1,0 +1,172 @@
+//! A TOML file → its tables, with known keys only and the line of each key and value.
+
+use std::ops::Range;
+use std::str::FromStr;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// An error in a study file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{file}:{line}: {message}")]
+pub struct StudyFileError {
+    /// The file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// What was found and what was expected.
+    pub message: String,
+}
+
+/// The text of a study file and its name.
+#[derive(Clone, Copy)]
+pub struct StudyText<'a> {
+    /// Name of the file.
+    pub file: &'a str,
+    /// Its content.
+    pub text: &'a str,
+}
+
+impl<'a> StudyText<'a> {
+    /// An error at a range of bytes of the text.
+    pub fn wrong(&self, range: &Range<usize>, message: impl Into<String>) -> StudyFileError {
+        let before = self.text.get(..range.start).unwrap_or(self.text);
+        StudyFileError { file: self.file.into(), line: before.matches('\n').count() + 1, message: message.into() }
+    }
+
+    /// Reads the file as one table.
+    pub fn parse(&self) -> Result<Spanned<DeTable<'a>>, StudyFileError> {
+        DeTable::parse(self.text).map_err(|error| {
+            let message = error.message().replace('\n', " ");
+            self.wrong(&error.span().unwrap_or(0..0), format!("invalid TOML: {message}"))
+        })
+    }
+}
+
+/// A table of the file with known keys.
+pub struct Section<'a> {
+    source: StudyText<'a>,
+    name: &'a str,
+    range: Range<usize>,
+    table: &'a DeTable<'a>,
+}
+
+/// A value and its range in the text.
+pub type SpannedValue<'a> = &'a Spanned<DeValue<'a>>;
+
+impl<'a> Section<'a> {
+    /// Checks that a table has no other keys than these; `name` is its name in errors.
+    pub fn new(
+        source: StudyText<'a>,
+        name: &'a str,
+        range: Range<usize>,
+        table: &'a DeTable<'a>,
+        keys: &[&str],
+    ) -> Result<Section<'a>, StudyFileError> {
+        let unknown = table.keys().filter(|key| !keys.contains(&key.get_ref().as_ref()));
+        // The first in the text, not the alphabet.
+        if let Some(key) = unknown.min_by_key(|key| key.span().start) {
+            let message = format!("there is no {} in {name}; expected one of {}", key.get_ref(), keys.join(", "));
+            return Err(source.wrong(&key.span(), message));
+        }
+        Ok(Section { source, name, range, table })
+    }
+
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<SpannedValue<'a>> {
+        self.table.get(key)
+    }
+
+    /// A nested table with no other keys than these.
+    pub fn section(&self, key: &'a str, keys: &[&str]) -> Result<Option<Section<'a>>, StudyFileError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let table = value.get_ref().as_table();
+        let table = table.ok_or_else(|| self.wrong(key, value, "a table"))?;
+        Section::new(self.source, key, value.span(), table, keys).map(Some)
+    }
+
+    /// An error at the value of a key.
+    pub fn wrong(&self, key: &str, value: SpannedValue, expected: &str) -> StudyFileError {
+        self.source.wrong(&value.span(), format!("{key} = {}; expected {expected}", self.shown(value)))
+    }
+
+    /// An error for a missing key, at the table.
+    pub fn lacks(&self, key: &str, expected: &str) -> StudyFileError {
+        self.source.wrong(&self.range, format!("{} has no {key}; expected {expected}", self.name))
+    }
+
+    fn shown(&self, value: SpannedValue) -> String {
+        let text = self.source.text.get(value.span()).unwrap_or_default();
+        text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect()
+    }
+
+    /// A finite number that passes `fits`.
+    pub fn number(&self, key: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Result<Option<f64>, StudyFileError> {
+        self.get(key).map(|value| self.fitting(key, value, &fits, expected)).transpose()
+    }
+
+    fn fitting(
+        &self,
+        key: &str,
+        value: SpannedValue,
+        fits: impl Fn(f64) -> bool,
+        expected: &str,
+    ) -> Result<f64, StudyFileError> {
+        let found = number(value).filter(|&number| number.is_finite() && fits(number));
+        found.ok_or_else(|| self.wrong(key, value, expected))
+    }
+
+    /// A whole number in a range.
+    pub fn integer(&self, key: &str, range: Range<u64>) -> Result<Option<u64>, StudyFileError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let integer = value.get_ref().as_integer();
+        let found = integer.and_then(|integer| u64::from_str_radix(integer.as_str(), integer.radix()).ok());
+        let expected = || format!("a whole number from {} to {}", range.start, range.end - 1);
+        found.filter(|n| range.contains(n)).map(Some).ok_or_else(|| self.wrong(key, value, &expected()))
+    }
+
+    /// A string.
+    pub fn text(&self, key: &str) -> Result<Option<&'a str>, StudyFileError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        value.get_ref().as_str().map(Some).ok_or_else(|| self.wrong(key, value, "a text in quotes"))
+    }
+
+    /// A choice by its word, in any case, with hyphens or underscores.
+    pub fn choice<T: Copy>(&self, key: &str, words: &[(&str, T)], expected: &str) -> Result<Option<T>, StudyFileError> {
+        let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
+        let found = text.to_lowercase().replace('_', "-");
+        let choice = words.iter().find(|(word, _)| *word == found);
+        choice.map(|(_, choice)| Some(*choice)).ok_or_else(|| self.wrong(key, value, expected))
+    }
+
+    /// A string, parsed.
+    pub fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, StudyFileError> {
+        let (Some(text), Some(value)) = (self.text(key)?, self.get(key)) else { return Ok(None) };
+        let parsed = text.parse().map_err(|error: T::Err| self.source.wrong(&value.span(), error.to_string()));
+        parsed.map(Some)
+    }
+
+    /// A non-empty list of finite numbers that pass `fits`.
+    pub fn numbers(
+        &self,
+        key: &str,
+        fits: impl Fn(f64) -> bool,
+        expected: &str,
+    ) -> Result<Option<Vec<f64>>, StudyFileError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let list = value.get_ref().as_array().filter(|list| !list.is_empty());
+        let list = list.ok_or_else(|| self.wrong(key, value, expected))?;
+        list.iter().map(|value| self.fitting(key, value, &fits, expected)).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+/// A value as a number; nothing for other values.
+pub fn number(value: SpannedValue) -> Option<f64> {
+    match value.get_ref() {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,254 @@
+//! A record → its intensity measures, also relative to the scales of a block.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `sums` | a record → its peaks, Arias intensity, CAV and significant duration |
+//! | `oscillator` | a record → the peaks of elastic oscillators: Sa(T), Sv(T), spectrum intensity |
+//! | `period` | a record → its mean period |
+//!
+//! The acceleration of a [`Record`] is linear between its samples; integrals and peaks between samples are exact for it. Programs
+//! that sum over samples differ by the error of their rule, which decreases with the square of the time step; each measure states
+//! it. There is no base line correction: velocity and displacement are those of the file, from rest at its first sample.
+
+mod oscillator;
+mod period;
+mod sums;
+
+use std::str::FromStr;
+
+use rocking_block::block::Block;
+use rocking_records::Record;
+
+pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
+pub use period::mean_period;
+pub use sums::{arias, cumulative_absolute_velocity, pga, pgd, pgv, significant_duration};
+
+/// An intensity measure: the strength, duration or period of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// Peak ground acceleration (m/s²), see [`pga`].
+    Pga,
+    /// Peak ground velocity (m/s), see [`pgv`].
+    Pgv,
+    /// Peak ground displacement (m), see [`pgd`].
+    Pgd,
+    /// PGV/PGA (s), which increases with the period of the strongest motion.
+    PgvToPga,
+    /// Arias intensity (m/s), see [`arias`].
+    Arias,
+    /// Cumulative absolute velocity (m/s), see [`cumulative_absolute_velocity`].
+    Cav,
+    /// Significant duration (s), see [`significant_duration`].
+    SignificantDuration,
+    /// Mean period (s), see [`mean_period`].
+    MeanPeriod,
+    /// Housner's spectrum intensity (m), see [`spectrum_intensity`].
+    SpectrumIntensity,
+    /// Spectral acceleration (m/s²) at this period (s), 5 % damping, see [`spectral_acceleration`].
+    Sa(f64),
+    /// Spectral velocity (m/s) at this period (s), 5 % damping, see [`OscillatorPeaks::velocity`].
+    Sv(f64),
+    /// PGA/(g tan α) (1): above one, a block on a rigid base lifts off.
+    PgaToUplift,
+    /// p·PGV/(g tan α) (1), the velocity relative to one that overturns a block of this size (E. G. Dimitrakopoulos,
+    /// T. S. Paraskeva, Dimensionless fragility curves for rocking response to near-fault excitations, EESD 44 (2015)
+    /// 2015–2033).
+    PgvToOverturning,
+    /// p·T_m (1), the mean period relative to the time scale 1/p of the block.
+    PeriodToBlock,
+}
+
+impl Measure {
+    /// Measures of a record alone, without an oscillator period, in the order of the tables.
+    pub const OF_RECORD: [Measure; 9] = [
+        Measure::Pga,
+        Measure::Pgv,
+        Measure::Pgd,
+        Measure::PgvToPga,
+        Measure::Arias,
+        Measure::Cav,
+        Measure::SignificantDuration,
+        Measure::MeanPeriod,
+        Measure::SpectrumIntensity,
+    ];
+
+    /// Measures of a record relative to a block.
+    pub const OF_BLOCK: [Measure; 3] = [Measure::PgaToUplift, Measure::PgvToOverturning, Measure::PeriodToBlock];
+
+    /// Measures of a record alone: [`Measure::OF_RECORD`], then Sa and Sv at each period (s).
+    pub fn of_record(periods: &[f64]) -> Vec<Measure> {
+        let spectral = [Measure::Sa as fn(f64) -> Measure, Measure::Sv];
+        let spectral = spectral.iter().flat_map(|kind| periods.iter().map(|&period| kind(period)));
+        Measure::OF_RECORD.into_iter().chain(spectral).collect()
+    }
+
+    /// The column heading, name and unit: `PGV [m/s]`.
+    pub fn heading(self) -> String {
+        format!("{self} [{}]", self.unit())
+    }
+
+    /// The unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Measure::Pga | Measure::Sa(_) => "m/s2",
+            Measure::Pgv | Measure::Arias | Measure::Cav | Measure::Sv(_) => "m/s",
+            Measure::Pgd | Measure::SpectrumIntensity => "m",
+            Measure::PgvToPga | Measure::SignificantDuration | Measure::MeanPeriod => "s",
+            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock => "1",
+        }
+    }
+
+    /// The power of a factor on the record that multiplies the measure; 0 if the factor has no effect.
+    pub fn power(self) -> u8 {
+        match self {
+            Measure::Arias => 2,
+            Measure::PgvToPga | Measure::SignificantDuration | Measure::MeanPeriod | Measure::PeriodToBlock => 0,
+            Measure::Pga
+            | Measure::Pgv
+            | Measure::Pgd
+            | Measure::Cav
+            | Measure::SpectrumIntensity
+            | Measure::Sa(_)
+            | Measure::Sv(_)
+            | Measure::PgaToUplift
+            | Measure::PgvToOverturning => 1,
+        }
+    }
+
+    /// The underlying measure of the record alone, and the factor that relates it to a block.
+    pub fn beside(self, block: &Block) -> (Measure, f64) {
+        let uplift = || block.gravity * libm::tan(block.alpha);
+        match self {
+            Measure::PgaToUplift => (Measure::Pga, 1.0 / uplift()),
+            Measure::PgvToOverturning => (Measure::Pgv, block.p / uplift()),
+            Measure::PeriodToBlock => (Measure::MeanPeriod, block.p),
+            of_record => (of_record, 1.0),
+        }
+    }
+
+    /// The value for a record; `gravity` (m/s²) is that of the Arias intensity.
+    ///
+    /// Nothing for measures relative to a block, and for periods and durations of a record of zeros.
+    pub fn of(self, record: &Record, gravity: f64) -> Option<f64> {
+        let value = match self {
+            Measure::Pga => pga(record),
+            Measure::Pgv => pgv(record),
+            Measure::Pgd => pgd(record),
+            Measure::PgvToPga => pgv(record) / pga(record),
+            Measure::Arias => arias(record, gravity),
+            Measure::Cav => cumulative_absolute_velocity(record),
+            Measure::SignificantDuration => significant_duration(record)?,
+            Measure::MeanPeriod => mean_period(record)?,
+            Measure::SpectrumIntensity => spectrum_intensity(record),
+            Measure::Sa(period) => spectral_acceleration(record, period),
+            Measure::Sv(period) => oscillator_peaks(record, period).velocity,
+            Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock => return None,
+        };
+        Some(value).filter(|value| value.is_finite())
+    }
+}
+
+/// The name in tables and study files.
+impl std::fmt::Display for Measure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Measure::Pga => "PGA",
+            Measure::Pgv => "PGV",
+            Measure::Pgd => "PGD",
+            Measure::PgvToPga => "PGV/PGA",
+            Measure::Arias => "Arias",
+            Measure::Cav => "CAV",
+            Measure::SignificantDuration => "D5-95",
+            Measure::MeanPeriod => "T_m",
+            Measure::SpectrumIntensity => "SI",
+            Measure::Sa(period) => return write!(f, "Sa({period} s)"),
+            Measure::Sv(period) => return write!(f, "Sv({period} s)"),
+            Measure::PgaToUplift => "PGA/(g tan alpha)",
+            Measure::PgvToOverturning => "p PGV/(g tan alpha)",
+            Measure::PeriodToBlock => "p T_m",
+        })
+    }
+}
+
+impl FromStr for Measure {
+    type Err = String;
+
+    /// Reads a name in any case, as in `PGV` or `Sa(0.5 s)`.
+    fn from_str(name: &str) -> Result<Measure, String> {
+        let mut named = Measure::OF_RECORD.into_iter().chain(Measure::OF_BLOCK);
+        if let Some(measure) = named.find(|measure| measure.to_string().eq_ignore_ascii_case(name)) {
+            return Ok(measure);
+        }
+        let spectral = [("sa(", Measure::Sa as fn(f64) -> Measure), ("sv(", Measure::Sv)];
+        let lower = name.to_ascii_lowercase();
+        let found = spectral.iter().find_map(|(start, kind)| {
+            let period: f64 = lower.strip_prefix(start)?.strip_suffix(" s)")?.parse().ok()?;
+            PERIODS.contains(&period).then(|| kind(period))
+        });
+        found.ok_or_else(|| {
+            let known: Vec<String> =
+                Measure::OF_RECORD.into_iter().chain(Measure::OF_BLOCK).map(|measure| measure.to_string()).collect();
+            format!("found intensity measure `{name}`; expected one of {}, Sa(0.5 s), Sv(0.5 s)", known.join(", "))
+        })
+    }
+}
+
+/// Admissible periods of oscillators (s); others would be typing errors.
+pub const PERIODS: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
+
+#[cfg(test)]
+pub(super) fn record_of(acceleration: &[f64], dt: f64) -> Record {
+    use rocking_records::{ReadOptions, Unit, parse};
+    let text: String = acceleration.iter().map(|a| format!("{a:e}\n")).collect();
+    let unit = Some(Unit::MetrePerSecondSquared);
+    parse("made-up", text.as_bytes(), &ReadOptions { unit, time_step: Some(dt), ..ReadOptions::default() }).unwrap()
+}
+
+#[cfg(test)]
+#[track_caller]
+pub(super) fn near(value: f64, exact: f64, tolerance: f64) {
+    assert!((value / exact - 1.0).abs() <= tolerance, "{value}, exactly {exact}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        for measure in Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_BLOCK) {
+            assert_eq!(measure.to_string().parse(), Ok(measure));
+        }
+        for (spelling, measure) in
+            [("pgv", Measure::Pgv), ("sa(0.5 S)", Measure::Sa(0.5)), ("t_m", Measure::MeanPeriod)]
+        {
+            assert_eq!(spelling.parse(), Ok(measure));
+        }
+        for name in ["PVG", "Sa(0.5)", "Sa(-1 s)", "Sv(nan s)"] {
+            let refused = name.parse::<Measure>().unwrap_err();
+            assert!(refused.contains(name) && refused.contains("CAV"), "{refused}");
+        }
+    }
+
+    /// A factor on the record multiplies each measure by its power of the factor.
+    #[test]
+    fn measures_scale_with_their_power_of_the_factor() {
+        let samples: Vec<f64> =
+            (0..3000).map(|i| (0.05 * f64::from(i)).sin() * (0.0011 * f64::from(i)).sin()).collect();
+        let record = record_of(&samples, 0.01);
+        let weaker = record.clone().scaled(-0.3);
+        for measure in Measure::of_record(&[0.5]) {
+            let [one, other] = [&record, &weaker].map(|record| measure.of(record, 9.81).unwrap());
+            near(other, one * 0.3_f64.powi(measure.power().into()), 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_record_of_zeros_has_no_period_and_no_duration() {
+        let none = record_of(&[0.0; 50], 0.01);
+        for measure in [Measure::PgvToPga, Measure::SignificantDuration, Measure::MeanPeriod] {
+            assert_eq!(measure.of(&none, 9.81), None);
+        }
+        assert_eq!(Measure::SpectrumIntensity.of(&none, 9.81), Some(0.0));
+    }
+}

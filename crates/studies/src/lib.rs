@@ -1,0 +1,31 @@
+//! Runs of a rocking block and their evaluation: a folder for each kind of study.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`statistics`] | deviates and seeds → probabilities, random samples |
+//! | [`input`] | study files and accelerogram files → parameters and records |
+//! | [`intensity`] | a record → its intensity measures |
+//! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
+//! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
+//! | [`spectrum`] | blocks of all sizes under several ground motions → a table of peak rotations |
+//! | [`search`] | a block, a parameter and its range → the values at which the outcome changes |
+//! | [`sweep`] | parameters × ground motions × strengths → a table of outcomes; samples of an ensemble |
+//! | [`fragility`] | the table of a sweep → fragility curves |
+
+pub mod statistics;
+
+pub mod input;
+
+pub mod intensity;
+
+pub mod run;
+
+pub mod output;
+
+pub mod spectrum;
+
+pub mod search;
+
+pub mod sweep;
+
+pub mod fragility;

@@ -1,0 +1,330 @@
+//! Rows → a CSV file that an interrupted study can resume.
+//!
+//! The file begins with lines that start with `# ` and describe the study, followed by the names of the columns and one line per
+//! row. An interrupted study leaves a prefix of the complete file.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use crate::output::output_target::{OutputTarget, OutputTargetError};
+
+/// The reason why a table cannot be created, resumed or written.
+#[derive(Debug, thiserror::Error)]
+pub enum TableWriteError {
+    /// The file exists.
+    #[error("{file}: exists already; expected --resume to continue it, --force to replace it, or another name")]
+    Exists {
+        /// The file.
+        file: String,
+    },
+    /// A device or a pipe does not keep the rows.
+    #[error("{file}: cannot be resumed with --resume; expected the file of an interrupted study")]
+    NotKept {
+        /// The output.
+        file: String,
+    },
+    /// The output has no valid target.
+    #[error(transparent)]
+    Target(#[from] OutputTargetError),
+    /// The table belongs to another study.
+    #[error("{file}:{line}: the table is that of another study; found `{found}`, expected `{expected}`")]
+    Other {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Content of the line.
+        found: String,
+        /// The line that this study would have written.
+        expected: String,
+    },
+    /// The table has more rows than the study.
+    #[error("{file}: has {found} rows or more; expected at most {expected}")]
+    TooLong {
+        /// The file.
+        file: String,
+        /// Complete rows counted so far.
+        found: u64,
+        /// Rows of the study.
+        expected: u64,
+    },
+    /// A row has the wrong number, or the wrong number of columns.
+    #[error("{file}:{line}: found `{found}`; expected row {expected} with {columns} columns")]
+    Row {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Content of the line.
+        found: String,
+        /// Number of the row.
+        expected: u64,
+        /// Number of columns.
+        columns: usize,
+    },
+    /// Another program is writing the table.
+    #[error("{file}: is being written by a running study; expected the file of an interrupted one")]
+    Busy {
+        /// The file.
+        file: String,
+    },
+    /// The operating system refuses.
+    #[error("{file}: cannot be {what}: {error}")]
+    Io {
+        /// The file.
+        file: String,
+        /// The attempted action.
+        what: &'static str,
+        /// The reason given by the operating system.
+        error: std::io::Error,
+    },
+}
+
+/// The description and the columns of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableHeader {
+    /// Description of the study, line by line, with everything that affects the results.
+    pub study: Vec<String>,
+    /// Names of the columns after the first, `row`, which numbers the rows from 0.
+    pub columns: Vec<String>,
+}
+
+impl TableHeader {
+    /// The lines of the file, with their ends.
+    fn text(&self) -> std::io::Result<String> {
+        let study: String = self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect();
+        let names = std::iter::once("row".to_string()).chain(self.columns.iter().cloned());
+        Ok(study + &csv_line(names)?)
+    }
+}
+
+/// A table in progress.
+pub struct ResumableTable {
+    name: String,
+    sink: Sink,
+    rows: u64,
+    failures: Failures,
+}
+
+/// The destination of the rows; `copy` keeps the text of a stream for [`ResumableTable::read_back`].
+enum Sink {
+    File { path: PathBuf, file: File },
+    Stream { out: Box<dyn Write>, copy: Option<Vec<u8>> },
+}
+
+/// How a table is opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TableOptions {
+    /// Resume an existing table.
+    pub resume: bool,
+    /// Replace an existing table.
+    pub force: bool,
+    /// Keep a copy for [`ResumableTable::read_back`] if the rows go to a device, a pipe or standard output.
+    pub read_back: bool,
+}
+
+/// Rows of failed runs, which have the word `failed` in a field.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Failures {
+    /// Number of rows.
+    pub count: u64,
+    /// Index of the first.
+    pub first: u64,
+}
+
+impl Failures {
+    fn count_row<'a>(&mut self, row: u64, mut fields: impl Iterator<Item = &'a str>) {
+        if fields.any(|field| field == "failed") {
+            if self.count == 0 {
+                self.first = row;
+            }
+            self.count += 1;
+        }
+    }
+}
+
+impl ResumableTable {
+    /// Creates the table of a study of `rows` rows, or resumes an existing one.
+    ///
+    /// An existing file is changed only if it is a prefix of this table; an incomplete last line is removed. A device, a pipe or
+    /// standard output cannot be resumed.
+    ///
+    /// # Errors
+    /// The file exists, or cannot be resumed, or the operating system refuses.
+    pub fn open(
+        path: &Path,
+        header: &TableHeader,
+        rows: u64,
+        options: TableOptions,
+    ) -> Result<ResumableTable, TableWriteError> {
+        let TableOptions { resume, force, read_back } = options;
+        let target = OutputTarget::of(path)?;
+        let name = target.name(path);
+        let io = |what| {
+            let file = name.clone();
+            move |error| TableWriteError::Io { file, what, error }
+        };
+        let new = |sink| ResumableTable { name: name.clone(), sink, rows: 0, failures: Failures::default() };
+        let OutputTarget::File(file_path) = &target else {
+            if resume {
+                return Err(TableWriteError::NotKept { file: name });
+            }
+            let Some(out) = target.open_stream().map_err(io("written"))? else { unreachable!("not a file") };
+            let mut table = new(Sink::Stream { out, copy: read_back.then(Vec::new) });
+            table.begin(header)?;
+            return Ok(table);
+        };
+        if file_path.exists() {
+            if !resume && !force {
+                return Err(TableWriteError::Exists { file: name });
+            }
+            let mut file = OpenOptions::new().read(true).write(true).open(file_path).map_err(io("opened"))?;
+            lock(&file, &name)?;
+            if force {
+                file.set_len(0).map_err(io("written"))?;
+            }
+            let (length, done, failures) = complete_rows(&file, &name, header, rows)?;
+            file.set_len(length).map_err(io("written"))?;
+            file.seek(SeekFrom::End(0)).map_err(io("written"))?;
+            let sink = Sink::File { path: file_path.clone(), file };
+            let mut table = ResumableTable { rows: done, failures, ..new(sink) };
+            if length == 0 {
+                table.begin(header)?;
+            }
+            return Ok(table);
+        }
+        let file = OpenOptions::new().write(true).create_new(true).open(file_path).map_err(io("written"))?;
+        lock(&file, &name)?;
+        let mut table = new(Sink::File { path: file_path.clone(), file });
+        table.begin(header)?;
+        Ok(table)
+    }
+
+    fn begin(&mut self, header: &TableHeader) -> Result<(), TableWriteError> {
+        self.write(header.text())
+    }
+
+    /// Number of complete rows.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Rows of failed runs, including resumed ones.
+    pub fn failures(&self) -> Failures {
+        self.failures
+    }
+
+    /// Writes the next row from its fields after the number; on return, it is in the file.
+    pub fn push(&mut self, fields: Vec<String>) -> Result<(), TableWriteError> {
+        self.failures.count_row(self.rows, fields.iter().map(String::as_str));
+        self.write(csv_line(std::iter::once(self.rows.to_string()).chain(fields)))?;
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// The text of the table with all rows so far.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn read_back(&self) -> Result<Box<dyn Read + '_>, TableWriteError> {
+        match &self.sink {
+            Sink::File { path, .. } => {
+                let opened = File::open(path);
+                opened.map(|file| Box::new(file) as Box<dyn Read>).map_err(|error| self.io("read", error))
+            }
+            Sink::Stream { copy, .. } => Ok(Box::new(Cursor::new(copy.as_deref().unwrap_or_default()))),
+        }
+    }
+
+    fn write(&mut self, text: std::io::Result<String>) -> Result<(), TableWriteError> {
+        let written = text.and_then(|text| match &mut self.sink {
+            Sink::File { file, .. } => file.write_all(text.as_bytes()),
+            Sink::Stream { out, copy } => {
+                let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+                let Some(copy) = copy else { return written };
+                copy.extend(text.as_bytes());
+                // After the reader has closed the pipe, the copy still receives the rows.
+                written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
+            }
+        });
+        written.map_err(|error| self.io("written", error))
+    }
+
+    fn io(&self, what: &'static str, error: std::io::Error) -> TableWriteError {
+        TableWriteError::Io { file: self.name.clone(), what, error }
+    }
+}
+
+/// Locks the file against a second study; does nothing where files cannot be locked.
+fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(TableWriteError::Busy { file: name.into() }),
+        Err(TryLockError::Error(_)) | Ok(()) => Ok(()),
+    }
+}
+
+/// Fields as a line of CSV with its end.
+fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(fields.collect::<Vec<_>>())?;
+    let bytes = writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
+    String::from_utf8(bytes).map_err(std::io::Error::other)
+}
+
+/// Length (bytes) of the complete lines of a file begun by this study, the number of its rows, and the failed ones.
+fn complete_rows(
+    file: &File,
+    name: &str,
+    header: &TableHeader,
+    rows: u64,
+) -> Result<(u64, u64, Failures), TableWriteError> {
+    let failed = |error| TableWriteError::Io { file: name.into(), what: "read", error };
+    let mut reader = BufReader::new(file);
+    let (mut length, mut done, mut failures) = (0, 0, Failures::default());
+    let header_text = header.text().map_err(failed)?;
+    let expected: Vec<&str> = header_text.lines().collect();
+    let mut line = Vec::new();
+    for number in 1.. {
+        line.clear();
+        // A line of an unrelated file may have any length.
+        let longest = 1 << 20;
+        (&mut reader).take(longest).read_until(b'\n', &mut line).map_err(failed)?;
+        let complete = line.pop_if(|byte| *byte == b'\n').is_some();
+        let text = String::from_utf8_lossy(&line);
+        let shown = || text.chars().take(120).collect::<String>();
+        if let Some(expected) = expected.get(number - 1) {
+            let fits = if complete { text == *expected } else { expected.starts_with(&*text) };
+            if !fits {
+                let expected = expected.to_string();
+                return Err(TableWriteError::Other { file: name.into(), line: number, found: shown(), expected });
+            }
+            if !complete {
+                // The interruption came before the first row.
+                return Ok((0, 0, failures));
+            }
+        } else {
+            if !complete {
+                return Ok((length, done, failures));
+            }
+            if done == rows {
+                return Err(TableWriteError::TooLong { file: name.into(), found: rows + 1, expected: rows });
+            }
+            let columns = header.columns.len() + 1;
+            match fields(&line).filter(|fields| fields.len() == columns && fields[0] == done.to_string()) {
+                Some(fields) => failures.count_row(done, fields.iter()),
+                None => {
+                    let (line, found) = (number, shown());
+                    return Err(TableWriteError::Row { file: name.into(), line, found, expected: done, columns });
+                }
+            }
+            done += 1;
+        }
+        length += line.len() as u64 + 1;
+    }
+    Ok((length, done, failures))
+}
+
+fn fields(line: &[u8]) -> Option<csv::StringRecord> {
+    csv::ReaderBuilder::new().has_headers(false).from_reader(line).records().next()?.ok()
+}

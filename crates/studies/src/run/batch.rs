@@ -1,0 +1,185 @@
+//! Runs → their outcomes, several of them stepped at once in the lanes of the processor's vectors.
+//!
+//! A batch has several times more active runs than lanes. Runs whose next step is of the same kind are stepped together, whatever
+//! their times and records. The bits of the outcomes are those of [`Run::outcome`].
+
+use crate::run::outcome::{Flights, Outcome};
+use crate::run::{Run, Schedule};
+use rocking_block::numerics::wide::Width;
+use rocking_block::simulation::SimulationError;
+use rocking_block::simulation::lanes::{Kind, Lane, Next, step_together};
+
+/// Active runs per lane, enough for a full group of some kind at nearly every step.
+const RUNS_PER_LANE: usize = 8;
+
+/// Numbers of steps taken in lanes and alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LaneUse {
+    /// Steps taken in lanes, including short ones rejected for their error.
+    pub in_lanes: u64,
+    /// Steps of single runs.
+    pub alone: u64,
+    /// Steps of single runs after an attempt in a lane.
+    pub repeated: u64,
+    /// Empty lanes of groups that were not full.
+    pub idle: u64,
+}
+
+/// An active run.
+struct ActiveRun {
+    number: usize,
+    run: Run,
+    schedule: Schedule,
+    flights: Flights,
+}
+
+/// Makes runs with vectors of this width, or one by one without, and returns their outcomes in order.
+///
+/// `ended` is called after each run, in any order.
+pub fn outcomes(width: Option<Width>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {
+    match width {
+        Some(width) => in_lanes(width, runs, ended).0,
+        None => runs.map(|run| run.outcome()).inspect(|_| ended()).collect(),
+    }
+}
+
+/// Makes runs in lanes, as [`outcomes`] does, and counts their steps.
+pub fn in_lanes(width: Width, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> (Vec<Outcome>, LaneUse) {
+    let mut batch = Batch {
+        width,
+        runs: runs.enumerate(),
+        ended,
+        active: Vec::new(),
+        waiting: Default::default(),
+        outcomes: Vec::new(),
+        lane_use: LaneUse::default(),
+    };
+    for tag in 0..RUNS_PER_LANE * width.lanes() {
+        if let Some(lane) = batch.begin(tag) {
+            batch.advance(lane);
+        }
+    }
+    let mut group = Vec::new();
+    while batch.step(&mut group) {
+        group.drain(..).for_each(|lane| batch.advance(lane));
+    }
+    let outcomes = batch.outcomes.into_iter().map(|outcome| outcome.expect("each run has ended")).collect();
+    (outcomes, batch.lane_use)
+}
+
+/// The active and the remaining runs of a batch.
+struct Batch<R, E> {
+    width: Width,
+    runs: R,
+    ended: E,
+    /// Indexed by the tags of the lanes.
+    active: Vec<ActiveRun>,
+    /// Queues of lanes by the kind of their next step.
+    #[expect(clippy::vec_box, reason = "a lane of nearly a kilobyte moves from queue to queue")]
+    waiting: [Vec<Box<Lane>>; Kind::COUNT],
+    outcomes: Vec<Option<Outcome>>,
+    lane_use: LaneUse,
+}
+
+impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
+    /// Starts the next run under this tag, if there is one.
+    fn begin(&mut self, tag: usize) -> Option<Box<Lane>> {
+        loop {
+            let (number, run) = self.runs.next()?;
+            let simulation = run.begin();
+            let mut flights = Flights::default();
+            flights.begin(&simulation);
+            let mut schedule = run.schedule(&simulation);
+            schedule.check(&simulation);
+            let Some(stop) = schedule.next_stop(&simulation) else {
+                self.outcomes.push(Some(run.outcome_of(&simulation, flights, None)));
+                (self.ended)();
+                continue;
+            };
+            self.outcomes.push(None);
+            let mut lane = Box::new(Lane::new(simulation, tag));
+            lane.send(stop, &schedule.inputs);
+            let begun = ActiveRun { number, run, schedule, flights };
+            match self.active.get_mut(tag) {
+                Some(ended) => *ended = begun,
+                None => self.active.push(begun),
+            }
+            return Some(lane);
+        }
+    }
+
+    /// Advances a run, or its successors once it has ended, until one waits for a group.
+    fn advance(&mut self, mut lane: Box<Lane>) {
+        loop {
+            let continues = match lane.next_step() {
+                Next::Together(kind) => {
+                    self.waiting[kind.number()].push(lane);
+                    return;
+                }
+                Next::Alone => self.step_alone(&mut lane),
+                Next::Arrived => self.next_stop(&mut lane),
+            };
+            if !continues {
+                match self.begin(lane.tag) {
+                    Some(next) => lane = next,
+                    None => return,
+                }
+            }
+        }
+    }
+
+    /// Sends a run on from a stop to the next; returns whether it continues.
+    fn next_stop(&mut self, lane: &mut Lane) -> bool {
+        let ActiveRun { run, schedule, .. } = &mut self.active[lane.tag];
+        schedule.stopped(run, lane.simulation());
+        match schedule.next_stop(lane.simulation()) {
+            Some(stop) => lane.send(stop, &schedule.inputs),
+            None => self.end(lane, None),
+        }
+        self.outcomes[self.active[lane.tag].number].is_none()
+    }
+
+    /// Takes a step of a single run; returns whether it continues.
+    fn step_alone(&mut self, lane: &mut Lane) -> bool {
+        let flights = &mut self.active[lane.tag].flights;
+        self.lane_use.alone += 1;
+        match lane.step_alone(&mut |event| flights.count_event(event)) {
+            Ok(()) => true,
+            Err(error) => {
+                self.end(lane, Some(error));
+                false
+            }
+        }
+    }
+
+    fn end(&mut self, lane: &Lane, failure: Option<SimulationError>) {
+        let ActiveRun { number, flights, ref run, .. } = self.active[lane.tag];
+        self.outcomes[number] = Some(run.outcome_of(lane.simulation(), flights, failure));
+        (self.ended)();
+    }
+
+    /// Steps a group of the most frequent kind and leaves the continuing runs in `group`; returns false if none waited.
+    #[expect(clippy::vec_box, reason = "as `waiting`")]
+    fn step(&mut self, group: &mut Vec<Box<Lane>>) -> bool {
+        let most = |(_, waiting): &(usize, &mut Vec<Box<Lane>>)| waiting.len();
+        let Some((number, waiting)) = self.waiting.iter_mut().enumerate().max_by_key(most) else { return false };
+        let (lanes, count) = (self.width.lanes(), waiting.len().min(self.width.lanes()));
+        group.extend(waiting.drain(..count));
+        let taken = if count > 1 { step_together(self.width, Kind::numbered(number), group) } else { 0 };
+        if count > 1 {
+            self.lane_use.in_lanes += u64::from(taken.count_ones());
+            self.lane_use.idle += (lanes - count) as u64;
+            self.lane_use.repeated += count as u64 - u64::from(taken.count_ones());
+        }
+        for place in (0..count).rev().filter(|place| taken >> place & 1 == 0) {
+            if self.step_alone(&mut group[place]) {
+                continue;
+            }
+            match self.begin(group[place].tag) {
+                Some(next) => group[place] = next,
+                None => drop(group.swap_remove(place)),
+            }
+        }
+        count > 0
+    }
+}

@@ -1,0 +1,414 @@
+//! A block, its initial state and its ground motion → a history and an outcome.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`stopping_rule`] | a block after the ground has come to rest → the end of its run |
+//! | [`outcome`] | a run → its end, its peaks and its counts |
+//! | [`limit`] | the end and the peak of a run → whether a limit is exceeded |
+//! | [`sliding`] | a run, a coefficient of friction → the longest time for which the demand exceeds it |
+//! | [`batch`] | runs → their outcomes, several of them stepped at once |
+//! | [`table`] | a history → a CSV table |
+
+pub mod batch;
+pub mod limit;
+pub mod outcome;
+pub mod sliding;
+pub mod stopping_rule;
+pub mod table;
+
+use crate::run::outcome::{End, Flights, Outcome};
+use crate::run::sliding::Sliding;
+use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
+use rocking_block::block::Block;
+use rocking_block::block::Regime;
+use rocking_block::excitation::{Inputs, Pulse, PulseShape};
+use rocking_block::ground::Ground;
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::peaks::Peaks;
+use rocking_block::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError};
+use rocking_block::system::events::Event;
+
+/// The inputs of a run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The block.
+    pub block: Block,
+    /// Settings of the integration.
+    pub settings: Settings,
+    /// Initial state.
+    pub initial: Initial,
+    /// Pulse added to the horizontal ground acceleration.
+    pub pulse: Pulse,
+    /// Records of the ground motion.
+    pub ground: Ground,
+    /// Duration (s); without one, [`stopping_rule`] ends the run.
+    pub duration: Option<f64>,
+    /// Time between two rows of the history (s), and so the longest between two stops.
+    ///
+    /// Infinite for rows at the start and the end only.
+    pub output_step: f64,
+}
+
+/// The state of the block at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Time (s).
+    pub time: f64,
+    /// Motion and reactions.
+    pub seen: Observation<f64>,
+    /// Regime.
+    pub regime: Regime,
+    /// Energies (J).
+    pub energies: Energies,
+    /// Ground acceleration, horizontal with the pulse, and vertical (m/s²).
+    pub ground: [f64; 2],
+}
+
+/// The history of a run.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// Rows at evenly spaced times and at the end of the run.
+    pub rows: Vec<Row>,
+    /// Events.
+    pub events: Vec<Event>,
+    /// Peaks, including those between rows.
+    pub peaks: Peaks,
+    /// Counters.
+    pub counts: Counts,
+    /// Reason and time of an early end (s).
+    pub ending: Option<(Ending, f64)>,
+    /// How the run ended.
+    pub end: End,
+    /// Whether the ground and the block are at rest at the end of the run.
+    pub is_at_rest: bool,
+}
+
+/// Longest duration of a run in a study (s); longer ones would be typing errors.
+pub const MAX_DURATION: f64 = 1e6;
+/// Shortest time between two stops of a run in a study (s); shorter ones would be typing errors.
+pub const MIN_STEP: f64 = 1e-6;
+
+impl Run {
+    /// A run from rest without ground motion, ended by [`stopping_rule`].
+    pub fn at_rest(block: Block, settings: Settings) -> Run {
+        Run {
+            block,
+            settings,
+            initial: Initial::default(),
+            pulse: Pulse::NONE,
+            ground: Ground::default(),
+            duration: None,
+            output_step: f64::INFINITY,
+        }
+    }
+
+    /// Makes the run; `progress` receives the fraction done, 0 to 1.
+    pub fn history(&self, mut progress: impl FnMut(f64)) -> Result<History, SimulationError> {
+        let (mut rows, mut events) = (Vec::new(), Vec::new());
+        let mut simulation = self.begin();
+        self.drive(&mut simulation, &mut |event| events.push(*event), |done, simulation, inputs| {
+            rows.push(self.row(simulation, inputs));
+            progress(done);
+        })?;
+        let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
+        let end = self.end(&simulation);
+        let is_at_rest = end == End::Completed && is_at_rest(&simulation);
+        Ok(History { rows, events, peaks, counts, ending, end, is_at_rest })
+    }
+
+    /// Makes the run without keeping rows; the stops, and so the bits, are those of [`Run::history`].
+    pub fn outcome(&self) -> Outcome {
+        let mut flights = Flights::default();
+        let mut failure = None;
+        let mut simulation = self.begin();
+        flights.begin(&simulation);
+        if let Err(error) = self.drive(&mut simulation, &mut |event| flights.count_event(event), |_, _, _| ()) {
+            failure = Some(error);
+        }
+        self.outcome_of(&simulation, flights, failure)
+    }
+
+    /// The outcome of the run if it ends with this simulation.
+    pub(super) fn outcome_of(
+        &self,
+        simulation: &Simulation,
+        flights: Flights,
+        failure: Option<SimulationError>,
+    ) -> Outcome {
+        let end = if failure.is_some() { End::Failed } else { self.end(simulation) };
+        let end_time = simulation.ending().map_or(simulation.time(), |(_, time)| time);
+        Outcome { end, end_time, peaks: simulation.peaks(), counts: simulation.counts(), flights, failure }
+    }
+
+    /// The end of the run if it ends with this simulation, without a failure.
+    fn end(&self, simulation: &Simulation) -> End {
+        let (time, start) = (simulation.time(), self.ground.start());
+        // A duration up to the last sample may miss it by rounding.
+        let ground_is_at_rest = self.ground_at_rest() - time <= 1e-12 * (time - start);
+        match simulation.ending() {
+            Some((ending, _)) if ending.is_overturning() => End::Overturned,
+            Some(_) => End::Separated,
+            None if ground_is_at_rest && fraction_of_barrier(simulation).is_some() => End::Completed,
+            None => End::Undecided,
+        }
+    }
+
+    /// The longest uninterrupted time (s) for which |H|/(N_L + N_R) exceeds a coefficient of friction (1).
+    pub fn longest_above(&self, friction: f64) -> f64 {
+        let mut sliding = Sliding::new(friction);
+        let mut simulation = self.begin();
+        let mut schedule = self.schedule(&simulation);
+        schedule.check(&simulation);
+        while let Some(stop) = schedule.next_stop(&simulation) {
+            sliding.follow(&simulation, stop, &schedule.inputs);
+            if simulation.advance(stop, &schedule.inputs, &mut |_| ()).is_err() {
+                break;
+            }
+            schedule.stopped(self, &simulation);
+        }
+        sliding.longest
+    }
+
+    pub(super) fn begin(&self) -> Simulation {
+        let start = self.ground.start();
+        let (inputs, _) = self.ground.inputs_from(start);
+        Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs)
+    }
+
+    /// Time from which the ground is at rest (s).
+    fn ground_at_rest(&self) -> f64 {
+        let start = self.ground.start();
+        let pulse = if self.pulse.shape == PulseShape::None { start } else { self.pulse.end() };
+        self.ground.end().unwrap_or(start).max(pulse).max(start)
+    }
+
+    /// Longest possible duration of the run (s).
+    pub fn longest_duration(&self) -> f64 {
+        self.duration.unwrap_or_else(|| self.stopping_rule().end(&self.block) - self.ground.start())
+    }
+
+    fn stopping_rule(&self) -> StoppingRule {
+        let is_free = self.ground.is_empty() && self.pulse.shape == PulseShape::None;
+        StoppingRule::new(self.ground_at_rest(), is_free)
+    }
+
+    /// Makes the run; `row` receives the fraction done, the block and the inputs, at the start and at each row.
+    ///
+    /// An error leaves the simulation at the last good step.
+    fn drive(
+        &self,
+        simulation: &mut Simulation,
+        events: &mut dyn FnMut(&Event),
+        mut row: impl FnMut(f64, &Simulation, &Inputs),
+    ) -> Result<(), SimulationError> {
+        let mut schedule = self.schedule(simulation);
+        row(0.0, simulation, &schedule.inputs);
+        schedule.check(simulation);
+        while let Some(stop) = schedule.next_stop(simulation) {
+            simulation.advance(stop, &schedule.inputs, events)?;
+            if let Some(done) = schedule.stopped(self, simulation) {
+                row(done, simulation, &schedule.inputs);
+            }
+        }
+        Ok(())
+    }
+
+    /// The schedule of a run at its start.
+    pub(super) fn schedule(&self, simulation: &Simulation) -> Schedule {
+        let start = simulation.time();
+        let (inputs, until) = self.ground.inputs_from(start);
+        let Run { duration, output_step, ref block, .. } = *self;
+        let stopping_rule = duration.is_none().then(|| self.stopping_rule());
+        let next_check = stopping_rule.map_or(f64::INFINITY, |rule| rule.next_check(block));
+        let end = match (duration, &stopping_rule) {
+            (Some(duration), _) => start + duration,
+            (None, Some(rule)) => rule.end(block),
+            (None, None) => start,
+        };
+        Schedule {
+            start,
+            duration,
+            output_step: if output_step > 0.0 { output_step } else { f64::INFINITY },
+            inputs,
+            until,
+            stopping_rule,
+            next_check,
+            end,
+            samples: [0; 2],
+            rows: 0,
+            stop: start,
+        }
+    }
+
+    fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {
+        let time = simulation.time();
+        let now = inputs.moved_to(time);
+        let seen = simulation.observe(inputs);
+        Row {
+            time,
+            seen,
+            regime: seen.regime,
+            energies: simulation.energies(),
+            ground: [now.a_gx.value + self.pulse.acceleration(time), now.a_gz.value],
+        }
+    }
+}
+
+/// The stops of a run in progress, and the inputs until the next one.
+///
+/// The number of stops is finite: each is a record sample, a row, a check of the stopping rule or the end, all counted by
+/// integers.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    start: f64,
+    duration: Option<f64>,
+    output_step: f64,
+    /// Inputs to the next stop.
+    pub(super) inputs: Inputs,
+    /// Time until which they hold (s).
+    until: f64,
+    stopping_rule: Option<StoppingRule>,
+    /// Time of the next check of the stopping rule (s).
+    next_check: f64,
+    /// Time at which the run is over (s), as far as known.
+    end: f64,
+    /// Numbers of the last samples of both records.
+    samples: [usize; 2],
+    /// Number of rows so far, excluding the first.
+    rows: u64,
+    stop: f64,
+}
+
+impl Schedule {
+    /// Whether the simulation has ended; a block that is held is shown for the given duration.
+    fn is_over(&self, simulation: &Simulation) -> bool {
+        let is_held = simulation.is_frozen() && self.duration.is_some();
+        simulation.ending().is_some() && !is_held
+    }
+
+    /// Applies the stopping rule if its next check is due.
+    pub(super) fn check(&mut self, simulation: &Simulation) {
+        if let Some(rule) = self.stopping_rule.as_mut().filter(|_| self.next_check <= simulation.time()) {
+            rule.check(simulation);
+            (self.next_check, self.end) = (rule.next_check(simulation.block()), rule.end(simulation.block()));
+        }
+    }
+
+    /// Time of the next stop (s), unless the run is over.
+    pub(super) fn next_stop(&mut self, simulation: &Simulation) -> Option<f64> {
+        let continues = simulation.time() < self.end && !self.is_over(simulation);
+        self.stop = self.until.min(self.next_row()).min(self.next_check);
+        continues.then_some(self.stop)
+    }
+
+    /// Time of the next row (s); a row within rounding of the end is the last.
+    fn next_row(&self) -> f64 {
+        let Schedule { start, end, output_step, rows, .. } = *self;
+        let time = start + (rows + 1) as f64 * output_step;
+        if time < end - 1e-12 * (end - start) { time } else { end }
+    }
+
+    /// Records that the run has reached the stop, or ended before; returns the fraction done if a row is due.
+    pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
+        let ended = self.is_over(simulation);
+        if !ended && self.stop == self.until {
+            (self.inputs, self.until) = run.ground.inputs_near(self.stop, &mut self.samples);
+        }
+        self.check(simulation);
+        let Schedule { start, end, .. } = *self;
+        if self.stop < self.next_row() && !ended {
+            return None;
+        }
+        self.rows += 1;
+        Some(((simulation.time() - start) / (end - start)).min(1.0))
+    }
+}
+
+impl History {
+    /// Greatest |total energy| of the rows (J).
+    pub fn greatest_energy(&self) -> f64 {
+        self.rows.iter().map(|row| row.energies.total.abs()).fold(0.0, f64::max)
+    }
+
+    /// Greatest |residual| of the energy balance in the rows (J).
+    pub fn greatest_residual(&self) -> f64 {
+        self.rows.iter().map(|row| row.energies.residual.abs()).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rocking_block::block::{Common, Dimensionless, Foundation};
+    use rocking_records::{ReadOptions, Record, Unit, parse};
+
+    /// Times of the rows of a block at rest, and the number of stops; panics beyond `most` stops.
+    fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f64>, usize) {
+        let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, eta: 40.0, xi_v: 0.1 };
+        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let at_rest = Run::at_rest(block, Settings::default());
+        let run = Run { ground: ground.clone(), duration: Some(duration), output_step, ..at_rest };
+        let mut simulation = run.begin();
+        let mut schedule = run.schedule(&simulation);
+        let (mut rows, mut stops) = (vec![simulation.time()], 0);
+        while let Some(stop) = schedule.next_stop(&simulation) {
+            stops += 1;
+            assert!(
+                stops <= most,
+                "{duration} s in rows of {output_step} s do not end: {stops} stops, the last at {stop} s"
+            );
+            simulation.advance(stop, &schedule.inputs, &mut |_| ()).unwrap();
+            if schedule.stopped(&run, &simulation).is_some() {
+                rows.push(simulation.time());
+            }
+        }
+        (rows, stops)
+    }
+
+    /// Durations of a whole number of decimal steps, their neighbouring numbers, and others.
+    #[test]
+    fn every_run_ends_with_one_row_at_its_end() {
+        let still = |start_time: f64, time_step: f64| {
+            let unit = Some(Unit::MetrePerSecondSquared);
+            let options = ReadOptions { unit, time_step: Some(time_step), ..ReadOptions::default() };
+            let record = parse("still", "0\n".repeat(40).as_bytes(), &options).unwrap();
+            Ground { horizontal: Some(Record { start_time, ..record }), vertical: None }
+        };
+        let grounds = [Ground::default(), still(0.0, 0.015), still(-0.3, 0.01), still(1e5, 0.007)];
+        let steps = [0.0001, 0.001, 0.0025, 0.007, 0.01, 0.015, 0.02, 0.03, 0.1, 1.0 / 3.0, 0.7];
+        let mut pairs: Vec<(f64, f64, usize)> = Vec::new();
+        for step in steps {
+            for count in 1..=160_usize {
+                // As written by a user: 60 steps of 0.015 are 0.9.
+                let decimal: f64 = format!("{:.10}", count as f64 * step).parse().unwrap();
+                pairs.extend([decimal, decimal.next_up(), decimal.next_down()].map(|duration| (duration, step, count)));
+                pairs.push(((count as f64 - 0.37) * step, step, count));
+            }
+        }
+        for (number, (duration, step, count)) in pairs.into_iter().enumerate() {
+            let ground = &grounds[number % grounds.len()];
+            let (times, stops) = rows(ground, duration, step, count + 41);
+            let start = ground.start();
+            // At 1e5 s, rounding of the time exceeds the distance of a decimal duration from its last row.
+            let end = start + duration;
+            assert_eq!(times.last(), Some(&end), "{duration} s, {step} s");
+            assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{duration} s, {step} s: {times:?}");
+            assert!(stops < times.len() + 40);
+            if start < 1e5 && step != 1.0 / 3.0 {
+                assert_eq!(times.len(), count + 1, "{duration} s, {step} s");
+            }
+        }
+    }
+
+    /// Invalid steps leave the rows at the start and the end.
+    #[test]
+    fn invalid_steps_make_no_rows() {
+        for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+            assert_eq!(rows(&Ground::default(), 1.0, step, 1).0, [0.0, 1.0], "{step}");
+        }
+        for duration in [0.0, -1.0, f64::NAN] {
+            assert_eq!(rows(&Ground::default(), duration, 0.1, 1).0, [0.0], "{duration}");
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! The table of a spectrum → outcomes of each curve, statistics over the ground motions.
+//!
+//! Peak rotations of the blocks that rock and stand are taken as lognormal: the statistics are those of `ln(|θ|max/α)`. Blocks that
+//! overturn, stay at rest, or have a run that ends at complete separation, undecided or failed, are excluded and counted. Where
+//! some blocks overturn, the mean is conditional on standing.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::io::Read;
+
+use serde::Serialize;
+
+use crate::output::runner::Study;
+use crate::run::outcome::End;
+use crate::spectrum::{RowInputs, Spectrum};
+use rocking_block::excitation::PulseShape;
+
+/// The outcomes of the blocks of one ground motion on one foundation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CurveSummary {
+    /// Name of the ground motion.
+    pub motion: String,
+    /// The foundation, as written in options.
+    pub foundation: String,
+    /// Blocks that stand.
+    pub completed: u64,
+    /// Blocks that overturned.
+    pub overturned: u64,
+    /// Blocks whose runs ended at complete separation.
+    pub separated: u64,
+    /// Blocks whose duration was over before their outcome was known.
+    pub undecided: u64,
+    /// Blocks whose runs failed.
+    pub failed: u64,
+    /// Blocks that left the ground completely at some time, whatever their outcome.
+    pub flew: u64,
+    /// Total number of complete separations.
+    pub flights: u64,
+    /// The greatest peak rotation of those that completed.
+    pub greatest: Option<Greatest>,
+}
+
+/// A greatest peak rotation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Greatest {
+    /// |θ|/α (1).
+    #[serde(rename = "peak.theta/alpha")]
+    pub peak: f64,
+    /// Frequency parameter of the block (rad/s).
+    pub p: f64,
+}
+
+/// The outcomes of the blocks of one size on one foundation under several ground motions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// Blocks that completed and rocked: those with a peak rotation above zero.
+    pub rocked: u64,
+    /// Blocks that completed and stayed at rest.
+    pub at_rest: u64,
+    /// Blocks that overturned.
+    pub overturned: u64,
+    /// Blocks whose runs ended at complete separation.
+    pub separated: u64,
+    /// Blocks whose duration was over before their outcome was known.
+    pub undecided: u64,
+    /// Blocks whose runs failed.
+    pub failed: u64,
+    /// Mean of ln(|θ|max/α) of those that rocked.
+    mean: f64,
+    /// Sum of the squared deviations from the mean.
+    squares: f64,
+}
+
+impl Cell {
+    fn add(&mut self, end: End, peak: f64) {
+        match end {
+            End::Completed if peak > 0.0 => {
+                self.rocked += 1;
+                let logarithm = libm::log(peak);
+                let off = logarithm - self.mean;
+                self.mean += off / self.rocked as f64;
+                self.squares += off * (logarithm - self.mean);
+            }
+            End::Completed => self.at_rest += 1,
+            End::Overturned => self.overturned += 1,
+            End::Separated => self.separated += 1,
+            End::Undecided => self.undecided += 1,
+            End::Failed => self.failed += 1,
+        }
+    }
+
+    /// Number of ground motions.
+    pub fn motions(&self) -> u64 {
+        self.rocked + self.at_rest + self.overturned + self.separated + self.undecided + self.failed
+    }
+
+    /// Geometric mean of |θ|max/α (1) of the blocks that rocked; nothing if none did.
+    pub fn geometric_mean(&self) -> Option<f64> {
+        (self.rocked > 0).then(|| libm::exp(self.mean))
+    }
+
+    /// Sample standard deviation of ln(|θ|max/α) (1) of the blocks that rocked; needs two of them.
+    pub fn deviation(&self) -> Option<f64> {
+        (self.rocked > 1).then(|| (self.squares / (self.rocked - 1) as f64).sqrt())
+    }
+}
+
+/// The blocks of one foundation under all ground motions with, or all without, a vertical component.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Number of the foundation.
+    pub base: usize,
+    /// Whether the ground motions have a vertical component.
+    pub vertical: bool,
+    /// Numbers of the ground motions.
+    pub motions: Vec<usize>,
+    /// Statistics of each size.
+    pub cells: Vec<Cell>,
+}
+
+impl Group {
+    /// The direction of the motions, as in spectra of one record.
+    pub fn direction(&self) -> &'static str {
+        direction(self.vertical)
+    }
+}
+
+/// The direction of a motion with or without a vertical component.
+pub fn direction(vertical: bool) -> &'static str {
+    if vertical { "horizontal + vertical" } else { "horizontal" }
+}
+
+/// The evaluated table of a spectrum.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// One per ground motion and foundation, in the order of the rows.
+    pub curves: Vec<CurveSummary>,
+    /// One per foundation and direction of ground motion, for directions with several motions.
+    pub groups: Vec<Group>,
+}
+
+impl Statistics {
+    /// Reads the table.
+    ///
+    /// # Errors
+    /// The table does not belong to the spectrum.
+    pub fn of(spectrum: &Spectrum, table: impl Read) -> Result<Statistics, Box<dyn Error + Send + Sync>> {
+        let mut groups = groups(spectrum);
+        let mut curves = Vec::new();
+        let column = |name: &str| {
+            // The first column numbers the rows.
+            let position = Spectrum::column(name).map(|position| position + 1);
+            position.ok_or_else(|| format!("found no column {name} in the table"))
+        };
+        let [outcome, peak, flights] = ["outcome", "peak.theta/alpha [1]", "flights [1]"].map(column);
+        let (outcome, peak, flights) = (outcome?, peak?, flights?);
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table);
+        for (row, fields) in (0..spectrum.rows()).zip(reader.records()) {
+            let fields = fields?;
+            let RowInputs { motion, base, p } = spectrum.inputs(row);
+            let size = row % spectrum.sizes.count;
+            if size == 0 {
+                curves.push(CurveSummary {
+                    motion: spectrum.motions[motion].0.clone(),
+                    foundation: spectrum.bases[base].to_string(),
+                    completed: 0,
+                    overturned: 0,
+                    separated: 0,
+                    undecided: 0,
+                    failed: 0,
+                    flew: 0,
+                    flights: 0,
+                    greatest: None,
+                });
+            }
+            let end: End = fields[outcome].parse()?;
+            let peak: f64 = fields[peak].parse()?;
+            if let Some(curve) = curves.last_mut() {
+                curve.add(end, peak, p, fields[flights].parse()?);
+            }
+            let group = groups.iter_mut().find(|group| group.base == base && group.motions.contains(&motion));
+            if let Some(group) = group {
+                group.cells[size as usize].add(end, peak);
+            }
+        }
+        Ok(Statistics { curves, groups })
+    }
+
+    /// The statistics of all groups as a CSV table, one row per foundation and size.
+    ///
+    /// # Errors
+    /// None in practice: the table is written to memory.
+    pub fn table(&self, spectrum: &Spectrum) -> std::io::Result<Vec<u8>> {
+        let head: String = spectrum.header().study.iter().map(|line| format!("# {line}\n")).collect();
+        let mut writer = csv::Writer::from_writer(head.into_bytes());
+        writer.write_record([
+            "motions",
+            "foundation",
+            "p [rad/s]",
+            "2pi/p [s]",
+            "omega_p/p [1]",
+            "records [1]",
+            "rocked [1]",
+            "at_rest [1]",
+            "overturned [1]",
+            "separated [1]",
+            "undecided [1]",
+            "failed [1]",
+            "geometric_mean.theta/alpha [1]",
+            "deviation_ln.theta/alpha [1]",
+        ])?;
+        let or_nothing = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+        for group in &self.groups {
+            for (number, cell) in (0..).zip(&group.cells) {
+                let p = spectrum.sizes.p(number);
+                let ratio = (spectrum.pulse.shape != PulseShape::None).then(|| TAU / spectrum.pulse.period / p);
+                let Cell { rocked, at_rest, overturned, separated, undecided, failed, .. } = *cell;
+                let counts = [cell.motions(), rocked, at_rest, overturned, separated, undecided, failed];
+                let mut fields = vec![group.direction().to_string(), spectrum.bases[group.base].to_string()];
+                fields.extend([p, TAU / p].map(|value| value.to_string()));
+                fields.push(or_nothing(ratio));
+                fields.extend(counts.map(|count| count.to_string()));
+                fields.extend([cell.geometric_mean(), cell.deviation()].map(or_nothing));
+                writer.write_record(fields)?;
+            }
+        }
+        writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))
+    }
+}
+
+impl CurveSummary {
+    /// A text table of the summaries with a heading.
+    pub fn lines(curves: &[CurveSummary]) -> String {
+        let head =
+            ["foundation", "motion", "completed", "overturned", "separated", "undecided", "failed", "flew", "flights"];
+        let mut rows = vec![head.map(String::from).to_vec()];
+        rows[0].push("greatest |θ|/α of those that completed".into());
+        for curve in curves {
+            let CurveSummary { completed, overturned, separated, undecided, failed, flew, flights, .. } = curve;
+            let counts = [completed, overturned, separated, undecided, failed, flew, flights].map(ToString::to_string);
+            let greatest = curve.greatest.map(|Greatest { peak, p }| format!("{peak:.4} at p = {p:.4} rad/s"));
+            let mut row = vec![curve.foundation.clone(), curve.motion.clone()];
+            row.extend(counts);
+            row.push(greatest.unwrap_or_else(|| "none".into()));
+            rows.push(row);
+        }
+        if curves.is_empty() {
+            return String::new();
+        }
+        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..head.len()).map(width).collect();
+        let line = |row: &Vec<String>| {
+            let text = |(column, &width): (usize, &usize)| match column {
+                0 | 1 => format!("{:<width$}  ", row[column]),
+                _ => format!("{:>width$}  ", row[column]),
+            };
+            widths.iter().enumerate().map(text).collect::<String>() + &row[head.len()] + "\n"
+        };
+        rows.iter().map(line).collect()
+    }
+
+    fn add(&mut self, end: End, peak: f64, p: f64, flights: u64) {
+        self.flew += u64::from(flights > 0);
+        self.flights += flights;
+        match end {
+            End::Completed => {
+                self.completed += 1;
+                if self.greatest.is_none_or(|greatest| peak > greatest.peak) {
+                    self.greatest = Some(Greatest { peak, p });
+                }
+            }
+            End::Overturned => self.overturned += 1,
+            End::Separated => self.separated += 1,
+            End::Undecided => self.undecided += 1,
+            End::Failed => self.failed += 1,
+        }
+    }
+}
+
+/// The groups of a spectrum with two or more motions, still without outcomes.
+fn groups(spectrum: &Spectrum) -> Vec<Group> {
+    let mut groups = Vec::new();
+    for vertical in [false, true] {
+        let is = |motion: &usize| spectrum.motions[*motion].1.vertical.is_some() == vertical;
+        let motions: Vec<usize> = (0..spectrum.motions.len()).filter(is).collect();
+        if motions.len() > 1 {
+            groups.extend((0..spectrum.bases.len()).map(|base| Group {
+                base,
+                vertical,
+                motions: motions.clone(),
+                cells: vec![Cell::default(); spectrum.sizes.count as usize],
+            }));
+        }
+    }
+    groups
+}

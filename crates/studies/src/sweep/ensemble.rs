@@ -1,0 +1,293 @@
+//! `ensemble` of a study file → the samples of each row, and how many of them exceed each limit.
+//!
+//! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
+//! (docs/fragility.md). A probability over small unknown variations can be predicted.
+
+use toml::de::DeTable;
+
+use crate::input::parameters::{Parameter, flatten};
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
+use crate::run::limit::Limit;
+use crate::run::outcome::{End, Outcome};
+use crate::statistics::normal;
+use crate::statistics::sampling::shuffled;
+use rocking_block::unit::values::Values;
+use rocking_block::unit::variables::Kind;
+
+/// The samples of each row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ensemble {
+    /// Number of samples, at least one.
+    pub samples: u32,
+    /// Decides how the values of several spreads are paired.
+    pub seed: u64,
+    /// The uncertain quantities, at least one.
+    pub spreads: Vec<Spread>,
+    /// Limits whose exceedances are counted; overturning comes first.
+    pub limits: Vec<Limit>,
+}
+
+/// An uncertain quantity and its distribution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spread {
+    /// The quantity.
+    pub target: SpreadTarget,
+    /// The kind of distribution.
+    pub distribution: Distribution,
+    /// The standard deviation.
+    pub width: SpreadWidth,
+}
+
+/// The quantity that an ensemble varies.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpreadTarget {
+    /// The factor on the records.
+    Scale,
+    /// A parameter of the block, its initial state or the pulse.
+    Parameter(Parameter),
+}
+
+/// A distribution about the value of the row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Uniform and symmetric about the row's value.
+    Uniform,
+    /// Normal; the row's value is the mean.
+    Normal,
+    /// Lognormal; the row's value is the median and keeps its sign.
+    Lognormal,
+}
+
+/// The standard deviation of a distribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpreadWidth {
+    /// Coefficient of variation (1): relative to the row's value; relative to the mean for a lognormal distribution.
+    Relative(f64),
+    /// In the unit of the value. A lognormal distribution takes its ratio to the row's value as `Relative`.
+    Absolute(f64),
+}
+
+impl Spread {
+    /// The quantile at `probability`, above 0 and below 1, in a row with the value `nominal`.
+    pub fn value(&self, nominal: f64, probability: f64) -> f64 {
+        let (relative, deviation) = match self.width {
+            SpreadWidth::Relative(relative) => (relative, relative * nominal.abs()),
+            SpreadWidth::Absolute(deviation) => (deviation / nominal.abs(), deviation),
+        };
+        match self.distribution {
+            Distribution::Uniform => nominal + deviation * 3.0_f64.sqrt() * (2.0 * probability - 1.0),
+            Distribution::Normal => nominal + deviation * normal::quantile(probability),
+            Distribution::Lognormal => {
+                nominal * libm::exp(libm::log1p(relative * relative).sqrt() * normal::quantile(probability))
+            }
+        }
+    }
+}
+
+impl Ensemble {
+    /// For each sample of a row, the probability at which it takes the quantile of each spread.
+    ///
+    /// In each row a spread takes the midpoints `(i + ½)/n` of n strata of equal probability. The fraction of a distribution beyond
+    /// a threshold is then off by at most 1/(2n), and on average by less than with random points in the strata or anywhere.
+    /// The pairing of several spreads is drawn anew for each row: a Latin hypercube.
+    pub fn probabilities(&self, row: u64) -> Vec<Vec<f64>> {
+        let directions = self.spreads.len() as u64;
+        let strata: Vec<Vec<u32>> = (0..directions)
+            .map(|direction| match direction {
+                0 => (0..self.samples).collect(),
+                // The top bit keeps these streams apart from those of a design with the same seed.
+                _ => shuffled(self.samples, self.seed, (1 << 63) | (row * directions + direction)),
+            })
+            .collect();
+        let midpoint = |stratum: u32| (f64::from(stratum) + 0.5) / f64::from(self.samples);
+        (0..self.samples as usize).map(|sample| strata.iter().map(|of| midpoint(of[sample])).collect()).collect()
+    }
+
+    /// Names and units of the columns filled by [`Ensemble::fields`].
+    pub fn columns(&self) -> Vec<String> {
+        let counts = ["samples", "failed", "undecided"].map(|name| format!("ensemble.{name} [1]"));
+        let exceeded = self.limits.iter().map(|limit| format!("ensemble.{limit} [1]"));
+        let fractions = self.limits.iter().map(|limit| format!("P({limit}) [1]"));
+        counts.into_iter().chain(exceeded).chain(fractions).collect()
+    }
+
+    /// The fields of a row from its samples: the slenderness α (rad) and the outcome of each.
+    ///
+    /// A failed sample decides nothing, an undecided one only the limits it has already exceeded. A fraction is that of the
+    /// samples that decide its limit, and empty if there are none.
+    pub fn fields(&self, samples: &[(f64, Outcome)]) -> Vec<String> {
+        let count = |is: &dyn Fn(&(f64, Outcome)) -> bool| samples.iter().filter(|sample| is(sample)).count();
+        let exceeds = |limit: Limit, (alpha, outcome): &(f64, Outcome)| {
+            limit.is_exceeded(outcome.end, Some(outcome.peaks.theta / alpha))
+        };
+        let decides = |limit: Limit, sample: &(f64, Outcome)| match sample.1.end {
+            End::Failed => false,
+            End::Undecided => exceeds(limit, sample),
+            End::Completed | End::Separated | End::Overturned => true,
+        };
+        let ends = [End::Failed, End::Undecided].map(|end| count(&|(_, outcome)| outcome.end == end));
+        let (exceeded, fractions): (Vec<usize>, Vec<String>) = (self.limits.iter())
+            .map(|&limit| {
+                let decided = count(&|sample| decides(limit, sample));
+                let exceeded = count(&|sample| decides(limit, sample) && exceeds(limit, sample));
+                let fraction = (decided > 0).then(|| (exceeded as f64 / decided as f64).to_string());
+                (exceeded, fraction.unwrap_or_default())
+            })
+            .unzip();
+        let counts = std::iter::once(samples.len()).chain(ends).chain(exceeded);
+        counts.map(|count| count.to_string()).chain(fractions).collect()
+    }
+}
+
+/// Keys other than parameters.
+const KEYS: [&str; 4] = ["samples", "seed", "limits", "scale"];
+/// Greatest number of spreads; each doubles the number of corners to check.
+const MAX_SPREADS: usize = 8;
+
+/// Reads the table `ensemble`.
+pub(super) fn read(study: &Section, source: StudyText) -> Result<Option<Ensemble>, StudyFileError> {
+    let Some(value) = study.get("ensemble") else { return Ok(None) };
+    const EXPECTED: &str = "a table, as in { scale = 0.1, samples = 9 }";
+    let table: &DeTable = value.get_ref().as_table().ok_or_else(|| study.wrong("ensemble", value, EXPECTED))?;
+    let mut found = Vec::new();
+    flatten(source, "", table, &KEYS, &mut found)?;
+    found.sort_by_key(|(_, value)| value.span().start);
+    let keys: Vec<&str> = table.keys().map(|key| key.get_ref().as_ref()).collect();
+    let section = Section::new(source, "ensemble", value.span(), table, &keys)?;
+    let mut spreads = Vec::new();
+    if let Some(value) = section.get("scale") {
+        spreads.push(spread(source, "scale", SpreadTarget::Scale, value)?);
+    }
+    for (name, value) in &found {
+        let parameter = Parameter::named(name).map_err(|message| source.wrong(&value.span(), message))?;
+        if parameter.metadata.kind != Kind::Real {
+            return Err(source
+                .wrong(&value.span(), format!("{name} has no distribution; expected a parameter that is a number")));
+        }
+        spreads.push(spread(source, name, SpreadTarget::Parameter(parameter), value)?);
+    }
+    if !(1..=MAX_SPREADS).contains(&spreads.len()) {
+        let message =
+            format!("ensemble spreads {} values; expected scale or parameters, 1 to {MAX_SPREADS}", spreads.len());
+        return Err(source.wrong(&value.span(), message));
+    }
+    let samples = section.integer("samples", 1..100_001)?;
+    let samples = samples.ok_or_else(|| section.lacks("samples", "the number of runs per row"))?;
+    let seed = section.integer("seed", 0..1 << 63)?;
+    if spreads.len() > 1 && seed.is_none() {
+        return Err(section.lacks("seed", "a whole number, which decides how the values of several spreads are paired"));
+    }
+    if let (1, Some(value)) = (spreads.len(), section.get("seed")) {
+        return Err(section.wrong("seed", value, "several spreads; a single one does not use it"));
+    }
+    let limits = section.numbers("limits", |x| x > 0.0, "a list of numbers > 0, as in [0.5, 0.75]")?;
+    let limits = std::iter::once(Limit::Overturned).chain(limits.into_iter().flatten().map(Limit::Rotation)).collect();
+    Ok(Some(Ensemble { samples: samples as u32, seed: seed.unwrap_or(0), spreads, limits }))
+}
+
+/// Reads a coefficient of variation, or a table with a distribution and its width.
+fn spread(source: StudyText, name: &str, target: SpreadTarget, value: SpannedValue) -> Result<Spread, StudyFileError> {
+    const EXPECTED: &str = "a coefficient of variation > 0, or a table as in { distribution = \"normal\", cov = 0.1 }";
+    let Some(table) = value.get_ref().as_table() else {
+        let relative = number(value).filter(|width| *width > 0.0 && width.is_finite());
+        let relative = relative.ok_or_else(|| source.wrong(&value.span(), format!("{name} expects {EXPECTED}")))?;
+        return Ok(Spread { target, distribution: Distribution::Lognormal, width: SpreadWidth::Relative(relative) });
+    };
+    let section = Section::new(source, name, value.span(), table, &["distribution", "cov", "deviation"])?;
+    let words =
+        [("lognormal", Distribution::Lognormal), ("normal", Distribution::Normal), ("uniform", Distribution::Uniform)];
+    let distribution = section.choice("distribution", &words, "\"lognormal\", \"normal\" or \"uniform\"")?;
+    let distribution = distribution.unwrap_or(Distribution::Lognormal);
+    let width = |key| section.number(key, |x| x > 0.0, "a number > 0");
+    let width = match (width("cov")?, width("deviation")?) {
+        (Some(relative), None) => SpreadWidth::Relative(relative),
+        (None, Some(deviation)) => SpreadWidth::Absolute(deviation),
+        _ => return Err(section.lacks("cov", "either cov or deviation, a number > 0")),
+    };
+    Ok(Spread { target, distribution, width })
+}
+
+/// Checks that all samples of an ensemble make a block and that the block reads their values; the error gives the reason.
+/// Blocks that are valid at all corners of the spreads are valid between them.
+pub(super) fn check(ensemble: &Ensemble, values: &Values) -> Result<(), String> {
+    let ends = [0.5 / f64::from(ensemble.samples), 1.0 - 0.5 / f64::from(ensemble.samples)];
+    for corner in 0..1_usize << ensemble.spreads.len() {
+        let mut values = values.clone();
+        for (number, spread) in ensemble.spreads.iter().enumerate() {
+            let SpreadTarget::Parameter(parameter) = &spread.target else { continue };
+            let (name, variable) = (parameter.name(), parameter.metadata.variable);
+            let nominal = values[variable];
+            if nominal == 0.0
+                && (matches!(spread.width, SpreadWidth::Relative(_)) || spread.distribution == Distribution::Lognormal)
+            {
+                let expected = "a deviation of a normal or uniform distribution";
+                return Err(format!("{name} = 0 has no coefficient of variation; expected {expected}"));
+            }
+            values[variable] = spread.value(nominal, ends[corner >> number & 1]);
+            parameter
+                .metadata
+                .admits(values[variable])
+                .map_err(|message| format!("in a sample of the ensemble, {message}"))?;
+        }
+        values.block().map_err(|error| format!("in a sample of the ensemble, {error}"))?;
+        let unread = |(name, needed): (&str, &str)| {
+            let is = |spread: &Spread| matches!(&spread.target, SpreadTarget::Parameter(p) if p.metadata.name == name);
+            let name = Parameter::named(name).ok()?.name();
+            let spread = ensemble.spreads.iter().find(|spread| is(spread));
+            spread.map(|_| format!("{name} of the ensemble is not read; expected {needed}"))
+        };
+        if let Some(message) = values.unread_by_motion().find_map(unread) {
+            return Err(message);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spread(distribution: Distribution, width: SpreadWidth) -> Spread {
+        Spread { target: SpreadTarget::Scale, distribution, width }
+    }
+
+    /// Checks the median or mean, the standard deviation, and the reference of a relative width.
+    #[test]
+    fn distributions_have_the_requested_width() {
+        const COUNT: u32 = 20_000;
+        for distribution in [Distribution::Uniform, Distribution::Normal, Distribution::Lognormal] {
+            for (nominal, width) in [(2.0, SpreadWidth::Relative(0.3)), (-0.5, SpreadWidth::Absolute(0.15))] {
+                let spread = spread(distribution, width);
+                let values: Vec<f64> =
+                    (0..COUNT).map(|i| spread.value(nominal, (f64::from(i) + 0.5) / f64::from(COUNT))).collect();
+                let mean = values.iter().sum::<f64>() / f64::from(COUNT);
+                let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / f64::from(COUNT);
+                assert!((variance.sqrt() / mean.abs() / 0.3 - 1.0).abs() < 2e-3, "{distribution:?} {mean} {variance}");
+                assert!((spread.value(nominal, 0.5) / nominal - 1.0).abs() < 1e-15);
+                if distribution != Distribution::Lognormal {
+                    assert!((mean / nominal - 1.0).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    /// Each row has one sample per stratum; the order differs between rows and between all spreads but the first.
+    #[test]
+    fn samples_are_the_midpoints_of_strata() {
+        let scale = spread(Distribution::Normal, SpreadWidth::Relative(0.1));
+        let ensemble = Ensemble { samples: 9, seed: 4, spreads: vec![scale; 3], limits: Vec::new() };
+        let of = |row: u64, direction: usize| {
+            ensemble.probabilities(row).iter().map(|sample| sample[direction]).collect::<Vec<_>>()
+        };
+        let midpoints: Vec<f64> = (0..9).map(|i| (f64::from(i) + 0.5) / 9.0).collect();
+        for (row, direction) in [(0, 0), (0, 1), (0, 2), (1, 1), (7, 2)] {
+            let mut sorted = of(row, direction);
+            sorted.sort_by(f64::total_cmp);
+            assert_eq!(sorted, midpoints);
+        }
+        assert_eq!(of(5, 0), midpoints);
+        assert_ne!(of(0, 1), of(0, 2));
+        assert_ne!(of(0, 1), of(1, 1));
+        assert_eq!(of(3, 2), of(3, 2));
+    }
+}

@@ -1,0 +1,344 @@
+//! A study file → a sweep with valid values only.
+
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::input::parameters::{Parameter, flatten};
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
+use crate::intensity::{self, Measure};
+use crate::run::{MAX_DURATION, MIN_STEP};
+use crate::statistics::sampling::LatinHypercube;
+use crate::sweep::ensemble::SpreadTarget;
+use crate::sweep::ground_motion::GroundMotion;
+use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
+use crate::sweep::strength::Strengths;
+use crate::sweep::{Sweep, ensemble, records, strength};
+use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_block::unit::values::Values;
+use rocking_block::unit::variables::{Kind, Variable};
+
+/// Greatest number of rows of a sweep.
+const MAX_ROWS: u64 = 1_000_000_000;
+
+/// A parameter of the file and the place of its value in the text.
+struct GivenParameter<'a> {
+    value: SpannedValue<'a>,
+    parameter: Parameter,
+    values: ParameterValues,
+}
+
+/// Reads a study from the text of its file; paths of records are relative to `folder`.
+pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileError> {
+    let source = StudyText { file, text };
+    let document = source.parse()?;
+    let (table, place) = (document.get_ref(), document.span());
+    let root = Section::new(source, "the file", place, table, &["study", "parameters", "records"])?;
+    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction", "ensemble"];
+    let keys = [&keys[..], &strength::KEYS].concat();
+    let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
+    let samples = design(&study)?;
+    let given = parameters(&root, source, samples.is_some())?;
+    let design = match samples {
+        Some((samples, seed)) => Design::LatinHypercube(LatinHypercube::new(samples, given.len(), seed), samples),
+        None => Design::Grid,
+    };
+    let periods = study
+        .numbers(
+            "periods",
+            |x| intensity::PERIODS.contains(&x),
+            "a list of times from 0.001 to 1000 s, as in [0.5, 1.0]",
+        )?
+        .unwrap_or_default();
+    let strengths = strength::read(&study)?;
+    let mut of_record = Measure::of_record(&periods);
+    // Its period need not be one of `periods`.
+    let level = strengths.measure().filter(|measure| !Measure::OF_BLOCK.contains(measure));
+    of_record.extend(level.filter(|measure| !of_record.contains(measure)));
+    let motions = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
+    let ensemble = ensemble::read(&study, source)?;
+    let without_records = motions.iter().all(|motion| !motion.has_record());
+    for key in strength::KEYS.into_iter().chain(["periods"]) {
+        if let (true, Some(value)) = (without_records, study.get(key)) {
+            return Err(study.wrong(key, value, "[[records]]; it has no effect without them"));
+        }
+    }
+    if let (Some(ensemble), Some(value)) = (&ensemble, study.get("ensemble")) {
+        if without_records && ensemble.spreads.iter().any(|spread| spread.target == SpreadTarget::Scale) {
+            return Err(source.wrong(&value.span(), "scale has no effect without [[records]]"));
+        }
+        if matches!(strengths, Strengths::Least(..)) {
+            return Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row"));
+        }
+    }
+    let friction = study.number("friction", |x| x > 0.0, "a coefficient > 0")?;
+    if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction, study.get("friction")) {
+        return Err(study.wrong("friction", value, "none beside least, which makes many runs per row"));
+    }
+    let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
+    let parameters =
+        given.iter().map(|g| SweptParameter { parameter: g.parameter, values: g.values.clone() }).collect();
+    let sweep = Sweep {
+        // Blank lines, indentation and comments do not change a study.
+        text: text
+            .lines()
+            .map(str::trim)
+            .filter(|line| !line.is_empty() && !line.starts_with('#'))
+            .map(String::from)
+            .collect(),
+        parameters,
+        design,
+        motions,
+        strengths,
+        ensemble,
+        measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
+        tolerance: tolerance.unwrap_or(Settings::OF_STUDIES),
+        on_separation: OnSeparation::Fly,
+        duration: study.number("duration", |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?,
+        step: study.number("step", |x| x >= MIN_STEP, "a time of at least 1e-6 s")?,
+        friction,
+    };
+    check(&sweep, &given, &study, source)?;
+    Ok(sweep)
+}
+
+/// Reads the samples and the seed of a Latin hypercube; nothing for a grid.
+fn design(study: &Section) -> Result<Option<(u32, u64)>, StudyFileError> {
+    const EXPECTED: &str = "\"grid\" or \"latin-hypercube\"";
+    let is_sampled = study.choice("design", &[("grid", false), ("latin-hypercube", true)], EXPECTED)?;
+    let is_sampled = is_sampled.ok_or_else(|| study.lacks("design", EXPECTED))?;
+    let samples = study.integer("samples", 1..10_000_001)?;
+    let seed = study.integer("seed", 0..1 << 63)?;
+    if !is_sampled {
+        let unread = ["samples", "seed"].into_iter().find_map(|key| Some((key, study.get(key)?)));
+        return unread.map_or(Ok(None), |(key, value)| {
+            Err(study.wrong(key, value, "design = \"latin-hypercube\"; a grid does not use it"))
+        });
+    }
+    let samples = samples.ok_or_else(|| study.lacks("samples", "the number of samples"))?;
+    let seed = seed.ok_or_else(|| study.lacks("seed", "a whole number, which determines the samples"))?;
+    Ok(Some((samples as u32, seed)))
+}
+
+/// Reads the parameters in the order of the file.
+fn parameters<'a>(
+    root: &Section<'a>,
+    source: StudyText,
+    sampled: bool,
+) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+    let Some(value) = root.get("parameters") else { return Ok(Vec::new()) };
+    let table = value.get_ref().as_table().ok_or_else(|| root.wrong("parameters", value, "a table"))?;
+    let mut found = Vec::new();
+    flatten(source, "", table, &[], &mut found)?;
+    found.sort_by_key(|(_, value)| value.span().start);
+    let given = found.into_iter().map(|(name, value)| {
+        let parameter = Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?;
+        let values = values(source, &parameter, value, sampled)?;
+        Ok(GivenParameter { value, parameter, values })
+    });
+    given.collect()
+}
+
+/// Reads the values of a parameter: one, a list, or a range.
+fn values(
+    source: StudyText,
+    parameter: &Parameter,
+    value: SpannedValue,
+    sampled: bool,
+) -> Result<ParameterValues, StudyFileError> {
+    let name = parameter.name();
+    let of = |value: SpannedValue| -> Result<f64, StudyFileError> {
+        let at = |message: String| source.wrong(&value.span(), message);
+        let found = match (parameter.metadata.kind, value.get_ref()) {
+            (Kind::Boolean, DeValue::Boolean(truth)) => f64::from(u8::from(*truth)),
+            (Kind::Enumeration, DeValue::String(item)) => parameter.item(item).map_err(at)?,
+            (Kind::Boolean, _) | (_, DeValue::Boolean(_) | DeValue::String(_)) => {
+                let found = source.text.get(value.span()).unwrap_or_default();
+                return Err(at(format!("{name} = {found}; expected {}", parameter.expected())));
+            }
+            _ => number(value).ok_or_else(|| at(format!("{name} expects {}", parameter.expected())))?,
+        };
+        parameter.metadata.admits(found).map_err(at)?;
+        Ok(found)
+    };
+    match value.get_ref() {
+        DeValue::Array(list) if list.is_empty() => {
+            Err(source.wrong(&value.span(), format!("{name} = []; expected at least one value")))
+        }
+        DeValue::Array(list) => list.iter().map(of).collect::<Result<_, _>>().map(ParameterValues::List),
+        DeValue::Table(table) => range(source, parameter, value, table, of, sampled),
+        _ => of(value).map(|value| ParameterValues::List(vec![value])),
+    }
+}
+
+fn range(
+    source: StudyText,
+    parameter: &Parameter,
+    value: &Spanned<DeValue>,
+    table: &DeTable,
+    of: impl Fn(SpannedValue) -> Result<f64, StudyFileError>,
+    sampled: bool,
+) -> Result<ParameterValues, StudyFileError> {
+    let name = parameter.name();
+    let section = Section::new(source, name, value.span(), table, &["from", "to", "count", "spacing"])?;
+    if parameter.metadata.kind != Kind::Real {
+        return Err(source.wrong(&value.span(), format!("{name} has no range; expected a list")));
+    }
+    let end = |key| section.get(key).ok_or_else(|| section.lacks(key, "from and to, as in { from = 1, to = 4 }"));
+    let (from, to) = (of(end("from")?)?, of(end("to")?)?);
+    if from >= to {
+        return Err(section.wrong("to", end("to")?, &format!("more than from = {from}")));
+    }
+    let logarithmic = section.choice("spacing", &[("linear", false), ("log", true)], "\"linear\" or \"log\"")?;
+    let logarithmic = logarithmic.unwrap_or(false);
+    if logarithmic && from <= 0.0 {
+        return Err(section.wrong("from", end("from")?, "a number > 0 for spacing = \"log\""));
+    }
+    let range = ParameterValues::Range { from, to, logarithmic };
+    match (section.integer("count", 2..1_000_001)?, section.get("count")) {
+        (Some(_), Some(value)) if sampled => {
+            Err(section.wrong("count", value, "none, since a Latin hypercube samples the range"))
+        }
+        (Some(count), _) => {
+            let last = (count - 1) as f64;
+            Ok(ParameterValues::List((0..count).map(|i| range.at(i as f64 / last)).collect()))
+        }
+        (None, _) if sampled => Ok(range),
+        (None, _) => Err(section.lacks("count", "the number of values of the grid")),
+    }
+}
+
+/// The gravity (m/s²) that converts records in g.
+fn gravity(given: &[GivenParameter], source: StudyText) -> Result<f64, StudyFileError> {
+    match given.iter().find(|given| given.parameter.metadata.variable == Variable::G) {
+        None => Ok(Values::default()[Variable::G]),
+        Some(GivenParameter { values: ParameterValues::List(values), .. }) if values.len() == 1 => Ok(values[0]),
+        Some(GivenParameter { value, .. }) => {
+            let message = "g takes several values; expected one, which converts records in g";
+            Err(source.wrong(&value.span(), message))
+        }
+    }
+}
+
+/// Checks the whole study: the number of rows, unread parameters, and invalid blocks.
+fn check(sweep: &Sweep, given: &[GivenParameter], study: &Section, source: StudyText) -> Result<(), StudyFileError> {
+    let line = |name: &str| {
+        given.iter().find(|GivenParameter { parameter, .. }| {
+            let full = parameter.metadata.name;
+            full == name || full.ends_with(&format!(".{name}"))
+        })
+    };
+    let place = |key: &str| study.get(key).map_or(0..0, |value| value.span());
+    let per_combination = sweep.motions.len() as u64 * sweep.strengths.count();
+    let combinations = sweep.combinations();
+    let rows = combinations.and_then(|count| count.checked_mul(per_combination)).filter(|rows| *rows <= MAX_ROWS);
+    if rows.is_none() {
+        let message = format!("combinations × records × strengths give too many rows; expected at most {MAX_ROWS}");
+        return Err(source.wrong(&(0..0), message));
+    }
+    // The condition under which a block reads each parameter; `None` once a combination has read it.
+    let mut needed: Vec<Option<&str>> = vec![Some("a combination"); given.len()];
+    for number in 0..combinations.unwrap_or(0) {
+        let combination = sweep.combination(number);
+        let values = sweep.values(&combination);
+        let block = values.block().map_err(|error| {
+            let place = line(error.name()).map_or(0..0, |given| given.value.span());
+            source.wrong(&place, error.to_string())
+        })?;
+        let is_given = |variable: &&Variable| given.iter().any(|given| given.parameter.metadata.variable == **variable);
+        if let Some(missing) = values.sizes().iter().find(|variable| !is_given(variable)) {
+            let sizes: Vec<&str> = values.sizes().iter().map(|variable| variable.name()).collect();
+            let place = line("parameterization").map_or(0..0, |given| given.value.span());
+            let message =
+                format!("parameterization = \"Physical\" without {}; expected {}", missing.name(), sizes.join(", "));
+            return Err(source.wrong(&place, message));
+        }
+        if let Some(measure) = sweep.strengths.measure() {
+            let has_none =
+                |motion: &&GroundMotion| motion.intensity(measure, 1.0, &block).is_none_or(|value| value <= 0.0);
+            if let Some(motion) = sweep.motions.iter().find(has_none) {
+                let key = if study.get("levels").is_some() { "levels" } else { "least" };
+                let message = format!("the horizontal record of {} has no {measure} above 0", motion.names.join(" "));
+                return Err(source.wrong(&place(key), message));
+            }
+        }
+        if let Some(ensemble) = &sweep.ensemble {
+            ensemble::check(ensemble, &values).map_err(|message| source.wrong(&place("ensemble"), message))?;
+        }
+        if !sweep.motions.iter().all(|motion| sweep.moves(&combination, motion)) {
+            let message = "nothing moves the block; expected [[records]], a pulse.shape with a pulse.amplitude, \
+                           or an initial.theta or initial.theta_dot";
+            return Err(source.wrong(&line("amplitude").map_or(0..0, |given| given.value.span()), message));
+        }
+        for (given, needed) in given.iter().zip(&mut needed).filter(|(_, needed)| needed.is_some()) {
+            let unread = values.unread_by_motion().find(|(name, _)| *name == given.parameter.metadata.name);
+            *needed = unread.map(|(_, needed)| needed);
+        }
+    }
+    match given.iter().zip(&needed).find_map(|(given, needed)| needed.map(|needed| (given, needed))) {
+        Some((given, needed)) => {
+            let name = given.parameter.name();
+            let message = format!("{name} is read by no block of the study; expected {needed}");
+            Err(source.wrong(&given.value.span(), message))
+        }
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reads a study of a block that starts tilted, with these lines in `[study]` and values of p.
+    fn study(lines: &str, p: &str) -> Result<Sweep, String> {
+        let text = format!("[study]\n{lines}\n[parameters]\ninitial.theta = 0.1\np = {p}\n");
+        read("s.toml", &text, Path::new(".")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn choices_are_read_in_any_case() {
+        for (design, rows) in [("grid", 3), ("GRID", 3)] {
+            let sweep = study(&format!("design = \"{design}\""), "{ from = 1, to = 4, count = 3, spacing = \"Log\" }");
+            let sweep = sweep.unwrap();
+            assert_eq!(sweep.combinations(), Some(rows));
+            assert!((sweep.combination(1)[1] - 2.0).abs() < 1e-15, "{:?}", sweep.combination(1));
+        }
+        for design in ["latin-hypercube", "Latin_Hypercube"] {
+            let lines = format!("design = \"{design}\"\nsamples = 5\nseed = 1");
+            assert_eq!(study(&lines, "{ from = 1, to = 4 }").unwrap().combinations(), Some(5));
+        }
+    }
+
+    #[test]
+    fn unknown_and_unread_values_are_refused_with_their_line() {
+        let grid = "design = \"grid\"";
+        for (lines, p, expected) in [
+            ("design = \"cube\"", "1", "s.toml:2: design = \"cube\"; expected \"grid\" or \"latin-hypercube\""),
+            ("samples = 3", "1", "s.toml:1: study has no design; expected \"grid\" or \"latin-hypercube\""),
+            (
+                "design = \"grid\"\nseed = 3",
+                "1",
+                "s.toml:3: seed = 3; expected design = \"latin-hypercube\"; a grid does not use it",
+            ),
+            (
+                "design = \"latin-hypercube\"\nseed = 3",
+                "1",
+                "s.toml:1: study has no samples; expected the number of samples",
+            ),
+            (
+                grid,
+                "{ from = 1, to = 4, count = 3, spacing = \"cubic\" }",
+                "s.toml:5: spacing = \"cubic\"; expected \"linear\" or \"log\"",
+            ),
+            (grid, "[1, inf]", "p = inf"),
+            ("design = \"grid\"\ntolerance = \"small\"", "1", "s.toml:3: tolerance = \"small\"; expected"),
+        ] {
+            let told = study(lines, p).unwrap_err();
+            assert!(told.contains(expected), "{told}");
+        }
+        let spread = "ensemble = { p = { distribution = \"beta\", cov = 0.1 }, samples = 3 }";
+        let told = study(&format!("{grid}\n{spread}"), "1").unwrap_err();
+        assert_eq!(told, "s.toml:3: distribution = \"beta\"; expected \"lognormal\", \"normal\" or \"uniform\"");
+    }
+}

@@ -1,0 +1,55 @@
+//! Records and the requested measures → a ground motion of a sweep.
+
+use crate::intensity::{Measure, pga};
+use rocking_block::block::Block;
+use rocking_block::ground::Ground;
+
+/// A ground motion and its intensity measures.
+#[derive(Clone, Debug)]
+pub struct GroundMotion {
+    /// Names of the horizontal and the vertical file as written in the study.
+    pub names: [String; 2],
+    /// The records, unscaled.
+    pub ground: Ground,
+    /// Measures of the unscaled horizontal record, computed once for all blocks; `None` where it has no value.
+    intensities: Vec<(Measure, Option<f64>)>,
+    /// PGA of the unscaled vertical record (m/s²).
+    vertical_pga: Option<f64>,
+}
+
+impl GroundMotion {
+    /// Computes these measures, which depend on the record alone; `gravity` (m/s²) is that of the Arias intensity.
+    pub fn new(names: [String; 2], ground: Ground, measures: &[Measure], gravity: f64) -> GroundMotion {
+        let of = |measure: Measure| ground.horizontal.as_ref().and_then(|record| measure.of(record, gravity));
+        let intensities = measures.iter().map(|&measure| (measure, of(measure))).collect();
+        let vertical_pga = ground.vertical.as_ref().map(pga);
+        GroundMotion { names, ground, intensities, vertical_pga }
+    }
+
+    /// A measure of the horizontal record times `scale`, relative to this block where the measure is.
+    ///
+    /// Nothing if the record has no value of it, or if [`GroundMotion::new`] did not compute it.
+    pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {
+        let (of_record, factor) = measure.beside(block);
+        let (_, value) = self.intensities.iter().find(|(computed, _)| *computed == of_record)?;
+        value.map(|value| value * factor * scale.abs().powi(measure.power().into()))
+    }
+
+    /// The factor on the records at which a measure has this value: the inverse of [`GroundMotion::intensity`].
+    ///
+    /// Needs `value` > 0 and a measure > 0 that grows with the factor.
+    pub fn scale_to(&self, measure: Measure, value: f64, block: &Block) -> f64 {
+        let ratio = value / self.intensity(measure, 1.0, block).unwrap_or(f64::NAN);
+        if measure.power() == 2 { ratio.sqrt() } else { ratio }
+    }
+
+    /// PGA (m/s²) of the vertical record times `scale`.
+    pub fn vertical_pga(&self, scale: f64) -> Option<f64> {
+        self.vertical_pga.map(|pga| pga * scale.abs())
+    }
+
+    /// Whether there is a record at all.
+    pub fn has_record(&self) -> bool {
+        self.ground.time_step().is_some()
+    }
+}

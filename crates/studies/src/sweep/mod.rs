@@ -1,0 +1,320 @@
+//! Parameters over grids or samples × ground motions × strengths → a table of outcomes.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`parameters`] | parameters and their values → the combinations of a grid or a Latin hypercube |
+//! | [`ground_motion`] | records → ground motions with their measures |
+//! | [`strength`] | `scales`, `levels` or `least` → factors on the records |
+//! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
+//! | `records` | `[[records]]` of a study file → ground motions |
+//! | [`mod@file`] | a study file → a sweep with valid values |
+
+pub mod ensemble;
+pub mod file;
+pub mod ground_motion;
+pub mod parameters;
+mod records;
+pub mod strength;
+
+use std::ops::Range;
+
+use crate::intensity::Measure;
+use crate::output::resumable::TableHeader;
+use crate::output::runner::{MAX_RUNS, Study, StudyRow};
+use crate::run::Run;
+use crate::run::batch::outcomes;
+use crate::run::outcome::{End, Outcome};
+use crate::run::sliding;
+use crate::search::{self, OutcomeMap, Scan};
+use crate::sweep::ensemble::{Ensemble, SpreadTarget};
+use crate::sweep::ground_motion::GroundMotion;
+use crate::sweep::parameters::{Design, SweptParameter};
+use crate::sweep::strength::Strengths;
+use rocking_block::block::Block;
+use rocking_block::excitation::PulseShape;
+use rocking_block::numerics::wide::Width;
+use rocking_block::simulation::OnSeparation;
+use rocking_block::unit::values::Values;
+use rocking_block::unit::variables::Variable;
+
+/// A sweep: each combination of parameters × each motion × each strength is a row.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// Description of the study, line by line.
+    pub text: Vec<String>,
+    /// The parameters named in the study.
+    pub parameters: Vec<SweptParameter>,
+    /// How they are combined.
+    pub design: Design,
+    /// Ground motions, at least one; a motion without records stands for no ground motion.
+    pub motions: Vec<GroundMotion>,
+    /// The strengths of each.
+    pub strengths: Strengths,
+    /// The samples of each row, if any.
+    pub ensemble: Option<Ensemble>,
+    /// Measures of the records with a column in the table.
+    pub measures: Vec<Measure>,
+    /// Behaviour at complete separation, unless `on_separation` is a parameter.
+    pub on_separation: OnSeparation,
+    /// Relative tolerance of the integration.
+    pub tolerance: f64,
+    /// Duration of each run (s); without it, until the block has come down.
+    pub duration: Option<f64>,
+    /// Longest time between two stops (s); without it, only record samples and pulse ends are stops.
+    pub step: Option<f64>,
+    /// Coefficient of friction (1) of the column with the longest time above it, if any.
+    pub friction: Option<f64>,
+}
+
+impl Sweep {
+    /// Number of combinations of parameters; nothing if it overflows.
+    pub fn combinations(&self) -> Option<u64> {
+        self.design.combinations(&self.parameters)
+    }
+
+    /// The values of the parameters in a combination, in the order of `parameters`.
+    pub fn combination(&self, number: u64) -> Vec<f64> {
+        self.design.combination(number, &self.parameters)
+    }
+
+    /// The variables of the FMU in a combination.
+    ///
+    /// Variables without a value in the study have the FMU's start value, except `on_separation`.
+    pub fn values(&self, combination: &[f64]) -> Values {
+        let mut values = Values::default();
+        values[Variable::OnSeparation] = f64::from(self.on_separation as i32);
+        for (swept, value) in self.parameters.iter().zip(combination) {
+            values[swept.parameter.metadata.variable] = *value;
+        }
+        values
+    }
+
+    /// The inputs of a row. Reading the study file has made sure that all combinations are valid blocks.
+    fn inputs(&self, row: u64) -> RowInputs<'_> {
+        let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
+        let motion = &self.motions[(row / strengths % motions) as usize];
+        let combination = self.combination(row / strengths / motions);
+        let values = self.values(&combination);
+        let block = values.block().unwrap_or_else(|error| unreachable!("{error}"));
+        let scale = self.strengths.scale(row % strengths, motion, &block);
+        RowInputs { combination, values, block, motion, scale, level: self.strengths.level(row % strengths) }
+    }
+
+    /// The run of a row, without the spread of an ensemble.
+    pub fn run(&self, row: u64) -> Run {
+        self.nominal_run(&self.inputs(row))
+    }
+
+    fn nominal_run(&self, RowInputs { values, motion, scale, .. }: &RowInputs) -> Run {
+        self.run_of(values, motion, *scale)
+    }
+
+    fn run_of(&self, values: &Values, motion: &GroundMotion, scale: f64) -> Run {
+        Run {
+            block: values.block().unwrap_or_else(|error| unreachable!("{error}")),
+            settings: values.settings(Some(self.tolerance)),
+            initial: values.initial(),
+            pulse: values.pulse(),
+            duration: self.duration,
+            output_step: self.step.unwrap_or(f64::INFINITY),
+            ground: motion.ground.clone().scaled(scale),
+        }
+    }
+
+    /// The runs of a row's samples.
+    fn samples<'a>(
+        &'a self,
+        ensemble: &'a Ensemble,
+        row: u64,
+        inputs: &'a RowInputs,
+    ) -> impl Iterator<Item = Run> + 'a {
+        ensemble.probabilities(row).into_iter().map(|probabilities| {
+            let (mut values, mut scale) = (inputs.values.clone(), inputs.scale);
+            for (spread, probability) in ensemble.spreads.iter().zip(probabilities) {
+                match &spread.target {
+                    SpreadTarget::Scale => scale = spread.value(scale, probability),
+                    SpreadTarget::Parameter(parameter) => {
+                        let variable = parameter.metadata.variable;
+                        values[variable] = spread.value(values[variable], probability);
+                    }
+                }
+            }
+            self.run_of(&values, inputs.motion, scale)
+        })
+    }
+
+    fn samples_in_a_row(&self) -> usize {
+        self.ensemble.as_ref().map_or(0, |ensemble| ensemble.samples as usize)
+    }
+
+    /// The run of a row, followed by its samples.
+    fn runs(&self, row: u64, inputs: &RowInputs) -> Vec<Run> {
+        let samples = self.ensemble.iter().flat_map(|ensemble| self.samples(ensemble, row, inputs));
+        std::iter::once(self.nominal_run(inputs)).chain(samples).collect()
+    }
+
+    /// Searches, for each row, the values of a measure at which the block overturns.
+    fn least(&self, measure: Measure, scan: &Scan, rows: &[RowInputs], width: Option<Width>) -> Vec<OutcomeMap<End>> {
+        let run = |&(row, value): &(usize, f64)| {
+            let RowInputs { values, motion, block, .. } = &rows[row];
+            self.run_of(values, motion, motion.scale_to(measure, value, block))
+        };
+        let end = |outcome: Outcome| match outcome.end {
+            // The search looks for overturning only.
+            End::Separated => End::Completed,
+            end => end,
+        };
+        search::changes(scan, rows.len(), |values| {
+            // Chunks bound the number of outcomes in memory; only the ends are kept.
+            let chunks = values.chunks(MAX_RUNS as usize);
+            chunks.flat_map(|values| outcomes(width, values.iter().map(run), || ())).map(end).collect()
+        })
+    }
+
+    /// Whether a record, a pulse or the initial state moves the block.
+    pub fn moves(&self, combination: &[f64], motion: &GroundMotion) -> bool {
+        let values = self.values(combination);
+        let (initial, pulse) = (values.initial(), values.pulse());
+        motion.has_record()
+            || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+            || initial.theta != 0.0
+            || initial.theta_dot != 0.0
+            || initial.vertical.is_some()
+    }
+}
+
+/// The inputs of a row.
+struct RowInputs<'a> {
+    combination: Vec<f64>,
+    values: Values,
+    block: Block,
+    motion: &'a GroundMotion,
+    scale: f64,
+    /// The measure prescribed instead of a factor, and its value.
+    level: Option<(Measure, f64)>,
+}
+
+impl RowInputs<'_> {
+    /// A measure of the scaled record.
+    fn intensity(&self, measure: Measure) -> Option<f64> {
+        let prescribed = self.level.filter(|(prescribed, _)| *prescribed == measure).map(|(_, value)| value);
+        prescribed.or_else(|| self.motion.intensity(measure, self.scale, &self.block))
+    }
+}
+
+impl Study for Sweep {
+    fn header(&self) -> TableHeader {
+        let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
+        study.extend(self.text.iter().cloned());
+        study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
+        for GroundMotion { names, ground, .. } in &self.motions {
+            study.push(format!("{}: {}", names.join(" + "), ground.fingerprint()));
+        }
+        let mut columns: Vec<String> = self.parameters.iter().map(|swept| swept.parameter.heading()).collect();
+        columns.extend(["record", "vertical", "scale [1]", "PGA.vertical [m/s2]"].map(String::from));
+        columns.extend(self.measures.iter().map(|measure| measure.heading()));
+        match &self.strengths {
+            Strengths::Scales(_) | Strengths::Levels(..) => columns.extend(Outcome::COLUMNS.map(String::from)),
+            Strengths::Least(measure, _) => columns.extend(least_columns(*measure)),
+        }
+        columns.extend(self.friction.map(sliding::heading));
+        columns.extend(self.ensemble.iter().flat_map(Ensemble::columns));
+        TableHeader { study, columns }
+    }
+
+    fn rows(&self) -> u64 {
+        self.combinations().unwrap_or(0) * self.motions.len() as u64 * self.strengths.count()
+    }
+
+    fn runs_in_a_row(&self) -> u64 {
+        match &self.strengths {
+            Strengths::Least(_, scan) => scan.points,
+            Strengths::Scales(_) | Strengths::Levels(..) => 1 + self.samples_in_a_row() as u64,
+        }
+    }
+
+    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow> {
+        let rows: Vec<RowInputs> = numbers.clone().map(|number| self.inputs(number)).collect();
+        if let Strengths::Least(measure, scan) = &self.strengths {
+            let found = self.least(*measure, scan, &rows, width);
+            return rows.iter().zip(&found).map(|(inputs, found)| self.row_of_search(inputs, found)).collect();
+        }
+        let mut alphas = Vec::new();
+        let runs = numbers.zip(&rows).flat_map(|(number, inputs)| self.runs(number, inputs));
+        let outcomes = outcomes(width, runs.inspect(|run| alphas.push(run.block.alpha)), || ());
+        let made: Vec<(f64, Outcome)> = alphas.into_iter().zip(outcomes).collect();
+        let made = made.chunks(1 + self.samples_in_a_row());
+        rows.iter().zip(made).map(|(inputs, made)| self.row_of(inputs, made)).collect()
+    }
+}
+
+impl Sweep {
+    /// The fields before the outcome.
+    fn input_fields(&self, inputs: &RowInputs) -> Vec<String> {
+        let RowInputs { combination, motion, scale, .. } = inputs;
+        let mut fields: Vec<String> =
+            self.parameters.iter().zip(combination).map(|(swept, value)| swept.parameter.display(*value)).collect();
+        fields.extend(motion.names.iter().cloned());
+        fields.push(or_empty(motion.has_record().then_some(*scale)));
+        fields.push(or_empty(motion.vertical_pga(*scale)));
+        fields.extend(self.measures.iter().map(|&measure| or_empty(inputs.intensity(measure))));
+        fields
+    }
+
+    /// The row of a search.
+    fn row_of_search(&self, inputs: &RowInputs, found: &OutcomeMap<End>) -> StudyRow {
+        let mut fields = self.input_fields(inputs);
+        fields.extend(least_fields(found));
+        StudyRow { fields, failure: None }
+    }
+
+    /// The row of a run followed by its samples, each with the slenderness (rad) of its block.
+    fn row_of(&self, inputs: &RowInputs, made: &[(f64, Outcome)]) -> StudyRow {
+        let mut fields = self.input_fields(inputs);
+        let (_, outcome) = &made[0];
+        fields.extend(outcome.fields(inputs.block.alpha));
+        let time_above = |friction| self.nominal_run(inputs).longest_above(friction).to_string();
+        fields.extend(self.friction.map(time_above));
+        fields.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.fields(&made[1..])));
+        StudyRow { fields, failure: outcome.failure.clone() }
+    }
+}
+
+/// A number as written in tables; an empty field for none.
+fn or_empty(value: Option<f64>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
+}
+
+/// Names and units of the columns filled by [`least_fields`].
+fn least_columns(measure: Measure) -> [String; 6] {
+    let unit = measure.unit();
+    [
+        "outcome".into(),
+        format!("least.{measure} [{unit}]"),
+        "least.bound".into(),
+        format!("always_from.{measure} [{unit}]"),
+        "overturning_ranges [1]".into(),
+        format!("overturning.{measure} [{unit}]"),
+    ]
+}
+
+/// The overturning ranges of a search as fields of a row.
+///
+/// In order: the worst outcome; the least value that overturns, and whether it is only a bound; the value above which the block
+/// always overturns; the number of overturning ranges, and the ranges.
+fn least_fields(found: &OutcomeMap<End>) -> [String; 6] {
+    let stretches = found.stretches();
+    let ranges: Vec<&(f64, f64, End)> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
+    let any = |end: End| stretches.iter().any(|stretch| stretch.2 == end);
+    let outcome =
+        [End::Failed, End::Overturned, End::Undecided].into_iter().find(|&end| any(end)).unwrap_or(End::Completed);
+    let last = stretches.last().filter(|stretch| stretch.2 == End::Overturned);
+    [
+        outcome.to_string(),
+        or_empty(found.overturning().value()),
+        found.overturning().bound().into(),
+        or_empty(last.map(|stretch| stretch.0)),
+        ranges.len().to_string(),
+        ranges.iter().map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; "),
+    ]
+}

@@ -1,0 +1,217 @@
+//! Runs stepped in the lanes of the processor's vectors have the bits of single runs.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use proptest::prelude::*;
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::ground::Ground;
+use rocking_block::numerics::wide::Width;
+use rocking_block::simulation::lanes::{Kind, Lane, Next, step_together};
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_records::ReadOptions;
+use rocking_studies::run::Run;
+use rocking_studies::run::batch::in_lanes;
+use rocking_studies::run::outcome::{End, Outcome};
+
+use crate::cases::cases;
+
+/// The vector widths of this processor.
+fn widths() -> Vec<Width> {
+    let mut widths: Vec<Width> = [2, 4, 8].into_iter().filter_map(Width::at_most).collect();
+    widths.dedup();
+    widths
+}
+
+/// All bits of the state of a run.
+fn bits(simulation: &Simulation) -> Vec<u8> {
+    postcard::to_allocvec(simulation).unwrap()
+}
+
+/// A block on supports in an arbitrary initial state.
+fn simulation() -> impl Strategy<Value = Simulation> {
+    let block = (0.05..0.6_f64, 0.3..8.0_f64, 5.0..120.0_f64, 0.0..0.6_f64, 0.0..1.0_f64, 1.0..4.0_f64);
+    let beginning = (-1.1..1.1_f64, -1.5..1.5_f64, any::<bool>());
+    let settings = (4.0..11.0_f64, any::<bool>());
+    (block, beginning, settings).prop_map(
+        |((alpha, p, eta, xi_v, epsilon, gamma), (theta, theta_dot, stands), (digits, flies))| {
+            let common = Common { gamma, epsilon, mass: 13.0, ..Common::default() };
+            let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
+            let settings = Settings {
+                tolerance: libm::exp10(-digits),
+                on_separation: if flies { OnSeparation::Fly } else { OnSeparation::Terminate },
+                ..Settings::default()
+            };
+            let initial = if stands {
+                Initial { theta_dot: 0.1 * theta_dot * alpha * p, ..Initial::default() }
+            } else {
+                Initial { theta: theta * alpha, theta_dot: theta_dot * alpha * p, ..Initial::default() }
+            };
+            Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default())
+        },
+    )
+}
+
+/// Intervals of a ground motion with both components: durations (s), accelerations at their ends (m/s²).
+fn intervals() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
+    let duration = prop_oneof![Just(0.005), Just(0.01), Just(0.02), 0.001..0.4];
+    let vertical = prop_oneof![Just(0.0), -3.0..3.0];
+    prop::collection::vec((duration, -8.0..8.0, vertical), 20..60)
+}
+
+/// Inputs and end (s) of each interval. The acceleration is constant in every fourth.
+fn inputs(intervals: &[(f64, f64, f64)]) -> Vec<(Inputs, f64)> {
+    let (mut time, mut before) = (0.0, [0.0; 2]);
+    let mut made = Vec::new();
+    for (number, &(duration, x, z)) in intervals.iter().enumerate() {
+        let to = if number % 4 == 3 { before } else { [x, z] };
+        let ramp = |i: usize| Ramp { value: before[i], rate: (to[i] - before[i]) / duration };
+        made.push((Inputs { time, a_gx: ramp(0), a_gz: ramp(1), ..Inputs::default() }, time + duration));
+        (time, before) = (time + duration, to);
+    }
+    made
+}
+
+/// Takes the runs of a group through an interval, in lanes where possible; returns the number of steps in lanes.
+fn through(width: Width, lanes: &mut [Option<Box<Lane>>]) -> u64 {
+    let mut taken = 0;
+    loop {
+        let mut waiting: [Vec<usize>; Kind::COUNT] = Default::default();
+        for (number, place) in lanes.iter_mut().enumerate() {
+            let lane = place.as_mut().unwrap();
+            loop {
+                match lane.next_step() {
+                    Next::Arrived => break,
+                    Next::Alone => lane.step_alone(&mut |_| ()).unwrap(),
+                    Next::Together(kind) => {
+                        waiting[kind.number()].push(number);
+                        break;
+                    }
+                }
+            }
+        }
+        let Some((kind, waiting)) = waiting.iter().enumerate().find(|(_, waiting)| !waiting.is_empty()) else {
+            return taken;
+        };
+        let numbers = &waiting[..waiting.len().min(width.lanes())];
+        let mut group: Vec<Box<Lane>> = numbers.iter().map(|&number| lanes[number].take().unwrap()).collect();
+        let went = step_together(width, Kind::numbered(kind), &mut group);
+        taken += u64::from(went.count_ones());
+        for (place, (mut lane, &number)) in group.into_iter().zip(numbers).enumerate() {
+            if went >> place & 1 == 0 {
+                lane.step_alone(&mut |_| ()).unwrap();
+            }
+            lanes[number] = Some(lane);
+        }
+    }
+}
+
+/// Compares all bits after every interval: time, state, contacts, step sizes, sums, peaks and counters.
+#[test]
+fn a_step_in_a_lane_has_the_bits_of_a_step_alone() {
+    let (in_lanes, steps) = (AtomicU64::new(0), AtomicU64::new(0));
+    proptest!(cases(40), |(runs in prop::collection::vec(simulation(), 1..12), intervals in intervals())| {
+        for width in widths() {
+            let mut single = runs.clone();
+            let mut lanes: Vec<Option<Box<Lane>>> =
+                runs.iter().map(|run| Some(Box::new(Lane::new(run.clone(), 0)))).collect();
+            for (inputs, until) in inputs(&intervals) {
+                for (run, lane) in single.iter_mut().zip(&mut lanes) {
+                    run.advance(until, &inputs, &mut |_| ()).unwrap();
+                    lane.as_mut().unwrap().send(until, &inputs);
+                }
+                in_lanes.fetch_add(through(width, &mut lanes), Ordering::Relaxed);
+                for (run, lane) in single.iter().zip(&lanes) {
+                    let lane = lane.as_ref().unwrap().simulation();
+                    prop_assert_eq!(lane, run);
+                    prop_assert!(bits(lane) == bits(run), "{:?}: {:?} is not {:?}", width, lane, run);
+                }
+            }
+            let steps_of = |run: &Simulation| run.counts().steps;
+            steps.fetch_add(single.iter().map(steps_of).sum::<u64>(), Ordering::Relaxed);
+        }
+    });
+    let (in_lanes, steps) = (in_lanes.into_inner(), steps.into_inner());
+    assert!(in_lanes > steps / 2, "{in_lanes} of {steps} steps were taken in lanes");
+}
+
+/// The Loma Prieta record times a factor, with a vertical motion derived from it.
+fn ground(scale: f64, vertical: bool) -> Ground {
+    let bytes = include_bytes!("../../../../records/np01002p_4225a_a.smc");
+    let record = rocking_records::parse("np01002p_4225a_a.smc", bytes, &ReadOptions::default()).unwrap();
+    let up = rocking_records::Record { start_time: record.start_time + 0.1234, ..record.clone().scaled(0.4 * scale) };
+    Ground { horizontal: Some(record.scaled(scale)), vertical: vertical.then_some(up) }
+}
+
+fn run(number: u32) -> Run {
+    let k = f64::from(number);
+    let foundation = if number % 7 == 3 { Foundation::Rigid } else { Foundation::Viscoelastic };
+    let common = Common { epsilon: [0.0, 0.3, 0.6][number as usize % 3], foundation, ..Common::default() };
+    let d = Dimensionless {
+        alpha: 0.1 + 0.013 * (k * 7.0 % 11.0),
+        p: 1.0 + 0.07 * k,
+        eta: 12.0 + 5.0 * (k % 9.0),
+        xi_v: 0.1,
+    };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.7, start: 2.0 };
+    let on_separation = [OnSeparation::Fly, OnSeparation::Fly, OnSeparation::Hold, OnSeparation::Terminate];
+    Run {
+        block: Block::from_dimensionless(&d, &common).unwrap(),
+        settings: Settings {
+            tolerance: [1e-8, 1e-6, 1e-4][number as usize / 2 % 3],
+            on_separation: on_separation[number as usize % 4],
+            ..Settings::default()
+        },
+        initial: Initial { theta: if number % 5 == 4 { -0.3 * d.alpha } else { 0.0 }, ..Initial::default() },
+        pulse: if number % 6 == 5 { pulse } else { Pulse::NONE },
+        ground: ground(2.0 + k % 13.0, number.is_multiple_of(2)),
+        duration: (number % 8 == 2).then_some(9.5),
+        output_step: if number % 10 == 1 { 0.3 } else { f64::INFINITY },
+    }
+}
+
+/// Blocks that rock, fly, overturn and are held, on supports and on the rigid base, under records with and without vertical motion
+/// and under pulses, for a given duration and until they have come down.
+#[test]
+fn whole_runs_have_the_bits_of_single_ones() {
+    const RUNS: u32 = 60;
+    let alone: Vec<Outcome> = (0..RUNS).map(|number| run(number).outcome()).collect();
+    for end in [End::Completed, End::Overturned, End::Separated] {
+        assert!(alone.iter().any(|outcome| outcome.end == end), "no run is {end}");
+    }
+    assert!(alone.iter().any(|outcome| outcome.flights.count > 2 && outcome.counts.impacts > 10));
+    let ended = Cell::new(0);
+    for width in widths() {
+        let (outcomes, lane_use) = in_lanes(width, (0..RUNS).map(run), || ended.set(ended.get() + 1));
+        assert_eq!(ended.replace(0), RUNS);
+        assert_eq!(outcomes.len(), alone.len());
+        for (number, (lane, alone)) in outcomes.iter().zip(&alone).enumerate() {
+            assert_eq!(lane, alone, "run {number}, {width:?}");
+            for (a, b) in [
+                (lane.end_time, alone.end_time),
+                (lane.peaks.theta, alone.peaks.theta),
+                (lane.peaks.horizontal, alone.peaks.horizontal),
+                (lane.peaks.friction_demand, alone.peaks.friction_demand),
+            ] {
+                assert_eq!(a.to_bits(), b.to_bits(), "run {number}, {width:?}");
+            }
+        }
+        assert!(lane_use.in_lanes > 10 * lane_use.repeated, "{width:?}: {lane_use:?}");
+    }
+}
+
+/// Runs that start in the air or have almost no duration, and an empty batch.
+#[test]
+fn runs_without_steps_are_included() {
+    for width in widths() {
+        let short =
+            |number: u32| Run { duration: Some(if number.is_multiple_of(2) { 1e-300 } else { 0.05 }), ..run(number) };
+        let alone: Vec<Outcome> = (0..9).map(|number| short(number).outcome()).collect();
+        assert_eq!(in_lanes(width, (0..9).map(short), || ()).0, alone);
+        assert!(in_lanes(width, std::iter::empty(), || ()).0.is_empty());
+    }
+    assert_eq!(Width::at_most(1), None);
+    assert_eq!(Width::widest(), widths().last().copied());
+    assert_eq!(Width::at_most(3), Width::at_most(2));
+}

@@ -1,0 +1,7 @@
+//! Studies: runs in lanes against runs alone, and published results.
+
+#[path = "../../../../tests/common/cases.rs"]
+mod cases;
+
+mod lanes;
+mod published;

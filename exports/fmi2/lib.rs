@@ -1,6 +1,0 @@
-//! The functions of FMI 2.0 as a shared library exports them, over the solver.
-
-use rocking_block::{fmi, fmi2, model};
-
-#[path = "../../src/fmi2/exports.rs"]
-pub mod exports;

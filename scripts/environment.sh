@@ -1,0 +1,33 @@
+# Sourced by scripts/test, scripts/check and scripts/soak: the project's folder, its tools from PyPI, and lists of results.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# Tests write the names of skipped tests to this file, with the reason.
+export ROCKING_BLOCK_SKIPPED=$PWD/target/skipped.txt
+mkdir -p target
+: >"$ROCKING_BLOCK_SKIPPED"
+
+python=.venv/bin/python
+# rust-fmi's tests need libclang, and the engine of the Python package is tested from Python.
+cargo_test=(cargo test --workspace --exclude importer-tests --exclude rocking-block-python --locked)
+made=$PWD/${CARGO_TARGET_DIR:-target}/release
+
+# Runs a command under a heading, and prints its duration.
+step() {
+  printf '\n== %s\n' "$*"
+  local start=$SECONDS
+  "$@"
+  printf '== %d s\n' $((SECONDS - start))
+}
+
+# Installs requirement files into .venv.
+install() {
+  [ -x "$python" ] || python3 -m venv .venv
+  "$python" -m pip install --quiet --disable-pip-version-check "${@/#/--requirement=}"
+}
+
+# Prints the skipped tests, and how often each was skipped.
+report_skipped() {
+  printf '\n== skipped: %s\n' "$(wc -l <"$ROCKING_BLOCK_SKIPPED")"
+  sort "$ROCKING_BLOCK_SKIPPED" | uniq -c
+}

@@ -1,0 +1,174 @@
+//! The contact of each corner (bearing, held on its support, or lifted) → the regime.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Block, Corner, Creep, Foot};
+use crate::numerics::roots::Sample;
+
+/// The regime of motion: which corners stand on their supports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(i32)]
+pub enum Regime {
+    /// Only L touches: the block tilts to the left, θ < 0.
+    TiltingLeft = -1,
+    /// Both corners touch.
+    FullContact = 0,
+    /// Only R touches: the block tilts to the right, θ > 0.
+    TiltingRight = 1,
+    /// No corner touches: complete separation.
+    Separated = 2,
+}
+
+impl Regime {
+    /// The regime in which just these corners touch.
+    pub fn of_touching([left, right]: [bool; 2]) -> Regime {
+        match (left, right) {
+            (true, true) => Regime::FullContact,
+            (true, false) => Regime::TiltingLeft,
+            (false, true) => Regime::TiltingRight,
+            (false, false) => Regime::Separated,
+        }
+    }
+
+    /// The regime in which only this corner touches.
+    pub fn on(corner: Corner) -> Regime {
+        match corner {
+            Corner::Left => Regime::TiltingLeft,
+            Corner::Right => Regime::TiltingRight,
+        }
+    }
+
+    /// Whether this corner touches.
+    #[inline]
+    pub fn touches(self, corner: Corner) -> bool {
+        match self {
+            Regime::FullContact => true,
+            Regime::TiltingLeft => corner == Corner::Left,
+            Regime::TiltingRight => corner == Corner::Right,
+            Regime::Separated => false,
+        }
+    }
+
+    /// The point on which the block stands; none in flight.
+    #[inline(always)]
+    pub fn foot(self) -> Option<Foot> {
+        match self {
+            Regime::FullContact => Some(Foot::Middle),
+            Regime::TiltingLeft => Some(Foot::Corner(Corner::Left)),
+            Regime::TiltingRight => Some(Foot::Corner(Corner::Right)),
+            Regime::Separated => None,
+        }
+    }
+
+    /// The corner on which the block stands, if it is just one.
+    pub fn pivot(self) -> Option<Corner> {
+        match self {
+            Regime::TiltingLeft => Some(Corner::Left),
+            Regime::TiltingRight => Some(Corner::Right),
+            Regime::FullContact | Regime::Separated => None,
+        }
+    }
+
+    /// The number of the paper and of the FMU: −1, 0, 1 or 2.
+    pub fn number(self) -> i32 {
+        self as i32
+    }
+}
+
+impl std::fmt::Display for Regime {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Regime::TiltingLeft => "tilting left",
+            Regime::FullContact => "full contact",
+            Regime::TiltingRight => "tilting right",
+            Regime::Separated => "separated",
+        })
+    }
+}
+
+/// The contact of a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Contact {
+    /// It stands on its support, or on the rigid base.
+    Bearing,
+    /// It bears nothing and goes with its support, which creeps to its free height: full contact would lift it, and the other
+    /// corner alone would press it back. See docs/model.md.
+    Held(Creep),
+    /// It has left its support, which creeps back to its free height.
+    Lifted(Creep),
+}
+
+/// The contacts of both corners.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contacts([Contact; 2]);
+
+impl Contacts {
+    /// Both corners bear.
+    pub const FULL: Contacts = Contacts([Contact::Bearing; 2]);
+
+    /// Bearing on the corners that touch; the supports of the others are at their free height.
+    pub fn touching(touching: [bool; 2], time: f64) -> Contacts {
+        let free = Contact::Lifted(Creep { depth: 0.0, since: time });
+        Contacts(touching.map(|touches| if touches { Contact::Bearing } else { free }))
+    }
+
+    /// The contact of a corner.
+    #[inline]
+    pub fn of(&self, corner: Corner) -> Contact {
+        self.0[corner.index()]
+    }
+
+    /// Sets the contact of a corner.
+    #[inline]
+    pub fn set(&mut self, corner: Corner, contact: Contact) {
+        self.0[corner.index()] = contact;
+    }
+
+    /// Whether a corner is on its support.
+    #[inline]
+    pub fn touches(&self, corner: Corner) -> bool {
+        match self.of(corner) {
+            Contact::Bearing | Contact::Held(_) => true,
+            Contact::Lifted(_) => false,
+        }
+    }
+
+    /// The regime: which corners touch.
+    #[inline]
+    pub fn regime(&self) -> Regime {
+        Regime::of_touching(Corner::each(|corner| self.touches(corner)))
+    }
+
+    /// The corner that is held, if one is.
+    #[inline]
+    pub fn held(&self) -> Option<Corner> {
+        Corner::BOTH.into_iter().find(|&corner| matches!(self.of(corner), Contact::Held(_)))
+    }
+
+    /// A corner that was held bears from here on.
+    pub fn let_bear(&mut self) {
+        if let Some(corner) = self.held() {
+            self.set(corner, Contact::Bearing);
+        }
+    }
+
+    /// Height of the support's top under a corner that bears nothing, above its place under the block at rest (m), and its rate
+    /// (m/s); zeros where the corner bears.
+    #[inline]
+    pub fn top(&self, corner: Corner, block: &Block, time: f64) -> Sample {
+        match self.of(corner) {
+            Contact::Bearing => Sample::default(),
+            Contact::Held(creep) | Contact::Lifted(creep) => creep.top(block, time),
+        }
+    }
+
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.0.iter().all(|contact| match contact {
+            Contact::Bearing => true,
+            Contact::Held(Creep { depth, since }) | Contact::Lifted(Creep { depth, since }) => {
+                depth.is_finite() && since.is_finite()
+            }
+        })
+    }
+}

@@ -1,0 +1,46 @@
+//! The foundation: a rigid base, or a support under each corner, which creeps back to its free height once its corner has left it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::Block;
+use crate::numerics::roots::Sample;
+
+/// The ground under the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(i32)]
+pub enum Foundation {
+    /// A vertical Kelvin–Voigt support under each corner (Palmeri & Makris 2008).
+    Viscoelastic = 1,
+    /// A rigid base: Housner's block.
+    Rigid = 2,
+}
+
+/// The recovery of a support that its corner has left: it creeps back to its free height δ_s.
+///
+/// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping is back at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Creep {
+    /// δ_s − y₀ (m) at lift-off.
+    pub depth: f64,
+    /// Time of lift-off (s).
+    pub since: f64,
+}
+
+impl Creep {
+    /// Height of the support's top above its place under the block at rest (m), and its rate (m/s).
+    pub fn top(&self, block: &Block, time: f64) -> Sample {
+        match block.foundation {
+            Foundation::Rigid => Sample::default(),
+            Foundation::Viscoelastic => {
+                let rate = block.creep_rate();
+                // Without damping it is back at once.
+                if self.depth == 0.0 || rate.is_infinite() {
+                    return Sample { value: block.static_deflection(), rate: 0.0 };
+                }
+                // A clock that is set back by its rounding may show a time before lift-off.
+                let sunk = self.depth * libm::exp(-(rate * (time - self.since).max(0.0)));
+                Sample { value: block.static_deflection() - sunk, rate: rate * sunk }
+            }
+        }
+    }
+}

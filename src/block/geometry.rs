@@ -1,0 +1,102 @@
+//! Geometry of the two corners: the centre of mass as seen from the point on which the block stands.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::Block;
+use crate::numerics::scalar::{Beside, Scalar};
+
+/// A corner of the base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Corner {
+    /// L, the left corner.
+    Left,
+    /// R, the right corner.
+    Right,
+}
+
+impl Corner {
+    /// Both corners, left first.
+    pub const BOTH: [Corner; 2] = [Corner::Left, Corner::Right];
+
+    /// The results of `f` for both corners, left first.
+    #[inline(always)]
+    pub fn each<T>(mut f: impl FnMut(Corner) -> T) -> [T; 2] {
+        [f(Corner::Left), f(Corner::Right)]
+    }
+
+    /// `s` of the equations: +1 on L, −1 on R.
+    #[inline]
+    pub fn sign(self) -> f64 {
+        match self {
+            Corner::Left => 1.0,
+            Corner::Right => -1.0,
+        }
+    }
+
+    /// The other corner.
+    #[inline]
+    pub fn other(self) -> Corner {
+        match self {
+            Corner::Left => Corner::Right,
+            Corner::Right => Corner::Left,
+        }
+    }
+
+    /// Place in a pair of values `[left, right]`.
+    #[inline]
+    pub fn index(self) -> usize {
+        match self {
+            Corner::Left => 0,
+            Corner::Right => 1,
+        }
+    }
+}
+
+/// The point of the base that touches the ground and does not slide while the block grips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foot {
+    /// The middle of the base, in full contact.
+    Middle,
+    /// The one corner that stands.
+    Corner(Corner),
+}
+
+/// Place of the centre of mass relative to a point of the base (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lever<T> {
+    /// Horizontal distance X, positive to the right of the point: `R0 sin(α+θ)` from L, `−R0 sin(α−θ)` from R.
+    pub x: T,
+    /// Height Q over the point: `R0 cos(α+θ)` from L, `R0 cos(α−θ)` from R.
+    pub q: T,
+}
+
+impl<P: Scalar> Block<P> {
+    /// Horizontal distance of the centre of mass from a corner of the upright block (m), positive to the right of the corner: b
+    /// from L, −b from R.
+    #[inline(always)]
+    pub fn offset(&self, corner: Corner) -> P {
+        self.b * corner.sign()
+    }
+
+    /// Horizontal distance of a corner from the foot of the upright block (m), positive to the right; `None` for the foot itself.
+    #[inline(always)]
+    pub fn from_foot(&self, corner: Corner, foot: Foot) -> Option<P> {
+        match foot {
+            Foot::Middle => Some(-self.offset(corner)),
+            Foot::Corner(standing) if standing == corner => None,
+            Foot::Corner(standing) => Some(self.b * (2.0 * standing.sign())),
+        }
+    }
+
+    /// The centre of mass as seen from the foot, at a rotation with this sine and cosine.
+    #[inline(always)]
+    pub fn lever<T: Beside<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
+        match foot {
+            Foot::Middle => Lever { x: sin * self.h, q: cos * self.h },
+            Foot::Corner(corner) => {
+                let offset = self.offset(corner);
+                Lever { x: sin * self.h + cos * offset, q: cos * self.h - sin * offset }
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The two ways to give a block: the paper's symbols, or sizes; and the errors of parameters that make no valid block.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::Foundation;
+
+/// The paper's four parameters, plain or dual.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dimensionless<T = f64> {
+    /// Slenderness angle α (rad), 0 < α < π/2.
+    pub alpha: T,
+    /// Frequency parameter p (rad/s).
+    pub p: T,
+    /// Stiffness ratio η = ω_v/p (1).
+    pub eta: T,
+    /// Vertical damping ratio ξ_v (1).
+    pub xi_v: T,
+}
+
+/// Sizes and one support's stiffness and damping.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Physical<T = f64> {
+    /// Width of the base, 2b (m).
+    pub width: T,
+    /// Twice the height of the centre of mass over the base, 2h (m).
+    pub height: T,
+    /// Stiffness K of one support (N/m).
+    pub stiffness: T,
+    /// Damping C of one support (N.s/m).
+    pub damping: T,
+}
+
+/// Parameters that both ways of giving a block share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Common<T = f64> {
+    /// Mass M (kg).
+    pub mass: T,
+    /// Shape factor γ = M R0²/I0 (1); 3 for a homogeneous rectangle.
+    pub gamma: T,
+    /// Restitution ε of the landing corner (1), 0 ≤ ε ≤ 1; eq. (17).
+    pub epsilon: T,
+    /// Gravity g (m/s²).
+    pub gravity: T,
+    /// Supports or rigid base.
+    pub foundation: Foundation,
+    /// On the rigid base, the e that acts over Housner's e of ε (1), at least 0; not read on supports.
+    pub restitution_factor: T,
+}
+
+impl Default for Common {
+    fn default() -> Common {
+        Common {
+            mass: 1000.0,
+            gamma: 3.0,
+            epsilon: 0.0,
+            gravity: 9.81,
+            foundation: Foundation::Viscoelastic,
+            restitution_factor: 1.0,
+        }
+    }
+}
+
+/// Parameters that make no valid block.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BlockError {
+    /// One that is out of range.
+    #[error("{name} = {value} is not valid; expected {expected}")]
+    OutOfRange {
+        /// The parameter's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The valid values.
+        expected: &'static str,
+    },
+    /// A factor with which impacts on the rigid base would make energy.
+    #[error(
+        "restitution_factor = {factor} makes e = {housner} into {}; expected at most 1 after an impact on the rigid base",
+        factor * housner
+    )]
+    Restitution {
+        /// The factor (1).
+        factor: f64,
+        /// Housner's e of ε (1), eq. (6).
+        housner: f64,
+    },
+}
+
+impl BlockError {
+    /// Name of the parameter at fault.
+    pub fn name(&self) -> &'static str {
+        match self {
+            BlockError::OutOfRange { name, .. } => name,
+            BlockError::Restitution { .. } => "restitution_factor",
+        }
+    }
+}
+
+pub(super) fn check_common(common: &Common) -> Result<(), BlockError> {
+    positive("mass", common.mass)?;
+    positive("gamma", common.gamma)?;
+    positive("g", common.gravity)?;
+    not_negative("restitution_factor", common.restitution_factor)?;
+    if !(0.0..=1.0).contains(&common.epsilon) {
+        return Err(BlockError::OutOfRange { name: "epsilon", value: common.epsilon, expected: "0 <= epsilon <= 1" });
+    }
+    Ok(())
+}
+
+pub(super) fn positive(name: &'static str, value: f64) -> Result<(), BlockError> {
+    open_range(name, value, 0.0, f64::INFINITY, "a finite number > 0")
+}
+
+pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), BlockError> {
+    if (0.0..f64::INFINITY).contains(&value) {
+        Ok(())
+    } else {
+        Err(BlockError::OutOfRange { name, value, expected: "a finite number >= 0" })
+    }
+}
+
+pub(super) fn open_range(
+    name: &'static str,
+    value: f64,
+    low: f64,
+    high: f64,
+    expected: &'static str,
+) -> Result<(), BlockError> {
+    if value > low && value < high { Ok(()) } else { Err(BlockError::OutOfRange { name, value, expected }) }
+}

@@ -1,0 +1,157 @@
+//! FMI 2.0: instantiation, and the importer's logger. What all versions share is in [`crate::fmi::boundary`].
+
+use std::ffi::{CStr, CString};
+
+use crate::fmi::arrays::text;
+use crate::fmi::boundary;
+use crate::fmi::fmi2::calls::Call;
+use crate::fmi::fmi2::instance::{Answer, Fmi2, Instance};
+use crate::fmi::fmi2::types::{
+    FMI2_CO_SIMULATION, FMI2_FALSE, FMI2_MODEL_EXCHANGE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component,
+    fmi2Status, fmi2String, fmi2Type,
+};
+use crate::fmi::log::{self, Category, Log, Wanted};
+use crate::unit::instance::Interface;
+use crate::unit::variables::GUID;
+
+pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
+
+/// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
+///
+/// # Safety
+/// `component` is null or comes from [`instantiate`] and was not freed.
+pub unsafe fn call(component: fmi2Component, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi2Status {
+    // SAFETY: by contract.
+    unsafe { boundary::call::<Fmi2>(component, call, act) }.code()
+}
+
+/// `fmi2Instantiate`: null, with a reason logged where there is a logger, if the request is not for this FMU.
+///
+/// # Safety
+/// Texts are null or end with 0; `functions` is null or points to the importer's callbacks, whose logger may be called as
+/// long as the instance lives (standard, 2.1.5).
+pub unsafe fn instantiate(
+    name: fmi2String,
+    kind: fmi2Type,
+    guid: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    logging: fmi2Boolean,
+) -> fmi2Component {
+    // SAFETY: null or, by contract, the importer's structure with all its members set (standard, 2.1.5).
+    let Some(&callbacks) = (unsafe { functions.as_ref() }) else { return std::ptr::null_mut() };
+    // SAFETY: by contract the logger that the standard describes (2.1.5), to be called as long as the instance lives.
+    let messenger = unsafe { Messenger::new(callbacks) };
+    boundary::create(|| {
+        // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2) and stays during this call.
+        let (name, guid) = unsafe { (text(name), text(guid)) };
+        let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
+        let log = Log::new(messenger, CString::from(shown), is_true(logging));
+        match fit(name, kind, guid) {
+            Ok(interface) => Some(Instance::new(log, interface, Fmi2)),
+            Err(reason) => {
+                log.status(Status::Error, &format!("fmi2Instantiate: {reason}"));
+                None
+            }
+        }
+    })
+}
+
+fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Interface, String> {
+    if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
+        return Err("instanceName is missing; expected a name".into());
+    }
+    let interface = match kind {
+        FMI2_MODEL_EXCHANGE => Interface::ModelExchange,
+        FMI2_CO_SIMULATION => Interface::CoSimulation,
+        _ => {
+            return Err(format!(
+                "fmuType = {kind}; expected {FMI2_MODEL_EXCHANGE}, fmi2ModelExchange, or {FMI2_CO_SIMULATION}, fmi2CoSimulation"
+            ));
+        }
+    };
+    match guid.map(CStr::to_string_lossy) {
+        Some(guid) if guid == GUID => Ok(interface),
+        Some(guid) => Err(format!("fmuGUID = {guid:?}; expected {GUID:?}")),
+        None => Err(format!("fmuGUID is missing; expected {GUID:?}")),
+    }
+}
+
+/// `fmi2FreeInstance`: nothing for null, and nothing from within a call on the instance, which goes on using it.
+///
+/// # Safety
+/// As for [`call`]; unless a call is under way the instance is gone afterwards.
+pub unsafe fn free_instance(component: fmi2Component) {
+    // SAFETY: by contract.
+    unsafe { boundary::free::<Fmi2>(component) }
+}
+
+/// The importer's logger, and what it wants to be handed back.
+#[derive(Debug)]
+pub struct Messenger(fmi2CallbackFunctions);
+
+impl Messenger {
+    /// # Safety
+    /// The logger, if there is one, is a function as the standard (2.1.5) describes it, and may be called with
+    /// `environment` as long as this lives.
+    unsafe fn new(callbacks: fmi2CallbackFunctions) -> Messenger {
+        Messenger(callbacks)
+    }
+}
+
+impl log::Messenger for Messenger {
+    /// With `logging` those listed, or all; without it warnings and errors, of which the importer has to know: what FMI 2.0
+    /// switches is debug logging (standard, 2.1.5), and only discarded steps are shown in debug mode alone (2.1.3).
+    fn wanted(_: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
+        Category::ALL.map(|category| match (logging, listed) {
+            (true, None) => true,
+            (true, Some(listed)) => listed.contains(&category),
+            (false, _) => !matches!(category, Category::Discard | Category::Events | Category::Steps),
+        })
+    }
+
+    /// The message is the argument of the format `%s`, never a format.
+    fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr) {
+        let Messenger(fmi2CallbackFunctions { logger, environment, .. }) = *self;
+        if let Some(logger) = logger {
+            let (instance, category, message) = (instance.as_ptr(), category.as_ptr(), message.as_ptr());
+            // SAFETY: by the contract of `new` the importer's logger, which takes these arguments and one text for `%s`
+            // (standard, 2.1.5); all texts end with 0 and outlive the call. The instance is in use meanwhile, but
+            // whatever the logger calls on it is refused before it is touched; see [`boundary`].
+            unsafe { logger(environment, instance, status.code(), category, c"%s".as_ptr(), message) };
+        }
+    }
+}
+
+/// Whether a Boolean of C is true.
+pub fn is_true(value: fmi2Boolean) -> bool {
+    value != FMI2_FALSE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi::boundary::guarded;
+    use crate::fmi::fmi2::types::fmi2CallbackLogger;
+    use crate::unit::fault::Fault;
+
+    /// Of a host that shares this library's Rust runtime; others are tests/abi/callbacks.rs's.
+    #[test]
+    fn a_panic_of_the_logger_is_caught() {
+        unsafe extern "C-unwind" fn panicking() {
+            panic!("broken logger");
+        }
+        // SAFETY: a function that looks at no argument can be called with any.
+        let logger: fmi2CallbackLogger = unsafe { std::mem::transmute(panicking as *const ()) };
+        let callbacks = fmi2CallbackFunctions {
+            logger: Some(logger),
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            environment: std::ptr::null_mut(),
+        };
+        let mut instance =
+            Instance::new(Log::new(Messenger(callbacks), c"block".into(), false), Interface::CoSimulation, Fmi2);
+        assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::new("refused"))), Status::Fatal);
+        assert_eq!(guarded(&mut instance, Call::SetReal, |_| Ok(Status::Ok)), Status::Fatal);
+    }
+}

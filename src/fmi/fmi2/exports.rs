@@ -1,0 +1,632 @@
+//! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
+//!
+//! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
+//! and hands on to [`Instance`]. The names are exported where the crate in `crates/fmu2` compiles this file, as the FMU's library.
+
+#![allow(non_snake_case, reason = "the names are the standard's")]
+#![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
+
+use std::ffi::c_char;
+
+use libc::size_t;
+
+use crate::fmi::arrays::{place, read, room, texts};
+use crate::fmi::fmi2::boundary::{self, call, is_true};
+use crate::fmi::fmi2::calls::Call;
+use crate::fmi::fmi2::instance::{Instance, write};
+use crate::fmi::fmi2::types::*;
+use crate::unit::fault::Fault;
+use crate::unit::instance::Unit;
+use crate::unit::snapshot;
+use crate::unit::variables::Kind;
+
+/// The platform of the types: "default".
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// The version of the interface: "2.0".
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// A new instance, or null. The resource location is not needed and not judged.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instance_name: fmi2String,
+    fmu_type: fmi2Type,
+    guid: fmi2String,
+    _resource_location: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    _visible: fmi2Boolean,
+    logging_on: fmi2Boolean,
+) -> fmi2Component {
+    // SAFETY: the texts are null or end with 0, `functions` is null or the importer's callbacks, and its logger may be
+    // called until the instance is freed (standard, 2.1.5).
+    unsafe { boundary::instantiate(instance_name, fmu_type, guid, functions, logging_on) }
+}
+
+/// Frees an instance; nothing for null.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
+    // SAFETY: `component` is null or an instance that lives, and is not used after this (standard, 2.1.5).
+    unsafe { boundary::free_instance(component) }
+}
+
+/// Which messages are logged.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    component: fmi2Component,
+    logging_on: fmi2Boolean,
+    count: size_t,
+    categories: *const fmi2String,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `categories` are `count`
+    // texts that end with 0 (standard, 2.1.5).
+    unsafe {
+        call(component, Call::SetDebugLogging, |instance| {
+            instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
+        })
+    }
+}
+
+/// Tolerance, start and stop of the run.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    component: fmi2Component,
+    tolerance_defined: fmi2Boolean,
+    tolerance: fmi2Real,
+    start_time: fmi2Real,
+    stop_time_defined: fmi2Boolean,
+    stop_time: fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe {
+        call(component, Call::SetupExperiment, |instance| {
+            let tolerance = is_true(tolerance_defined).then_some(tolerance);
+            instance.plan(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
+        })
+    }
+}
+
+/// Begins the initialization.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::EnterInitializationMode, Instance::enter_initialization_mode) }
+}
+
+/// Ends the initialization: the parameters become a block.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::ExitInitializationMode, Instance::exit_initialization_mode) }
+}
+
+/// Ends the run.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::Terminate, Instance::terminate) }
+}
+
+/// Back to where instantiation left the instance.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::Reset, Instance::reset) }
+}
+
+/// Reads Real variables.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetReal(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
+    unsafe {
+        call(component, Call::GetReal, |instance| {
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::Real, &references, values.places(), |value| value)
+        })
+    }
+}
+
+/// Reads Integer variables and enumerations.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetInteger(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
+    unsafe {
+        call(component, Call::GetInteger, |instance| {
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::Integer, &references, values.places(), |value| value as fmi2Integer)
+        })
+    }
+}
+
+/// Reads Boolean variables.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetBoolean(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
+    unsafe {
+        call(component, Call::GetBoolean, |instance| {
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            instance.get(Kind::Boolean, &references, values.places(), |value| fmi2Boolean::from(value != 0.0))
+        })
+    }
+}
+
+/// Reads String variables; what the results point to lasts until the next call.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetString(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *mut fmi2String,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, and room for as many values, which is only written (standard, 2.1.7).
+    unsafe {
+        call(component, Call::GetString, |instance| {
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            let texts = instance.get_texts(&references)?;
+            write(texts.iter().map(|text| Ok(text.as_ptr())), values.places())
+        })
+    }
+}
+
+/// Sets Real variables, all or none.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetReal(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
+    unsafe {
+        call(component, Call::SetReal, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::Real, references, values, |value| value)
+        })
+    }
+}
+
+/// Sets Integer variables and enumerations, all or none.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetInteger(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
+    unsafe {
+        call(component, Call::SetInteger, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::Integer, references, values, f64::from)
+        })
+    }
+}
+
+/// Sets Boolean variables, all or none.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetBoolean(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
+    unsafe {
+        call(component, Call::SetBoolean, |instance| {
+            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+            instance.set(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
+        })
+    }
+}
+
+/// Sets String variables, all or none.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetString(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    values: *const fmi2String,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and as many values (standard, 2.1.7).
+    unsafe {
+        call(component, Call::SetString, |instance| {
+            let (references, values) = (read("vr", references, count)?, texts("value", values, count)?);
+            instance.set_texts(references, &values)
+        })
+    }
+}
+
+/// Saves the state.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` points to null or to
+    // a state that this function gave and that was not freed (standard, 2.1.8).
+    unsafe { call(component, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
+}
+
+/// Goes back to a saved state.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was given by
+    // `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and not freed (standard, 2.1.8).
+    unsafe { call(component, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
+}
+
+/// Frees a saved state.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` is null, or points to
+    // null or to a state that was not freed (standard, 2.1.8).
+    unsafe { call(component, Call::FreeFmuState, |_| boundary::free_state(state)) }
+}
+
+/// Bytes that a saved state takes.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+    size: *mut size_t,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was not freed, and
+    // `size` is a place for the size, which is only written (standard, 2.1.8).
+    unsafe {
+        call(component, Call::SerializedFmuStateSize, |_| {
+            place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// A saved state as bytes.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+    bytes: *mut fmi2Byte,
+    size: size_t,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was not freed, and
+    // there is room for `size` bytes, which is only written (standard, 2.1.8).
+    unsafe {
+        call(component, Call::SerializeFmuState, |_| {
+            let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
+            room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// A saved state from bytes.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    component: fmi2Component,
+    bytes: *const fmi2Byte,
+    size: size_t,
+    state: *mut fmi2FMUstate,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `size` bytes, and
+    // `state` is a place for the new state, which is only written (standard, 2.1.8).
+    unsafe {
+        call(component, Call::DeSerializeFmuState, |instance| {
+            let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
+            instance.check_restorable(&unit)?;
+            boundary::give_state(place("FMUstate", state)?, unit)
+        })
+    }
+}
+
+/// Derivatives of outputs, while initializing of calculated parameters too, in a direction of inputs, states or parameters.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
+    component: fmi2Component,
+    unknowns: *const fmi2ValueReference,
+    unknown_count: size_t,
+    knowns: *const fmi2ValueReference,
+    known_count: size_t,
+    direction: *const fmi2Real,
+    sensitivity: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); the arrays hold as many
+    // elements as their counts say (standard, 2.1.9). The sensitivities are only written, and may share memory with the
+    // others.
+    unsafe {
+        call(component, Call::GetDirectionalDerivative, |instance| {
+            let mut sensitivities = room("dvUnknown", sensitivity, unknown_count)?;
+            let unknowns = sensitivities.read_beside("vUnknown_ref", unknowns, unknown_count)?;
+            let knowns = sensitivities.read_beside("vKnown_ref", knowns, known_count)?;
+            let direction = sensitivities.read_beside("dvKnown", direction, known_count)?;
+            instance.directional_derivative(&unknowns, &knowns, &direction, 0.0, sensitivities.places())
+        })
+    }
+}
+
+/// How inputs change in the next step.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    orders: *const fmi2Integer,
+    values: *const fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references, orders and values (standard, 4.2.1).
+    unsafe {
+        call(component, Call::SetRealInputDerivatives, |instance| {
+            let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
+            instance.set_input_derivatives(references, orders, read("value", values, count)?)
+        })
+    }
+}
+
+/// How outputs change now.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: size_t,
+    orders: *const fmi2Integer,
+    values: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // references and orders, and room for as many values, which is only written (standard, 4.2.1).
+    unsafe {
+        call(component, Call::GetRealOutputDerivatives, |instance| {
+            let mut values = room("value", values, count)?;
+            let references = values.read_beside("vr", references, count)?;
+            let orders = values.read_beside("order", orders, count)?;
+            instance.output_derivatives(&references, &orders, values.places())
+        })
+    }
+}
+
+/// Goes on by a communication step.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2DoStep(
+    component: fmi2Component,
+    time: fmi2Real,
+    step: fmi2Real,
+    _no_set_state_prior: fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::DoStep, |instance| instance.do_step(time, step)) }
+}
+
+/// Refused: steps are synchronous.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::CancelStep, refused) }
+}
+
+/// Status of the last step.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Status,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // status, which is only written (standard, 4.2.3).
+    unsafe {
+        call(component, Call::GetStatus, |instance| {
+            place("value", value)?.put(instance.step_status(status_kind(kind)?)?.code());
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// The time up to which the last step came.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetRealStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // time, which is only written (standard, 4.2.3).
+    unsafe {
+        call(component, Call::GetRealStatus, |instance| {
+            place("value", value)?.put(instance.real_status(status_kind(kind)?)?);
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// There is no such status.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetIntegerStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    _value: *mut fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
+    unsafe {
+        call(component, Call::GetIntegerStatus, |_| {
+            Err(Fault::new(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
+        })
+    }
+}
+
+/// Whether the run came to its end.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetBooleanStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // answer, which is only written (standard, 4.2.3).
+    unsafe {
+        call(component, Call::GetBooleanStatus, |instance| {
+            place("value", value)?.put(instance.boolean_status(status_kind(kind)?)?.into());
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// There is no such status, since no step is ever pending.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2GetStringStatus(
+    component: fmi2Component,
+    kind: fmi2StatusKind,
+    _value: *mut fmi2String,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
+    unsafe {
+        call(component, Call::GetStringStatus, |instance| {
+            let kind = status_kind(kind)?;
+            instance.log.status(
+                Status::Discard,
+                &format!("fmi2GetStringStatus: {kind:?}: no step is pending, steps are synchronous"),
+            );
+            Ok(Status::Discard)
+        })
+    }
+}
+
+fn status_kind(kind: fmi2StatusKind) -> Result<StatusKind, Fault> {
+    StatusKind::from_code(kind).ok_or_else(|| Fault::new(format!("status kind {kind} does not exist; expected 0 to 3")))
+}
+
+/// Never reached: the table of calls refuses before.
+fn refused(_: &mut Instance) -> Result<Status, Fault> {
+    Err(Fault::new("not offered"))
+}
+
+/// Model Exchange: an event is due.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::EnterEventMode, Instance::enter_event_mode) }
+}
+
+/// Model Exchange: what an event makes of the block.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, event_info: *mut fmi2EventInfo) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `event_info` is a place for the
+    // information, which is only written (standard, 3.2.2).
+    unsafe {
+        call(component, Call::NewDiscreteStates, |instance| {
+            let place = place("fmi2EventInfo", event_info)?;
+            let after = instance.new_discrete_states()?;
+            place.put(fmi2EventInfo {
+                new_discrete_states_needed: FMI2_FALSE,
+                terminate_simulation: after.ended.into(),
+                nominals_of_continuous_states_changed: FMI2_FALSE,
+                values_of_continuous_states_changed: after.states_changed.into(),
+                next_event_time_defined: after.next_time.is_some().into(),
+                next_event_time: after.next_time.unwrap_or(0.0),
+            });
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// Model Exchange: the motion goes on.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::EnterContinuousTimeMode, Instance::enter_continuous_time_mode) }
+}
+
+/// Model Exchange: a step of the importer's solver was accepted.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
+    component: fmi2Component,
+    _no_set_state_prior: fmi2Boolean,
+    enter_event_mode: *mut fmi2Boolean,
+    terminate: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); the others are places for answers, which
+    // are only written (standard, 3.2.2).
+    unsafe {
+        call(component, Call::CompletedIntegratorStep, |instance| {
+            let enter_event_mode = place("enterEventMode", enter_event_mode)?;
+            let terminate = place("terminateSimulation", terminate)?;
+            let answer = instance.completed_integrator_step();
+            enter_event_mode.put(FMI2_FALSE);
+            terminate.put(FMI2_FALSE);
+            answer
+        })
+    }
+}
+
+/// Model Exchange: the importer's clock.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    unsafe { call(component, Call::SetTime, |instance| instance.set_time(time)) }
+}
+
+/// Model Exchange: the continuous states.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi2SetContinuousStates(
+    component: fmi2Component,
+    states: *const fmi2Real,
+    count: size_t,
+) -> fmi2Status {
+    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count` states (standard, 3.2.1).
+    unsafe {
+        call(component, Call::SetContinuousStates, |instance| instance.set_continuous_states(read("x", states, count)?))
+    }
+}
+
+macro_rules! exchanged {
+    ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(component: fmi2Component, values: *mut fmi2Real, count: size_t) -> fmi2Status {
+            // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is room for `count` values,
+            // which is only written (standard, 3.2.1).
+            unsafe {
+                call(component, Call::$call, |instance| {
+                    instance.get_all($of, room($array, values, count)?.places())
+                })
+            }
+        }
+    )*};
+}
+
+exchanged! {
+    /// Model Exchange: derivatives of the continuous states.
+    fmi2GetDerivatives GetDerivatives "derivatives" Unit::derivatives;
+    /// Model Exchange: event indicators.
+    fmi2GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
+    /// Model Exchange: the continuous states.
+    fmi2GetContinuousStates GetContinuousStates "x" Unit::states;
+    /// Model Exchange: sizes that the continuous states typically have.
+    fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates "x_nominal" Unit::nominals;
+}

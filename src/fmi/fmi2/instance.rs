@@ -1,0 +1,90 @@
+//! An instance behind FMI 2.0: what [`crate::fmi::instance`] leaves to this version. No pointer, no C.
+
+use crate::fmi;
+use crate::fmi::fmi2::boundary::Messenger;
+use crate::fmi::fmi2::calls::Call;
+use crate::fmi::fmi2::types::{Status, StatusKind};
+use crate::fmi::log::Category;
+use crate::simulation::Progress;
+use crate::unit::fault::Fault;
+use crate::unit::life_cycle::Phase;
+
+pub use crate::fmi::instance::{Answer, write};
+
+/// FMI 2.0, whose instances have nothing of their own.
+#[derive(Debug)]
+pub struct Fmi2;
+
+impl fmi::Version for Fmi2 {
+    type Call = Call;
+    type Messenger = Messenger;
+}
+
+/// An instance of FMI 2.0.
+pub type Instance = fmi::instance::Instance<Fmi2>;
+
+impl Instance {
+    /// `fmi2EnterInitializationMode`.
+    pub fn enter_initialization_mode(&mut self) -> Answer {
+        self.unit.enter_initialization_mode();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2DoStep`. Allocates no memory unless it fails.
+    pub fn do_step(&mut self, time: f64, step: f64) -> Answer {
+        let log = &self.log;
+        let progress = self.unit.advance(time, step, &mut |event| {
+            log.tell(Status::Ok, Category::Events, format_args!("{event}"));
+        })?;
+        let reached = self.unit.time();
+        log.tell(Status::Ok, Category::Steps, format_args!("step from t = {time:?} s to t = {reached:?} s"));
+        match progress {
+            Progress::Reached => Ok(Status::Ok),
+            Progress::Ended(ending, at) => {
+                log.tell(
+                    Status::Discard,
+                    Category::Discard,
+                    format_args!("{ending} at t = {at:?} s ends the run; the outputs are those of that time"),
+                );
+                Ok(Status::Discard)
+            }
+        }
+    }
+
+    /// `fmi2Get…Status` of a Real.
+    pub fn real_status(&self, kind: StatusKind) -> Result<f64, Fault> {
+        match kind {
+            StatusKind::LastSuccessfulTime => Ok(self.unit.time()),
+            StatusKind::DoStepStatus | StatusKind::PendingStatus | StatusKind::Terminated => {
+                Err(Fault::new(format!("{kind:?} is no Real; fmi2LastSuccessfulTime is")))
+            }
+        }
+    }
+
+    /// `fmi2Get…Status` of a Boolean.
+    pub fn boolean_status(&self, kind: StatusKind) -> Result<bool, Fault> {
+        match kind {
+            StatusKind::Terminated => Ok(self.unit.phase() == Phase::StepFailed),
+            StatusKind::DoStepStatus | StatusKind::PendingStatus | StatusKind::LastSuccessfulTime => {
+                Err(Fault::new(format!("{kind:?} is no Boolean; fmi2Terminated is")))
+            }
+        }
+    }
+
+    /// `fmi2GetStatus`: steps are synchronous, so this is what the last step answered.
+    pub fn step_status(&self, kind: StatusKind) -> Result<Status, Fault> {
+        match (kind, self.unit.phase()) {
+            (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),
+            (StatusKind::DoStepStatus, _) => Ok(Status::Ok),
+            (StatusKind::PendingStatus | StatusKind::LastSuccessfulTime | StatusKind::Terminated, _) => {
+                Err(Fault::new(format!("{kind:?} is no fmi2Status; fmi2DoStepStatus is")))
+            }
+        }
+    }
+
+    /// `fmi2SetRealInputDerivatives`, order 1 only.
+    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Answer {
+        self.unit.set_input_derivatives(references, orders, values)?;
+        Ok(Status::Ok)
+    }
+}

@@ -1,0 +1,208 @@
+//! FMI 3.0: instantiation, the importer's callbacks. What all versions share is in [`crate::fmi::boundary`].
+
+use std::ffi::{CStr, CString};
+
+use crate::fmi::arrays::{read, text};
+use crate::fmi::boundary;
+use crate::fmi::fmi3::calls::Call;
+use crate::fmi::fmi3::instance::{Answer, Fmi3, Instance};
+use crate::fmi::fmi3::step::{Given, Look, Step};
+use crate::fmi::fmi3::types::*;
+use crate::fmi::log::{self, Category, Log, Wanted};
+use crate::unit::fault::Fault;
+use crate::unit::instance::Interface;
+use crate::unit::variables::TOKEN;
+
+pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
+
+/// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
+///
+/// # Safety
+/// `instance` is null or comes from [`instantiate`] and was not freed.
+pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi3Status {
+    // SAFETY: by contract.
+    unsafe { boundary::call::<Fmi3>(instance, call, act) }.code()
+}
+
+/// `fmi3DoStep`: in pieces, between which the importer may look in. `ready` may refuse the step before it begins; `done` gets its
+/// result.
+///
+/// # Safety
+/// As for [`call`].
+pub unsafe fn do_step(
+    instance: fmi3Instance,
+    step: Step,
+    ready: impl Fn() -> Result<(), Fault>,
+    done: impl Fn(&Step) -> Answer,
+) -> fmi3Status {
+    let mut step = step;
+    let piece = |instance: &mut Instance, given: Option<Given>| {
+        if given.is_none() {
+            ready()?;
+        }
+        instance.step_on(&mut step, given, &done)
+    };
+    // SAFETY: by contract.
+    unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::show) }.code()
+}
+
+/// What an importer asks for, of any interface.
+pub struct Request {
+    /// `instanceName`.
+    pub name: fmi3String,
+    /// `instantiationToken`.
+    pub token: fmi3String,
+    /// `loggingOn`.
+    pub logging: fmi3Boolean,
+    /// `instanceEnvironment`.
+    pub environment: fmi3InstanceEnvironment,
+    /// `logMessage`.
+    pub logger: Option<fmi3LogMessageCallback>,
+}
+
+/// What an importer asks for beside that for Co-Simulation.
+pub struct Stepping {
+    /// `eventModeUsed`.
+    pub event_mode: fmi3Boolean,
+    /// `earlyReturnAllowed`.
+    pub early_return: fmi3Boolean,
+    /// `requiredIntermediateVariables`.
+    pub required: *const fmi3ValueReference,
+    /// Their number.
+    pub required_count: usize,
+    /// `intermediateUpdate`.
+    pub update: Option<fmi3IntermediateUpdateCallback>,
+}
+
+/// A new instance, for Co-Simulation if `stepping` is there, for Model Exchange otherwise: null, with a reason logged where there is
+/// a logger, if the request is not for this FMU. `function` is what the importer called.
+///
+/// # Safety
+/// Texts are null or end with 0, there are as many required variables as their number says; the callbacks may be called with
+/// the environment as long as the instance lives (standard, 2.3.1).
+pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<Stepping>) -> fmi3Instance {
+    let &Request { name, token, logging, environment, logger } = request;
+    boundary::create(|| {
+        // SAFETY: by contract null or texts that end with 0 (standard, 2.2.1) and stay during this call.
+        let (name, token) = unsafe { (text(name), text(token)) };
+        let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
+        let log = Log::new(Messenger { logger, environment }, CString::from(shown), is_true(logging));
+        let interface = if stepping.is_some() { Interface::CoSimulation } else { Interface::ModelExchange };
+        let how = match stepping {
+            None => Ok(Fmi3::exchanged()),
+            Some(Stepping { event_mode, early_return, required, required_count, update }) => {
+                // SAFETY: by contract an array of as many references (standard, 2.3.1).
+                let required = unsafe { read("requiredIntermediateVariables", required, required_count) };
+                let updater = update.map(|callback| Updater { callback, environment });
+                required
+                    .map_err(|fault| fault.0)
+                    .and_then(|required| Fmi3::stepped(is_true(event_mode), is_true(early_return), required, updater))
+            }
+        };
+        match fit(name, token).and(how) {
+            Ok(how) => Some(Instance::new(log, interface, how)),
+            Err(reason) => {
+                log.status(Status::Error, &format!("{function}: {reason}"));
+                None
+            }
+        }
+    })
+}
+
+fn fit(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
+    if name.is_none_or(|name| name.to_bytes().trim_ascii().is_empty()) {
+        return Err("instanceName is missing; expected a name".into());
+    }
+    match token.map(CStr::to_string_lossy) {
+        Some(token) if token == TOKEN => Ok(()),
+        Some(token) => Err(format!("instantiationToken = {token:?}; expected {TOKEN:?}")),
+        None => Err(format!("instantiationToken is missing; expected {TOKEN:?}")),
+    }
+}
+
+/// Answers a request for Scheduled Execution: null, and a reason for the logger.
+///
+/// # Safety
+/// As for [`instantiate`].
+pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
+    let &Request { logging, environment, logger, .. } = request;
+    boundary::create::<Fmi3>(|| {
+        let log = Log::new(Messenger { logger, environment }, c"?".into(), is_true(logging));
+        log.status(Status::Error, reason);
+        None
+    })
+}
+
+/// `fmi3FreeInstance`: nothing for null, and nothing from within a call on the instance, which goes on using it.
+///
+/// # Safety
+/// As for [`call`]; unless a call is under way the instance is gone afterwards.
+pub unsafe fn free_instance(instance: fmi3Instance) {
+    // SAFETY: by contract.
+    unsafe { boundary::free::<Fmi3>(instance) }
+}
+
+/// The importer's logger, and what it wants to be handed back: made by [`instantiate`] and [`refuse`] only, by whose contract it may be
+/// called.
+#[derive(Debug)]
+pub struct Messenger {
+    logger: Option<fmi3LogMessageCallback>,
+    environment: fmi3InstanceEnvironment,
+}
+
+impl log::Messenger for Messenger {
+    /// Each category is switched by itself; with none enabled the logger is never called, not even for a failed instantiation
+    /// (standard, 2.3.1).
+    fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
+        Category::ALL.map(|category| match listed {
+            Some(listed) if !listed.contains(&category) => before[category as usize],
+            Some(_) | None => logging,
+        })
+    }
+
+    fn send(&self, _: &CStr, status: Status, category: &CStr, message: &CStr) {
+        if let Some(logger) = self.logger {
+            // SAFETY: the importer's logger, which may be called as long as the instance lives (standard, 2.3.1); both texts
+            // end with 0 and outlive the call. The instance is in use meanwhile, but whatever the logger calls on it is
+            // refused before it is touched; see [`boundary`].
+            unsafe { logger(self.environment, status.code(), category.as_ptr(), message.as_ptr()) };
+        }
+    }
+}
+
+/// The importer's look into a step, and what it wants to be handed back: made by [`instantiate`] only, by whose contract it may be
+/// called.
+#[derive(Clone, Copy, Debug)]
+pub struct Updater {
+    callback: fmi3IntermediateUpdateCallback,
+    environment: fmi3InstanceEnvironment,
+}
+
+impl Updater {
+    /// Lets the importer look in.
+    fn show(look: Look) -> Given {
+        let Look { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
+        let (mut requested, mut return_time) = (FMI3_FALSE, time);
+        // SAFETY: the importer's function, which may be called with its environment as long as the instance lives (standard,
+        // 2.3.1); both places are written before they are read. Calls on the instance are taken meanwhile, and no
+        // reference to it is there; see `boundary::call_in_pieces`.
+        unsafe {
+            callback(
+                environment,
+                time,
+                asks.into(),
+                (!asks).into(),
+                (!asks).into(),
+                (can_return_early && !asks).into(),
+                &raw mut requested,
+                &raw mut return_time,
+            );
+        }
+        Given { early_return: (is_true(requested) && can_return_early && !asks).then_some(return_time) }
+    }
+}
+
+/// Whether a Boolean of C is true.
+pub fn is_true(value: fmi3Boolean) -> bool {
+    value != FMI3_FALSE
+}

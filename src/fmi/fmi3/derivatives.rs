@@ -1,0 +1,114 @@
+//! Derivatives in a direction, and of a weighted sum.
+
+use std::mem::MaybeUninit;
+
+use crate::fmi::fmi3::instance::{Answer, Instance, write};
+use crate::fmi::fmi3::types::Status;
+use crate::fmi::fmi3::values::{FLOAT64, fits, fmi3_only, known, mismatch};
+use crate::unit::fault::Fault;
+use crate::unit::instance::derivatives::Direction;
+use crate::unit::life_cycle::Phase;
+use crate::unit::variables::Fmi3Only;
+
+impl Instance {
+    /// `fmi3GetDirectionalDerivative`.
+    pub fn directional(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivities: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        fits(unknowns.len(), sensitivities.len())?;
+        check_unknowns(unknowns)?;
+        if self.unit.phase() != Phase::InitializationMode {
+            fits(knowns.len(), seed.len())?;
+            let (of_time, others): (Vec<_>, Vec<_>) = knowns.iter().zip(seed).partition(|(known, _)| is_time(known));
+            let time = of_time.into_iter().map(|(_, component)| component).sum();
+            let (knowns, seed): (Vec<u32>, Vec<f64>) = others.into_iter().unzip();
+            return self.directional_derivative(unknowns, &knowns, &seed, time, sensitivities);
+        }
+        fits(self.sizes(knowns), seed.len())?;
+        let (mut direction, mut rest) = (Direction::default(), seed);
+        for known in knowns {
+            let (components, others) = rest.split_at(self.size(known));
+            rest = others;
+            add(&mut direction, *known, 0, components)?;
+        }
+        write(self.unit.derivative_at_beginning(unknowns, &direction)?, sensitivities)
+    }
+
+    /// `fmi3GetAdjointDerivative`: the derivatives of a sum of unknowns, each times its seed, with respect to each known.
+    ///
+    /// There are few directions but for the samples of a record, each of which takes no longer: a reverse mode would not be worth
+    /// it.
+    pub fn adjoint_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivities: &mut [MaybeUninit<f64>],
+    ) -> Answer {
+        fits(unknowns.len(), seed.len())?;
+        check_unknowns(unknowns)?;
+        if let Some(wrong) = seed.iter().find(|x| !x.is_finite()) {
+            return Err(Fault::new(format!("seed {wrong}; expected finite numbers")));
+        }
+        let weighted = |derivatives: &mut dyn Iterator<Item = Result<f64, Fault>>| {
+            derivatives
+                .zip(seed)
+                .try_fold(0.0, |sum, (derivative, factor)| Ok::<f64, Fault>(sum + derivative? * factor))
+        };
+        if self.unit.phase() != Phase::InitializationMode {
+            fits(knowns.len(), sensitivities.len())?;
+            for (known, place) in knowns.iter().zip(sensitivities) {
+                let (knowns, time) = if is_time(known) { (&[][..], 1.0) } else { (std::slice::from_ref(known), 0.0) };
+                let mut derivatives = self.unit.directional_derivative(unknowns, knowns, &[1.0], time)?;
+                place.write(weighted(&mut derivatives)?);
+            }
+            return Ok(Status::Ok);
+        }
+        fits(self.sizes(knowns), sensitivities.len())?;
+        let mut places = sensitivities.iter_mut();
+        for known in knowns {
+            for (i, place) in (0..self.size(known)).zip(&mut places) {
+                let mut direction = Direction::default();
+                add(&mut direction, *known, i, &[1.0])?;
+                place.write(weighted(&mut self.unit.derivative_at_beginning(unknowns, &direction)?)?);
+            }
+        }
+        Ok(Status::Ok)
+    }
+
+    /// How many values a variable has.
+    fn size(&self, reference: &u32) -> usize {
+        fmi3_only(*reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only))
+    }
+
+    fn sizes(&self, references: &[u32]) -> usize {
+        references.iter().map(|reference| self.size(reference)).sum()
+    }
+}
+
+fn is_time(reference: &u32) -> bool {
+    fmi3_only(*reference) == Some(Fmi3Only::Time)
+}
+
+/// Refuses as unknowns what only FMI 3.0 has: nothing of it is an output.
+fn check_unknowns(references: &[u32]) -> Result<(), Fault> {
+    references.iter().find_map(|&reference| fmi3_only(reference)).map_or(Ok(()), |fmi3_only| {
+        Err(Fault::new(format!(
+            "{} is no output and no calculated parameter; only these are differentiated",
+            fmi3_only.name()
+        )))
+    })
+}
+
+/// Goes in the direction of values of a variable, from the value with the number `first` on.
+fn add(direction: &mut Direction, reference: u32, first: usize, components: &[f64]) -> Result<(), Fault> {
+    match fmi3_only(reference) {
+        Some(fmi3_only) if known(reference)?.1 == FLOAT64 => direction.add_fmi3_only(fmi3_only, first, components),
+        Some(_) => Err(mismatch(reference, FLOAT64)),
+        None => components.iter().try_for_each(|&component| direction.add(reference, component)),
+    }
+}

@@ -1,0 +1,678 @@
+//! The functions of the standard's headers (fmi3Functions.h, 3.0.1), and nothing else.
+//!
+//! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
+//! and hands on to [`Instance`]. The names are exported where the crate in `crates/fmu3` compiles this file, as the FMU's library.
+//!
+//! In each the instance is null or one that lives (standard, 2.3.1), arrays hold as many elements as their counts say (2.2.6),
+//! texts end with 0 (2.2.1), and places for results are only written.
+
+#![allow(non_snake_case, reason = "the names are the standard's")]
+#![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
+
+use std::ffi::c_char;
+
+use libc::size_t;
+
+use crate::fmi::arrays::{place, read, room, texts};
+use crate::fmi::fmi3::boundary::{self, Request, Stepping, call, is_true};
+use crate::fmi::fmi3::calls::Call;
+use crate::fmi::fmi3::instance::{Instance, write};
+use crate::fmi::fmi3::step::Step;
+use crate::fmi::fmi3::types::*;
+use crate::fmi::fmi3::values::of_no_type;
+use crate::simulation::exchange::{INDICATORS, STATES};
+use crate::unit::fault::Fault;
+use crate::unit::instance::Unit;
+use crate::unit::snapshot;
+use crate::unit::variables::Kind;
+
+/// The version of the interface: "3.0".
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub extern "C" fn fmi3GetVersion() -> *const c_char {
+    c"3.0".as_ptr()
+}
+
+/// A new instance for Co-Simulation, or null. The path of the resources is not needed and not judged.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+    instance_name: fmi3String,
+    instantiation_token: fmi3String,
+    _resource_path: fmi3String,
+    _visible: fmi3Boolean,
+    logging_on: fmi3Boolean,
+    event_mode_used: fmi3Boolean,
+    early_return_allowed: fmi3Boolean,
+    required_intermediate_variables: *const fmi3ValueReference,
+    required_count: size_t,
+    instance_environment: fmi3InstanceEnvironment,
+    log_message: Option<fmi3LogMessageCallback>,
+    intermediate_update: Option<fmi3IntermediateUpdateCallback>,
+) -> fmi3Instance {
+    let request = Request {
+        name: instance_name,
+        token: instantiation_token,
+        logging: logging_on,
+        environment: instance_environment,
+        logger: log_message,
+    };
+    let stepping = Stepping {
+        event_mode: event_mode_used,
+        early_return: early_return_allowed,
+        required: required_intermediate_variables,
+        required_count,
+        update: intermediate_update,
+    };
+    // SAFETY: texts are null or end with 0, there are `required_count` references, and the callbacks may be called until the
+    // instance is freed (standard, 2.3.1).
+    unsafe { boundary::instantiate("fmi3InstantiateCoSimulation", &request, Some(stepping)) }
+}
+
+/// A new instance for Model Exchange, or null. The path of the resources is not needed and not judged.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+    instance_name: fmi3String,
+    instantiation_token: fmi3String,
+    _resource_path: fmi3String,
+    _visible: fmi3Boolean,
+    logging_on: fmi3Boolean,
+    instance_environment: fmi3InstanceEnvironment,
+    log_message: Option<fmi3LogMessageCallback>,
+) -> fmi3Instance {
+    let request = Request {
+        name: instance_name,
+        token: instantiation_token,
+        logging: logging_on,
+        environment: instance_environment,
+        logger: log_message,
+    };
+    // SAFETY: texts are null or end with 0, and the logger may be called until the instance is freed (standard, 2.3.1).
+    unsafe { boundary::instantiate("fmi3InstantiateModelExchange", &request, None) }
+}
+
+/// Null: Scheduled Execution is not offered.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+    instance_name: fmi3String,
+    instantiation_token: fmi3String,
+    _resource_path: fmi3String,
+    _visible: fmi3Boolean,
+    logging_on: fmi3Boolean,
+    instance_environment: fmi3InstanceEnvironment,
+    log_message: Option<fmi3LogMessageCallback>,
+    _clock_update: Option<fmi3ClockUpdateCallback>,
+    _lock_preemption: Option<fmi3PreemptionCallback>,
+    _unlock_preemption: Option<fmi3PreemptionCallback>,
+) -> fmi3Instance {
+    let request = Request {
+        name: instance_name,
+        token: instantiation_token,
+        logging: logging_on,
+        environment: instance_environment,
+        logger: log_message,
+    };
+    let reason = "fmi3InstantiateScheduledExecution: this FMU offers Co-Simulation and Model Exchange";
+    // SAFETY: the logger may be called with its environment (standard, 2.3.1).
+    unsafe { boundary::refuse(&request, reason) }
+}
+
+/// Frees an instance; nothing for null.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
+    // SAFETY: `instance` is null or an instance that lives, and is not used after this (standard, 2.3.1).
+    unsafe { boundary::free_instance(instance) }
+}
+
+/// Which messages are logged.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetDebugLogging(
+    instance: fmi3Instance,
+    logging_on: fmi3Boolean,
+    count: size_t,
+    categories: *const fmi3String,
+) -> fmi3Status {
+    // SAFETY: the instance lives; `categories` are `count` texts (standard, 2.3.1).
+    unsafe {
+        call(instance, Call::SetDebugLogging, |instance| {
+            instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
+        })
+    }
+}
+
+/// Begins the initialization, with tolerance, start and stop of the run.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3EnterInitializationMode(
+    instance: fmi3Instance,
+    tolerance_defined: fmi3Boolean,
+    tolerance: fmi3Float64,
+    start_time: fmi3Float64,
+    stop_time_defined: fmi3Boolean,
+    stop_time: fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there is no other pointer.
+    unsafe {
+        call(instance, Call::EnterInitializationMode, |instance| {
+            let tolerance = is_true(tolerance_defined).then_some(tolerance);
+            let stop = is_true(stop_time_defined).then_some(stop_time);
+            instance.enter_initialization_mode(tolerance, start_time, stop)
+        })
+    }
+}
+
+macro_rules! transitions {
+    ($($(#[$doc:meta])* $name:ident $call:ident $act:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(instance: fmi3Instance) -> fmi3Status {
+            // SAFETY: the instance lives; there is no other pointer.
+            unsafe { call(instance, Call::$call, $act) }
+        }
+    )*};
+}
+
+transitions! {
+    /// Ends the initialization: the parameters become a block.
+    fmi3ExitInitializationMode ExitInitializationMode Instance::leave_initialization_mode;
+    /// Begins to handle an event.
+    fmi3EnterEventMode EnterEventMode Instance::begin_event;
+    /// Ends the handling of an event.
+    fmi3EnterStepMode EnterStepMode Instance::enter_step_mode;
+    /// Model Exchange: the motion goes on.
+    fmi3EnterContinuousTimeMode EnterContinuousTimeMode Instance::enter_continuous_time_mode;
+    /// Ends the run.
+    fmi3Terminate Terminate Instance::terminate;
+    /// Back to where instantiation left the instance.
+    fmi3Reset Reset Instance::reset;
+    /// Sizes of arrays may be set from here on.
+    fmi3EnterConfigurationMode EnterConfigurationMode |instance| instance.configure(true);
+    /// Sizes of arrays are set.
+    fmi3ExitConfigurationMode ExitConfigurationMode |instance| instance.configure(false);
+}
+
+macro_rules! getters {
+    ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $get:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(
+            instance: fmi3Instance,
+            references: *const fmi3ValueReference,
+            count: size_t,
+            values: *mut $type,
+            value_count: size_t,
+        ) -> fmi3Status {
+            // SAFETY: the instance lives; there are `count` references, and room for `value_count` values.
+            unsafe {
+                call(instance, Call::$call, |instance| {
+                    let mut values = room("values", values, value_count)?;
+                    let references = values.read_beside("valueReferences", references, count)?;
+                    let get: fn(&mut Instance, &[u32], &mut [std::mem::MaybeUninit<$type>]) -> _ = $get;
+                    get(instance, &references, values.places())
+                })
+            }
+        }
+    )*};
+}
+
+getters! {
+    /// Reads Float64 variables.
+    fmi3GetFloat64 GetFloat64 fmi3Float64, Instance::get_floats;
+    /// Reads Int32 variables.
+    fmi3GetInt32 GetInt32 fmi3Int32, |instance, references, values| {
+        instance.get_scalars(Kind::Integer, references, values, |value| value as fmi3Int32)
+    };
+    /// Reads enumerations.
+    fmi3GetInt64 GetInt64 fmi3Int64, |instance, references, values| {
+        instance.get_scalars(Kind::Enumeration, references, values, |value| value as fmi3Int64)
+    };
+    /// Reads Boolean variables.
+    fmi3GetBoolean GetBoolean fmi3Boolean, |instance, references, values| {
+        instance.get_scalars(Kind::Boolean, references, values, |value| fmi3Boolean::from(value != 0.0))
+    };
+    /// Reads String variables; what the results point to lasts until the next call.
+    fmi3GetString GetString fmi3String, |instance, references, values| {
+        instance.check_texts(references, values.len())?;
+        write(instance.get_texts(references)?.iter().map(|text| Ok(text.as_ptr())), values)
+    };
+    /// Reads sizes of arrays.
+    fmi3GetUInt64 GetUInt64 fmi3UInt64, Instance::get_sizes;
+    /// No variable has this type.
+    fmi3GetFloat32 GetFloat32 fmi3Float32, |_, references, _| of_no_type(references, "Float32");
+    /// No variable has this type.
+    fmi3GetInt8 GetInt8 fmi3Int8, |_, references, _| of_no_type(references, "Int8");
+    /// No variable has this type.
+    fmi3GetUInt8 GetUInt8 fmi3UInt8, |_, references, _| of_no_type(references, "UInt8");
+    /// No variable has this type.
+    fmi3GetInt16 GetInt16 fmi3Int16, |_, references, _| of_no_type(references, "Int16");
+    /// No variable has this type.
+    fmi3GetUInt16 GetUInt16 fmi3UInt16, |_, references, _| of_no_type(references, "UInt16");
+    /// No variable has this type.
+    fmi3GetUInt32 GetUInt32 fmi3UInt32, |_, references, _| of_no_type(references, "UInt32");
+}
+
+macro_rules! setters {
+    ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $set:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(
+            instance: fmi3Instance,
+            references: *const fmi3ValueReference,
+            count: size_t,
+            values: *const $type,
+            value_count: size_t,
+        ) -> fmi3Status {
+            // SAFETY: the instance lives; there are `count` references and `value_count` values.
+            unsafe {
+                call(instance, Call::$call, |instance| {
+                    let set: fn(&mut Instance, &[u32], &[$type]) -> _ = $set;
+                    set(instance, read("valueReferences", references, count)?, read("values", values, value_count)?)
+                })
+            }
+        }
+    )*};
+}
+
+setters! {
+    /// Sets Float64 variables, all or none.
+    fmi3SetFloat64 SetFloat64 fmi3Float64, Instance::set_floats;
+    /// Sets Int32 variables, all or none.
+    fmi3SetInt32 SetInt32 fmi3Int32, |instance, references, values| {
+        instance.set_scalars(Kind::Integer, references, values, f64::from)
+    };
+    /// Sets enumerations, all or none.
+    fmi3SetInt64 SetInt64 fmi3Int64, |instance, references, values| {
+        instance.set_scalars(Kind::Enumeration, references, values, |value| value as f64)
+    };
+    /// Sets Boolean variables, all or none.
+    fmi3SetBoolean SetBoolean fmi3Boolean, |instance, references, values| {
+        instance.set_scalars(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
+    };
+    /// Sets sizes of arrays, all or none.
+    fmi3SetUInt64 SetUInt64 fmi3UInt64, Instance::set_sizes;
+    /// No variable has this type.
+    fmi3SetFloat32 SetFloat32 fmi3Float32, |_, references, _| of_no_type(references, "Float32");
+    /// No variable has this type.
+    fmi3SetInt8 SetInt8 fmi3Int8, |_, references, _| of_no_type(references, "Int8");
+    /// No variable has this type.
+    fmi3SetUInt8 SetUInt8 fmi3UInt8, |_, references, _| of_no_type(references, "UInt8");
+    /// No variable has this type.
+    fmi3SetInt16 SetInt16 fmi3Int16, |_, references, _| of_no_type(references, "Int16");
+    /// No variable has this type.
+    fmi3SetUInt16 SetUInt16 fmi3UInt16, |_, references, _| of_no_type(references, "UInt16");
+    /// No variable has this type.
+    fmi3SetUInt32 SetUInt32 fmi3UInt32, |_, references, _| of_no_type(references, "UInt32");
+}
+
+/// Sets String variables, all or none.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetString(
+    instance: fmi3Instance,
+    references: *const fmi3ValueReference,
+    count: size_t,
+    values: *const fmi3String,
+    value_count: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `count` references and `value_count` texts.
+    unsafe {
+        call(instance, Call::SetString, |instance| {
+            let references = read("valueReferences", references, count)?;
+            let values = texts("values", values, value_count)?;
+            instance.check_texts(references, values.len())?;
+            instance.set_texts(references, &values)
+        })
+    }
+}
+
+/// No variable has this type.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3GetBinary(
+    instance: fmi3Instance,
+    references: *const fmi3ValueReference,
+    count: size_t,
+    _sizes: *mut size_t,
+    _values: *mut fmi3Binary,
+    _value_count: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `count` references.
+    unsafe { call(instance, Call::GetBinary, |_| of_no_type(read("valueReferences", references, count)?, "Binary")) }
+}
+
+/// No variable has this type.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetBinary(
+    instance: fmi3Instance,
+    references: *const fmi3ValueReference,
+    count: size_t,
+    _sizes: *const size_t,
+    _values: *const fmi3Binary,
+    _value_count: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `count` references.
+    unsafe { call(instance, Call::SetBinary, |_| of_no_type(read("valueReferences", references, count)?, "Binary")) }
+}
+
+/// Saves the state.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3GetFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
+    // SAFETY: the instance lives; `state` points to null or to a state that was not freed (standard, 2.2.7).
+    unsafe { call(instance, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
+}
+
+/// Goes back to a saved state.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetFMUState(instance: fmi3Instance, state: fmi3FMUState) -> fmi3Status {
+    // SAFETY: the instance lives; `state` is one that was not freed (standard, 2.2.7).
+    unsafe { call(instance, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
+}
+
+/// Frees a saved state.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3FreeFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
+    // SAFETY: the instance lives; `state` is null, or points to null or to a state that was not freed (standard, 2.2.7).
+    unsafe { call(instance, Call::FreeFmuState, |_| boundary::free_state(state)) }
+}
+
+/// Bytes that a saved state takes.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
+    instance: fmi3Instance,
+    state: fmi3FMUState,
+    size: *mut size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; `state` was not freed, and `size` is a place for the size (standard, 2.2.7).
+    unsafe {
+        call(instance, Call::SerializedFmuStateSize, |_| {
+            place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// A saved state as bytes.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SerializeFMUState(
+    instance: fmi3Instance,
+    state: fmi3FMUState,
+    bytes: *mut fmi3Byte,
+    size: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; `state` was not freed, and there is room for `size` bytes (standard, 2.2.7).
+    unsafe {
+        call(instance, Call::SerializeFmuState, |_| {
+            let mut room = room("serializedState", bytes, size)?;
+            room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// A saved state from bytes.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3DeserializeFMUState(
+    instance: fmi3Instance,
+    bytes: *const fmi3Byte,
+    size: size_t,
+    state: *mut fmi3FMUState,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `size` bytes, and `state` is a place for the new state (standard, 2.2.7).
+    unsafe {
+        call(instance, Call::DeserializeFmuState, |instance| {
+            let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
+            instance.check_restorable(&unit)?;
+            boundary::give_state(place("FMUState", state)?, unit)
+        })
+    }
+}
+
+macro_rules! derivatives {
+    ($($(#[$doc:meta])* $name:ident $call:ident $get:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(
+            instance: fmi3Instance,
+            unknowns: *const fmi3ValueReference,
+            unknown_count: size_t,
+            knowns: *const fmi3ValueReference,
+            known_count: size_t,
+            seed: *const fmi3Float64,
+            seed_count: size_t,
+            sensitivity: *mut fmi3Float64,
+            sensitivity_count: size_t,
+        ) -> fmi3Status {
+            // SAFETY: the instance lives; the arrays hold as many elements as their counts say (standard, 2.2.11). The
+            // sensitivities may share memory with the others.
+            unsafe {
+                call(instance, Call::$call, |instance| {
+                    let mut sensitivities = room("sensitivity", sensitivity, sensitivity_count)?;
+                    let unknowns = sensitivities.read_beside("unknowns", unknowns, unknown_count)?;
+                    let knowns = sensitivities.read_beside("knowns", knowns, known_count)?;
+                    let seed = sensitivities.read_beside("seed", seed, seed_count)?;
+                    $get(instance, &unknowns, &knowns, &seed, sensitivities.places())
+                })
+            }
+        }
+    )*};
+}
+
+derivatives! {
+    /// Derivatives of outputs, while initializing of calculated parameters too, in a direction of inputs, states or parameters.
+    fmi3GetDirectionalDerivative GetDirectionalDerivative Instance::directional;
+    /// Derivatives of a weighted sum of these.
+    fmi3GetAdjointDerivative GetAdjointDerivative Instance::adjoint_derivative;
+}
+
+/// How outputs change now.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3GetOutputDerivatives(
+    instance: fmi3Instance,
+    references: *const fmi3ValueReference,
+    count: size_t,
+    orders: *const fmi3Int32,
+    values: *mut fmi3Float64,
+    value_count: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `count` references and orders, and room for `value_count` values (standard, 4.2).
+    unsafe {
+        call(instance, Call::GetOutputDerivatives, |instance| {
+            let mut values = room("values", values, value_count)?;
+            let references = values.read_beside("valueReferences", references, count)?;
+            let orders = values.read_beside("orders", orders, count)?;
+            instance.derivatives(&references, &orders, values.places())
+        })
+    }
+}
+
+/// Applies the event.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
+    instance: fmi3Instance,
+    discrete_states_need_update: *mut fmi3Boolean,
+    terminate_simulation: *mut fmi3Boolean,
+    nominals_changed: *mut fmi3Boolean,
+    values_changed: *mut fmi3Boolean,
+    next_event_time_defined: *mut fmi3Boolean,
+    next_event_time: *mut fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the instance lives; the others are places for results (standard, 2.3.5).
+    unsafe {
+        call(instance, Call::UpdateDiscreteStates, |instance| {
+            let need_update = place("discreteStatesNeedUpdate", discrete_states_need_update)?;
+            let terminate = place("terminateSimulation", terminate_simulation)?;
+            let nominals = place("nominalsOfContinuousStatesChanged", nominals_changed)?;
+            let values = place("valuesOfContinuousStatesChanged", values_changed)?;
+            let defined = place("nextEventTimeDefined", next_event_time_defined)?;
+            let time = place("nextEventTime", next_event_time)?;
+            let after = instance.update_discrete_states()?;
+            need_update.put(FMI3_FALSE);
+            terminate.put(after.ended.into());
+            nominals.put(FMI3_FALSE);
+            values.put(after.states_changed.into());
+            defined.put(after.next_time.is_some().into());
+            time.put(after.next_time.unwrap_or(0.0));
+            Ok(Status::Ok)
+        })
+    }
+}
+
+/// Goes on by a communication step, or to an event in it.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3DoStep(
+    instance: fmi3Instance,
+    time: fmi3Float64,
+    step: fmi3Float64,
+    _no_set_state_prior: fmi3Boolean,
+    event_handling_needed: *mut fmi3Boolean,
+    terminate_simulation: *mut fmi3Boolean,
+    early_return: *mut fmi3Boolean,
+    last_successful_time: *mut fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the instance lives; the others are places for results (standard, 4.2).
+    unsafe {
+        let places = || {
+            Ok((
+                place("eventHandlingNeeded", event_handling_needed)?,
+                place("terminateSimulation", terminate_simulation)?,
+                place("earlyReturn", early_return)?,
+                place("lastSuccessfulTime", last_successful_time)?,
+            ))
+        };
+        boundary::do_step(
+            instance,
+            Step::new(time, step),
+            || places().map(|_| ()),
+            |step| {
+                let (event, terminates, early, reached) = places()?;
+                event.put(step.event.into());
+                terminates.put(step.terminates.into());
+                early.put(step.early.into());
+                reached.put(step.reached);
+                Ok(Status::Ok)
+            },
+        )
+    }
+}
+
+/// Model Exchange: a step of the importer's solver was accepted.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
+    instance: fmi3Instance,
+    _no_set_state_prior: fmi3Boolean,
+    enter_event_mode: *mut fmi3Boolean,
+    terminate_simulation: *mut fmi3Boolean,
+) -> fmi3Status {
+    // SAFETY: the instance lives; the others are places for results (standard, 3.2).
+    unsafe {
+        call(instance, Call::CompletedIntegratorStep, |instance| {
+            let enter = place("enterEventMode", enter_event_mode)?;
+            let terminate = place("terminateSimulation", terminate_simulation)?;
+            let answer = instance.completed_integrator_step();
+            enter.put(FMI3_FALSE);
+            terminate.put(FMI3_FALSE);
+            answer
+        })
+    }
+}
+
+/// Model Exchange: the importer's clock.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status {
+    // SAFETY: the instance lives; there is no other pointer.
+    unsafe { call(instance, Call::SetTime, |instance| instance.set_time(time)) }
+}
+
+/// Model Exchange: the continuous states.
+#[cfg_attr(feature = "exports", unsafe(no_mangle))]
+pub unsafe extern "C" fn fmi3SetContinuousStates(
+    instance: fmi3Instance,
+    states: *const fmi3Float64,
+    count: size_t,
+) -> fmi3Status {
+    // SAFETY: the instance lives; there are `count` states (standard, 3.2).
+    unsafe {
+        call(instance, Call::SetContinuousStates, |instance| {
+            instance.set_continuous_states(read("continuousStates", states, count)?)
+        })
+    }
+}
+
+macro_rules! exchanged {
+    ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(
+            instance: fmi3Instance,
+            values: *mut fmi3Float64,
+            count: size_t,
+        ) -> fmi3Status {
+            // SAFETY: the instance lives; there is room for `count` values (standard, 3.2).
+            unsafe {
+                call(instance, Call::$call, |instance| instance.get_all($of, room($array, values, count)?.places()))
+            }
+        }
+    )*};
+}
+
+exchanged! {
+    /// Model Exchange: the derivatives of the continuous states.
+    fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives "derivatives" Unit::derivatives;
+    /// Model Exchange: the event indicators.
+    fmi3GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
+    /// Model Exchange: the continuous states.
+    fmi3GetContinuousStates GetContinuousStates "continuousStates" Unit::states;
+    /// Model Exchange: what the continuous states typically are.
+    fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates "nominals" Unit::nominals;
+}
+
+macro_rules! counts {
+    ($($(#[$doc:meta])* $name:ident $call:ident $place:literal $count:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(instance: fmi3Instance, count: *mut size_t) -> fmi3Status {
+            // SAFETY: the instance lives; `count` is a place for the result (standard, 3.2).
+            unsafe {
+                call(instance, Call::$call, |_| {
+                    place($place, count)?.put($count);
+                    Ok(Status::Ok)
+                })
+            }
+        }
+    )*};
+}
+
+counts! {
+    /// Model Exchange: how many event indicators there are.
+    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators "nEventIndicators" INDICATORS;
+    /// Model Exchange: how many continuous states there are.
+    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates "nContinuousStates" STATES;
+}
+
+/// Never reached: the table of calls refuses before.
+fn refused(_: &mut Instance) -> Result<Status, Fault> {
+    Err(Fault::new("not offered"))
+}
+
+macro_rules! missing {
+    ($($name:ident $call:ident ($($argument:ident: $type:ty),*);)*) => {$(
+        /// Not offered: refused with a message.
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
+            // SAFETY: the instance lives; no other pointer is used.
+            unsafe { call(instance, Call::$call, refused) }
+        }
+    )*};
+}
+
+missing! {
+    fmi3GetClock GetClock (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _values: *mut fmi3Clock);
+    fmi3SetClock SetClock (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _values: *const fmi3Clock);
+    fmi3GetIntervalDecimal GetIntervalDecimal (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _intervals: *mut fmi3Float64, _qualifiers: *mut fmi3IntervalQualifier);
+    fmi3GetIntervalFraction GetIntervalFraction (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _counters: *mut fmi3UInt64, _resolutions: *mut fmi3UInt64, _qualifiers: *mut fmi3IntervalQualifier);
+    fmi3GetShiftDecimal GetShiftDecimal (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _shifts: *mut fmi3Float64);
+    fmi3GetShiftFraction GetShiftFraction (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _counters: *mut fmi3UInt64, _resolutions: *mut fmi3UInt64);
+    fmi3SetIntervalDecimal SetIntervalDecimal (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _intervals: *const fmi3Float64);
+    fmi3SetIntervalFraction SetIntervalFraction (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _counters: *const fmi3UInt64, _resolutions: *const fmi3UInt64);
+    fmi3SetShiftDecimal SetShiftDecimal (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _shifts: *const fmi3Float64);
+    fmi3SetShiftFraction SetShiftFraction (_value_references: *const fmi3ValueReference, _n_value_references: size_t, _counters: *const fmi3UInt64, _resolutions: *const fmi3UInt64);
+    fmi3ActivateModelPartition ActivateModelPartition (_clock_reference: fmi3ValueReference, _activation_time: fmi3Float64);
+    fmi3EvaluateDiscreteStates EvaluateDiscreteStates ();
+    fmi3GetNumberOfVariableDependencies GetNumberOfVariableDependencies (_value_reference: fmi3ValueReference, _n_dependencies: *mut size_t);
+    fmi3GetVariableDependencies GetVariableDependencies (_dependent: fmi3ValueReference, _element_indices_of_dependent: *mut size_t, _independents: *mut fmi3ValueReference, _element_indices_of_independents: *mut size_t, _dependency_kinds: *mut fmi3DependencyKind, _n_dependencies: size_t);
+}

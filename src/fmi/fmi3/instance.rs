@@ -1,0 +1,122 @@
+//! An instance behind FMI 3.0: what [`crate::fmi::instance`] leaves to this version. No pointer, no C.
+
+use crate::fmi;
+use crate::fmi::fmi3::boundary::{Messenger, Updater};
+use crate::fmi::fmi3::calls::Call;
+use crate::fmi::fmi3::types::Status;
+use crate::fmi::log::Category;
+use crate::unit::fault::Fault;
+use crate::unit::instance::Interface;
+use crate::unit::instance::exchange::AfterEvent;
+use crate::unit::variables::{Causality, VARIABLES, Variability};
+
+pub use crate::fmi::instance::{Answer, write};
+
+/// How the importer wants to use an instance.
+#[derive(Debug)]
+pub struct Fmi3 {
+    /// Whether it handles events in Event Mode.
+    pub event_mode: bool,
+    /// Whether a step may be left early.
+    pub early_return: bool,
+    /// Its look into steps.
+    pub updater: Option<Updater>,
+    /// The variables that it sets and reads there.
+    required: Vec<u32>,
+    /// Whether inputs are among them.
+    pub sets_inputs: bool,
+}
+
+impl fmi::Version for Fmi3 {
+    type Call = Call;
+    type Messenger = Messenger;
+}
+
+/// An instance of FMI 3.0.
+pub type Instance = fmi::instance::Instance<Fmi3>;
+
+impl Fmi3 {
+    /// Of Model Exchange.
+    pub fn exchanged() -> Fmi3 {
+        Fmi3 { event_mode: true, early_return: false, updater: None, required: Vec::new(), sets_inputs: false }
+    }
+
+    /// How an importer wants to use an instance for Co-Simulation; refuses variables that cannot be set or read inside a step.
+    pub fn stepped(
+        event_mode: bool,
+        early_return: bool,
+        required: &[u32],
+        updater: Option<Updater>,
+    ) -> Result<Fmi3, String> {
+        let mut sets_inputs = false;
+        for &reference in required {
+            let known = VARIABLES.get(reference as usize).filter(|known| known.variability == Variability::Continuous);
+            let Some(known) = known else {
+                return Err(format!(
+                    "requiredIntermediateVariables holds {reference}; expected value references of inputs and continuous outputs"
+                ));
+            };
+            sets_inputs |= known.causality == Causality::Input;
+        }
+        Ok(Fmi3 { event_mode, early_return, updater, required: required.to_vec(), sets_inputs })
+    }
+
+    /// Refuses variables that the importer did not say it would set or read inside a step.
+    pub fn check_required(&self, references: &[u32]) -> Result<(), Fault> {
+        match references.iter().find(|&reference| !self.required.contains(reference)) {
+            None => Ok(()),
+            Some(reference) => Err(Fault::new(format!(
+                "value reference {reference} is not among the requiredIntermediateVariables; inside a step these are set and read"
+            ))),
+        }
+    }
+}
+
+impl Instance {
+    /// `fmi3EnterInitializationMode`.
+    pub fn enter_initialization_mode(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer {
+        let status = self.plan(tolerance, start, stop)?;
+        self.unit.enter_initialization_mode();
+        Ok(status)
+    }
+
+    /// `fmi3ExitInitializationMode`: on to Event Mode if that is used, to Step Mode otherwise.
+    pub fn leave_initialization_mode(&mut self) -> Answer {
+        let status = self.exit_initialization_mode()?;
+        if self.version.event_mode {
+            self.unit.enter_event_mode();
+        }
+        Ok(status)
+    }
+
+    /// `fmi3EnterEventMode`.
+    pub fn begin_event(&mut self) -> Answer {
+        if !self.version.event_mode {
+            return Err(Fault::new("eventModeUsed was false at instantiation; events are handled inside the FMU"));
+        }
+        self.enter_event_mode()
+    }
+
+    /// `fmi3UpdateDiscreteStates`: what an event makes of the block.
+    pub fn update_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
+        if self.unit.interface() == Interface::ModelExchange {
+            return self.new_discrete_states();
+        }
+        let log = &self.log;
+        self.unit.settle(&mut |event| log.tell(Status::Ok, Category::Events, format_args!("{event}")))?;
+        Ok(AfterEvent { ended: self.unit.has_ended(), ..AfterEvent::default() })
+    }
+
+    /// `fmi3EnterStepMode`. An event that was not applied is.
+    pub fn enter_step_mode(&mut self) -> Answer {
+        self.update_discrete_states()?;
+        self.unit.enter_step_mode();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi3EnterConfigurationMode` and `fmi3ExitConfigurationMode`.
+    pub fn configure(&mut self, configures: bool) -> Answer {
+        self.unit.configure(configures);
+        Ok(Status::Ok)
+    }
+}

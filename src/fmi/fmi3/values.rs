@@ -1,0 +1,217 @@
+//! Variables by the types of FMI 3.0, with their value references.
+
+use std::mem::MaybeUninit;
+
+use crate::fmi::fmi3::instance::{Answer, Instance, write};
+use crate::fmi::fmi3::types::Status;
+use crate::unit::fault::Fault;
+use crate::unit::life_cycle::Phase;
+use crate::unit::variables::{Fmi3Only, Kind, Role, VARIABLES};
+
+pub(super) const FLOAT64: &str = "Float64";
+
+/// What FMI 3.0 calls the type of a variable.
+fn type_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Real => FLOAT64,
+        Kind::Integer => "Int32",
+        Kind::Boolean => "Boolean",
+        Kind::Enumeration => "Enumeration (Int64)",
+        Kind::String => "String",
+    }
+}
+
+/// The variable of this number that only FMI 3.0 has.
+pub(super) fn fmi3_only(reference: u32) -> Option<Fmi3Only> {
+    Fmi3Only::ALL.get((reference as usize).checked_sub(VARIABLES.len())?).copied()
+}
+
+/// Name and type of a variable.
+pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
+    if let Some(metadata) = VARIABLES.get(reference as usize) {
+        return Ok((metadata.name, type_name(metadata.kind)));
+    }
+    match fmi3_only(reference) {
+        Some(fmi3_only @ Fmi3Only::RecordSamples) => Ok((fmi3_only.name(), "UInt64")),
+        Some(fmi3_only) => Ok((fmi3_only.name(), FLOAT64)),
+        None => {
+            let last = VARIABLES.len() + Fmi3Only::ALL.len() - 1;
+            Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")))
+        }
+    }
+}
+
+/// Refuses variables that do not exist or are of another type than this, and the first one if none of them is right.
+pub fn of_no_type(references: &[u32], wanted: &str) -> Answer {
+    let Some(&reference) = references.first() else { return Ok(Status::Ok) };
+    Err(mismatch(reference, wanted))
+}
+
+pub(super) fn mismatch(reference: u32, wanted: &str) -> Fault {
+    match known(reference) {
+        Ok((name, found)) => {
+            Fault::new(format!("{name} (value reference {reference}) is of type {found}, not {wanted}"))
+        }
+        Err(fault) => fault,
+    }
+}
+
+/// Refuses variables that are not exactly of this kind.
+pub(super) fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
+    let wrong = |&&reference: &&u32| VARIABLES.get(reference as usize).is_none_or(|metadata| metadata.kind != kind);
+    references.iter().find(wrong).map_or(Ok(()), |&reference| Err(mismatch(reference, type_name(kind))))
+}
+
+/// Refuses variables that are no sizes of arrays.
+fn check_sizes(references: &[u32]) -> Result<(), Fault> {
+    let wrong = references.iter().find(|&&reference| fmi3_only(reference) != Some(Fmi3Only::RecordSamples));
+    wrong.map_or(Ok(()), |&reference| Err(mismatch(reference, "UInt64")))
+}
+
+/// Refuses arrays of values that do not hold as many as the variables have.
+pub(super) fn fits(expected: usize, found: usize) -> Result<(), Fault> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(Fault::new(format!("nValues = {found}; expected {expected}, as many as the variables have")))
+}
+
+impl Instance {
+    /// Reads scalars of one kind.
+    pub fn get_scalars<T>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &mut [MaybeUninit<T>],
+        convert: impl Fn(f64) -> T,
+    ) -> Answer {
+        check(references, kind)?;
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        self.get(kind.base(), references, values, convert)
+    }
+
+    /// Sets scalars of one kind, all or none.
+    pub fn set_scalars<T: Copy>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &[T],
+        real: impl Fn(T) -> f64,
+    ) -> Answer {
+        check(references, kind)?;
+        fits(references.len(), values.len())?;
+        self.set(kind.base(), references, values, real)
+    }
+
+    /// `fmi3GetFloat64`.
+    pub fn get_floats(&mut self, references: &[u32], values: &mut [MaybeUninit<f64>]) -> Answer {
+        if references.iter().all(|&reference| fmi3_only(reference).is_none()) {
+            return self.get_scalars(Kind::Real, references, values, |value| value);
+        }
+        self.may_read(references)?;
+        let mut found = Vec::with_capacity(values.len());
+        for &reference in references {
+            match fmi3_only(reference) {
+                Some(fmi3_only) if known(reference)?.1 == FLOAT64 => {
+                    self.unit.read_fmi3_only(fmi3_only, &mut |value| found.push(value))?;
+                }
+                Some(_) | None => {
+                    check(&[reference], Kind::Real)?;
+                    found.push(self.unit.get(Kind::Real, reference)?);
+                }
+            }
+        }
+        fits(found.len(), values.len())?;
+        let lost = found.iter().any(|number| !number.is_finite());
+        write(found.into_iter().map(Ok), values)?;
+        if lost { Ok(self.answer_without_numbers("a value")) } else { Ok(Status::Ok) }
+    }
+
+    /// `fmi3SetFloat64`, all or none; while inputs are asked for, those of a time to come.
+    pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Answer {
+        if self.unit.phase() != Phase::SettingAhead {
+            return if references.iter().all(|&reference| fmi3_only(reference).is_none()) {
+                self.set_scalars(Kind::Real, references, values, |value| value)
+            } else {
+                self.set_arrays(references, values)
+            };
+        }
+        check(references, Kind::Real)?;
+        fits(references.len(), values.len())?;
+        self.version.check_required(references)?;
+        let inputs = |&reference: &u32| match VARIABLES[reference as usize].role {
+            Role::Input(input) => Ok((input, &VARIABLES[reference as usize])),
+            Role::Parameter(_) | Role::Text(_) | Role::Derived(_) | Role::Output(_) => {
+                let name = VARIABLES[reference as usize].name;
+                Err(Fault::new(format!("{name} is no input; only inputs are asked for inside a step")))
+            }
+        };
+        for (reference, &value) in references.iter().zip(values) {
+            inputs(reference)?.1.admits(value).map_err(Fault::new)?;
+        }
+        for (reference, &value) in references.iter().zip(values) {
+            self.unit.set_ahead(inputs(reference)?.0, value);
+        }
+        Ok(Status::Ok)
+    }
+
+    /// Sets Float64 variables among which are some that only FMI 3.0 has, all or none.
+    fn set_arrays(&mut self, references: &[u32], values: &[f64]) -> Answer {
+        let size = |&reference: &u32| fmi3_only(reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only));
+        fits(references.iter().map(size).sum(), values.len())?;
+        let mut changed = self.unit.clone();
+        let mut rest = values;
+        for reference in references {
+            let (these, others) = rest.split_at(size(reference));
+            rest = others;
+            match fmi3_only(*reference) {
+                Some(fmi3_only) if known(*reference)?.1 == FLOAT64 => changed.set_fmi3_only(fmi3_only, these)?,
+                Some(_) | None => {
+                    check(&[*reference], Kind::Real)?;
+                    changed.set(Kind::Real, &[*reference], these, |value| value)?;
+                }
+            }
+        }
+        self.unit = changed;
+        Ok(Status::Ok)
+    }
+
+    /// `fmi3GetUInt64`.
+    pub fn get_sizes(&mut self, references: &[u32], values: &mut [MaybeUninit<u64>]) -> Answer {
+        check_sizes(references)?;
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        let count = self.unit.sample_count() as u64;
+        write(references.iter().map(|_| Ok(count)), values)
+    }
+
+    /// `fmi3SetUInt64`: the arrays are zeros then.
+    pub fn set_sizes(&mut self, references: &[u32], values: &[u64]) -> Answer {
+        check_sizes(references)?;
+        fits(references.len(), values.len())?;
+        let mut changed = self.unit.clone();
+        values.iter().try_for_each(|&value| changed.resize_samples(value))?;
+        self.unit = changed;
+        Ok(Status::Ok)
+    }
+
+    /// Refuses to show inside a step what the importer did not say it would read there.
+    fn may_read(&self, references: &[u32]) -> Result<(), Fault> {
+        if self.unit.phase() == Phase::LookingIn { self.version.check_required(references) } else { Ok(()) }
+    }
+
+    /// `fmi3GetString`: nothing but a check, before the texts are read.
+    pub fn check_texts(&self, references: &[u32], count: usize) -> Result<(), Fault> {
+        check(references, Kind::String)?;
+        fits(references.len(), count)?;
+        self.may_read(references)
+    }
+
+    /// `fmi3GetOutputDerivatives`, order 1 only.
+    pub fn derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [MaybeUninit<f64>]) -> Answer {
+        fits(references.len(), values.len())?;
+        self.may_read(references)?;
+        self.output_derivatives(references, orders, values)
+    }
+}

@@ -1,0 +1,227 @@
+//! Records → inputs that are linear in time between their samples.
+
+use serde::{Deserialize, Serialize};
+
+use crate::excitation::{Inputs, Ramp};
+use crate::numerics::dual::Dual64;
+use crate::numerics::scalar::Elementary;
+use rocking_records::Record;
+
+/// Ground motion: records, linear between samples and zero outside, each with a time step of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ground {
+    /// Horizontal ground acceleration, positive to the right.
+    pub horizontal: Option<Record>,
+    /// Vertical ground acceleration, positive up.
+    pub vertical: Option<Record>,
+}
+
+impl Ground {
+    fn records(&self) -> impl Iterator<Item = &Record> {
+        self.horizontal.iter().chain(&self.vertical)
+    }
+
+    /// Whether there is no record.
+    pub fn is_empty(&self) -> bool {
+        self.records().next().is_none()
+    }
+
+    /// Time of the first sample (s); 0 without a record.
+    pub fn start(&self) -> f64 {
+        self.records().map(|record| record.start_time).reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// Time of the last sample (s), if there is a record.
+    pub fn end(&self) -> Option<f64> {
+        self.records().map(|record| record.start_time + record.duration()).reduce(f64::max)
+    }
+
+    /// Least time step of the records (s), if there is one.
+    pub fn time_step(&self) -> Option<f64> {
+        self.records().map(|record| record.time_step).reduce(f64::min)
+    }
+
+    /// Both records multiplied by a factor.
+    pub fn scaled(self, factor: f64) -> Ground {
+        let scaled = |record: Option<Record>| record.map(|record| record.scaled(factor));
+        Ground { horizontal: scaled(self.horizontal), vertical: scaled(self.vertical) }
+    }
+
+    /// Both records with the zero of their time axes at this time (s).
+    pub fn shifted(self, time: f64) -> Ground {
+        let shifted =
+            |record: Option<Record>| record.map(|record| Record { start_time: record.start_time + time, ..record });
+        Ground { horizontal: shifted(self.horizontal), vertical: shifted(self.vertical) }
+    }
+
+    /// Whether these can be records.
+    pub fn is_valid(&self) -> bool {
+        self.records().all(Record::is_valid)
+    }
+
+    /// Both records in a line, see [`fingerprint`].
+    pub fn fingerprint(&self) -> String {
+        let of = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);
+        format!("horizontal {}; vertical {}", of(&self.horizontal), of(&self.vertical))
+    }
+
+    /// The piece that acts at `time` (s), between two samples of any record: its inputs, with their reference at its beginning, and
+    /// its end (s).
+    pub fn piece_at(&self, time: f64) -> (Inputs, f64) {
+        let last = |record: &Record| match record.sample_at(time) {
+            Some(i) if i + 1 < record.acceleration.len() => record.sample_time(i),
+            Some(_) => record.start_time + record.duration(),
+            None => f64::NEG_INFINITY,
+        };
+        let beginning = self.records().map(last).reduce(f64::max).filter(|beginning| beginning.is_finite());
+        self.inputs_from(beginning.unwrap_or(time))
+    }
+
+    /// Inputs from `time` on, and the time until which they hold: the next sample of any record (s).
+    pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
+        let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
+        self.inputs_near(time, &mut [guess(&self.horizontal), guess(&self.vertical)])
+    }
+
+    /// The same where the samples before `time` are near those of these numbers, horizontal and vertical: the numbers of those
+    /// that were found last, if one goes from sample to sample.
+    pub fn inputs_near(&self, time: f64, [horizontal, vertical]: &mut [usize; 2]) -> (Inputs, f64) {
+        let mut until = f64::INFINITY;
+        let mut ramp = |record: &Option<Record>, near: &mut usize| match record {
+            Some(record) => {
+                let (ramp, end) = ramp_from(record, time, near);
+                until = until.min(end);
+                ramp
+            }
+            None => Ramp::default(),
+        };
+        let (a_gx, a_gz) = (ramp(&self.horizontal, horizontal), ramp(&self.vertical, vertical));
+        (Inputs { time, a_gx, a_gz, ..Inputs::default() }, until)
+    }
+}
+
+/// A record in a line: what is needed to tell it from another one, wherever its file is.
+pub fn fingerprint(record: &Record) -> String {
+    let Record { acceleration, time_step, start_time, .. } = record;
+    let mut hasher = crc32fast::Hasher::new();
+    acceleration.iter().for_each(|a| hasher.update(&a.to_le_bytes()));
+    let sum = hasher.finalize();
+    format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}", acceleration.len())
+}
+
+/// The straight line on which a record is from `time` on, and the time of its end; `near` as in [`Record::sample_near`], and the
+/// sample that was found.
+fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
+    let Some(i) = record.sample_near(time, *near) else { return (Ramp::default(), record.start_time) };
+    *near = i;
+    match (record.acceleration.get(i), record.acceleration.get(i + 1)) {
+        (Some(a), Some(b)) => (line(*a, *b, record.time_step, time - record.sample_time(i)), record.sample_time(i + 1)),
+        _ => (Ramp::default(), f64::INFINITY),
+    }
+}
+
+/// The straight line from one sample to the next, a step later, seen from a time `elapsed` after the first.
+fn line<T: Elementary>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
+    let rate = (b - a) / step;
+    Ramp { value: a + rate * elapsed, rate }
+}
+
+/// A record with the derivatives of its samples and of its time axis in some direction.
+pub struct Varied<'a, F> {
+    /// The record.
+    pub record: &'a Record,
+    /// The derivative of the sample of this number [m/s²].
+    pub sample: F,
+    /// The derivative of the time of the first sample (s).
+    pub start_time: f64,
+    /// The derivative of the time between two samples (s).
+    pub time_step: f64,
+}
+
+impl<F: Fn(usize) -> f64> Varied<'_, F> {
+    /// What acts at `time` (s), as [`Ground::piece_at`] has it, and its derivative.
+    pub fn at(&self, time: Dual64) -> Dual64 {
+        let Varied { record, .. } = self;
+        let zero = Dual64::from(0.0);
+        let Some(i) = record.sample_at(time.re) else { return zero };
+        if i + 1 >= record.acceleration.len() {
+            return zero;
+        }
+        let [a, b] = [i, i + 1].map(|i| Dual64::new(record.acceleration[i], (self.sample)(i)));
+        let step = Dual64::new(record.time_step, self.time_step);
+        let start = Dual64::new(record.start_time, self.start_time);
+        line(a, b, step, time - (start + step * i as f64)).value
+    }
+
+    /// How the peak ground acceleration changes: with the sample of largest magnitude, and where several are that large, or all
+    /// are zero, with the one whose magnitude grows most.
+    pub fn peak(&self) -> f64 {
+        let peak = self.record.peak().acceleration.abs();
+        let samples = self.record.acceleration.iter().enumerate().filter(|(_, a)| a.abs() == peak);
+        let grows = samples.map(|(i, &a)| match (self.sample)(i) {
+            rate if a == 0.0 => rate.abs(),
+            rate => rate * a.signum(),
+        });
+        grows.reduce(f64::max).unwrap_or(0.0)
+    }
+
+    /// How the time of the last sample changes.
+    pub fn end(&self) -> f64 {
+        self.start_time + self.time_step * self.record.acceleration.len().saturating_sub(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rocking_records::{ReadOptions, Unit, parse};
+
+    fn record(text: &str, dt: f64) -> Record {
+        let options =
+            ReadOptions { unit: Some(Unit::MetrePerSecondSquared), time_step: Some(dt), ..ReadOptions::default() };
+        parse("record", text.as_bytes(), &options).unwrap()
+    }
+
+    /// Whatever the order of samples, the inputs are those of the records, and no sample is stepped over.
+    #[test]
+    fn two_records_of_different_steps_are_followed() {
+        let ground = Ground {
+            horizontal: Some(record("0.0\n1.0\n-1.0\n0.5\n", 0.01)),
+            vertical: Some(record("0.2\n0.4\n0.1\n0.0\n0.3\n", 0.004)),
+        };
+        let (mut time, mut stops) = (0.0, Vec::new());
+        while time < ground.end().unwrap() {
+            let (inputs, until) = ground.inputs_from(time);
+            for t in [time, 0.5 * (time + until)] {
+                let inputs = inputs.moved_to(t);
+                // From its last sample on, where `at` still gives that sample, a record is zero.
+                let exact = [&ground.horizontal, &ground.vertical].map(|record| {
+                    let record = record.as_ref().unwrap();
+                    if t < record.duration() { record.at(t) } else { 0.0 }
+                });
+                assert!((inputs.a_gx.value - exact[0]).abs() < 1e-12);
+                assert!((inputs.a_gz.value - exact[1]).abs() < 1e-12);
+            }
+            stops.push(until);
+            time = until;
+        }
+        let expected = [0.004, 0.008, 0.01, 0.012, 0.016, 0.02, 0.03];
+        assert_eq!(stops.len(), expected.len());
+        assert!(stops.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{stops:?}");
+    }
+
+    /// A time may be more samples after a record than there are integers; all is zero there.
+    #[test]
+    fn long_after_a_record_nothing_acts() {
+        for (start, dt, time) in [(0.0, 1e-300, 1.0), (-1e308, 0.01, 1e308), (1.0, 1e-20, 1.0), (0.0, 1e308, f64::MAX)]
+        {
+            let record = Record { start_time: start, ..record("1.0\n2.0\n3.0\n", dt) };
+            let ground = Ground { horizontal: Some(record), vertical: None };
+            let inputs = Inputs { time, ..Inputs::default() };
+            let after = time > ground.end().unwrap();
+            assert_eq!(ground.inputs_from(time) == (inputs, f64::INFINITY), after || dt == 1e-20, "{start} {dt}");
+            let (piece, until) = ground.piece_at(time);
+            assert!(piece.time <= time && time < until, "{start} {dt}: {piece:?} until {until}");
+        }
+    }
+}

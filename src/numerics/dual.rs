@@ -1,0 +1,186 @@
+//! Dual numbers: a number with its derivative, which formulas carry along exactly.
+//!
+//! The rules of differentiation are those of `num-dual`, with the same operations in the same order, for `f64` and for several
+//! numbers side by side.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::numerics::scalar::{Elementary, Real, Scalar};
+
+/// `re + eps ε` with `ε² = 0`: a number, and its derivative with respect to time or to whatever it depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dual<R> {
+    /// The number.
+    pub re: R,
+    /// Its derivative.
+    pub eps: R,
+}
+
+/// One number with its derivative.
+pub type Dual64 = Dual<f64>;
+
+impl<R> Dual<R> {
+    /// A number with this derivative.
+    #[inline(always)]
+    pub fn new(re: R, eps: R) -> Dual<R> {
+        Dual { re, eps }
+    }
+}
+
+impl<R: Real> From<f64> for Dual<R> {
+    #[inline(always)]
+    fn from(value: f64) -> Dual<R> {
+        Dual::constant(R::from(value))
+    }
+}
+
+impl<R: Real> Neg for Dual<R> {
+    type Output = Dual<R>;
+
+    #[inline(always)]
+    fn neg(self) -> Dual<R> {
+        Dual::new(-self.re, -self.eps)
+    }
+}
+
+/// An operator between duals, and between a dual and a constant.
+macro_rules! operator {
+    ($trait:ident, $operate:ident, |$a:ident, $b:ident| $of_duals:expr, |$c:ident, $d:ident| $of_constant:expr) => {
+        impl<R: Real> $trait for Dual<R> {
+            type Output = Dual<R>;
+
+            #[inline(always)]
+            fn $operate(self, other: Dual<R>) -> Dual<R> {
+                let ($a, $b) = (self, other);
+                $of_duals
+            }
+        }
+
+        impl<R: Real> $trait<f64> for Dual<R> {
+            type Output = Dual<R>;
+
+            #[inline(always)]
+            fn $operate(self, other: f64) -> Dual<R> {
+                let ($c, $d) = (self, other);
+                $of_constant
+            }
+        }
+    };
+}
+operator!(Add, add, |a, b| Dual::new(a.re + b.re, a.eps + b.eps), |a, b| Dual::new(a.re + b, a.eps));
+operator!(Sub, sub, |a, b| Dual::new(a.re - b.re, a.eps - b.eps), |a, b| Dual::new(a.re - b, a.eps));
+operator!(Mul, mul, |a, b| Dual::new(a.re * b.re, a.eps * b.re + b.eps * a.re), |a, b| Dual::new(a.re * b, a.eps * b));
+
+impl<R: Real> Div for Dual<R> {
+    type Output = Dual<R>;
+
+    #[inline(always)]
+    fn div(self, other: Dual<R>) -> Dual<R> {
+        let inverse = R::from(1.0) / other.re;
+        Dual::new(self.re * inverse, (self.eps * other.re - other.eps * self.re) * inverse * inverse)
+    }
+}
+
+impl<R: Real> Scalar for Dual<R> {
+    type Real = R;
+
+    #[inline(always)]
+    fn constant(value: R) -> Dual<R> {
+        Dual::new(value, R::default())
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Dual<R>, Dual<R>) {
+        let (sin, cos) = self.re.sin_cos();
+        (Dual::new(sin, cos * self.eps), Dual::new(cos, -sin * self.eps))
+    }
+
+    #[inline(always)]
+    fn value(self) -> R {
+        self.re
+    }
+
+    #[inline(always)]
+    fn select_less(a: R, b: R, yes: Dual<R>, no: Dual<R>) -> Dual<R> {
+        Dual::new(R::select_less(a, b, yes.re, no.re), R::select_less(a, b, yes.eps, no.eps))
+    }
+}
+
+impl Elementary for Dual64 {
+    fn asin(self) -> Dual64 {
+        Dual64::new(libm::asin(self.re), self.eps / ((1.0 - self.re) * (1.0 + self.re)).sqrt())
+    }
+
+    fn atan2(self, x: Dual64) -> Dual64 {
+        let square = self.re * self.re + x.re * x.re;
+        Dual64::new(libm::atan2(self.re, x.re), (x.re * self.eps - self.re * x.eps) / square)
+    }
+
+    fn hypot(self, other: Dual64) -> Dual64 {
+        let length = libm::hypot(self.re, other.re);
+        Dual64::new(length, (self.re * self.eps + other.re * other.eps) / length)
+    }
+
+    fn sqrt(self) -> Dual64 {
+        let root = self.re.sqrt();
+        Dual64::new(root, 0.5 * self.eps / root)
+    }
+
+    fn is_zero(self) -> bool {
+        self.re.is_zero() && self.eps.is_zero()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The same number, as `num-dual` has it.
+    fn other(x: Dual64) -> num_dual::Dual64 {
+        num_dual::Dual64::new(x.re, x.eps)
+    }
+
+    fn bits(x: Dual64) -> [u64; 2] {
+        [x.re.to_bits(), x.eps.to_bits()]
+    }
+
+    proptest! {
+        /// Each operation gives the bits of `num-dual`.
+        #[test]
+        fn operations_are_those_of_num_dual(a in [-1e3..1e3, -1e3..1e3], b in [-1e3..1e3, -1e3..1e3], c in -1e3..1e3) {
+            let [a, b] = [a, b].map(|[re, eps]| Dual64::new(re, eps));
+            for (ours, theirs) in [
+                (a + b, other(a) + other(b)),
+                (a - b, other(a) - other(b)),
+                (a * b, other(a) * other(b)),
+                (a / b, other(a) / other(b)),
+                (-a, -other(a)),
+                (a + c, other(a) + c),
+                (a - c, other(a) - c),
+                (a * c, other(a) * c),
+                (Dual64::from(c), num_dual::Dual64::from(c)),
+            ] {
+                prop_assert_eq!(bits(ours), [theirs.re.to_bits(), theirs.eps.to_bits()]);
+            }
+        }
+
+        /// The derivative of each function is that of `num-dual`.
+        #[test]
+        fn functions_are_those_of_num_dual(x in 0.01..0.99, y in [0.1..9.0, -2.0..2.0], eps in -2.0..2.0) {
+            use num_dual::DualNum;
+            let (x, y) = (Dual64::new(x, eps), Dual64::new(y[0], y[1]));
+            for (ours, theirs) in [
+                (x.sin(), other(x).sin()),
+                (x.cos(), other(x).cos()),
+                (x.asin(), other(x).asin()),
+                (x.atan2(y), other(x).atan2(other(y))),
+                (x.hypot(y), (other(x) * other(x) + other(y) * other(y)).sqrt()),
+                (Elementary::sqrt(y), other(y).sqrt()),
+            ] {
+                prop_assert!((ours.re - theirs.re).abs() <= 1e-14 * theirs.re.abs(), "{ours:?} {theirs:?}");
+                prop_assert!((ours.eps - theirs.eps).abs() <= 1e-12 * (1.0 + theirs.eps.abs()), "{ours:?} {theirs:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Initial values → the pose at the beginning.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Block, Foundation};
+use crate::block::{Contacts, Corner};
+use crate::excitation::Excitation;
+use crate::numerics::scalar::Elementary;
+use crate::system::System;
+use crate::system::dynamics::{Footing, State};
+use crate::system::evaluation::Pose;
+use crate::system::events::Path;
+use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::impact::Velocities;
+
+/// Where the block is at the beginning.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Initial<T = f64> {
+    /// Rotation θ (rad), positive to the right, |θ| < π/2.
+    pub theta: T,
+    /// θ̇ (rad/s).
+    pub theta_dot: T,
+    /// `(v, v̇)` of the centre of mass (m, m/s); `None` starts at the vertical equilibrium of `theta`: the supports that
+    /// touch carry the weight, and the middle of the base (or the one touching corner) does not move vertically.
+    pub vertical: Option<(T, T)>,
+}
+
+impl System {
+    /// The pose at the beginning, at `time` (s), under the excitation of that time. A support that nothing touches stands at
+    /// its free height.
+    pub fn beginning(&self, initial: &Initial, time: f64, excitation: &Excitation) -> Pose {
+        match self.block.foundation {
+            Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation).0,
+            Foundation::Rigid => beginning_on_rigid_base(initial, time),
+        }
+    }
+
+    /// The pose at the beginning, and the regimes through which the block comes there.
+    pub(super) fn beginning_on_supports(&self, initial: &Initial, time: f64, excitation: &Excitation) -> (Pose, Path) {
+        let placement = Placement::on_supports(&self.block, initial);
+        let free = self.block.static_deflection();
+        let contacts = Contacts::touching(placement.corners.map(|(height, _)| height <= free), time);
+        let pose = Pose { time, state: State::zeros(), contacts, footing: Footing::AT_START };
+        // A corner that is drawn up faster than its support can follow leaves it at once.
+        let mut change = Change::begin(self, &pose, excitation);
+        change.settle(contacts.regime(), placement);
+        debug_assert!(!change.path.overflows(), "{:?}", change.path);
+        (change.pose, change.path)
+    }
+}
+
+impl<T: Elementary> Placement<T> {
+    /// Where a block on supports is at the beginning.
+    pub(super) fn on_supports(block: &Block<T>, initial: &Initial<T>) -> Placement<T> {
+        let h = block.h;
+        let Initial { theta, theta_dot, vertical } = *initial;
+        let (sin, cos) = theta.sin_cos();
+        let free = block.static_deflection();
+        let turn = Corner::each(|corner| block.offset(corner) * sin);
+        let turn_dot = Corner::each(|corner| block.offset(corner) * cos * theta_dot);
+        // Height and rate of the middle of the base.
+        let (middle, middle_dot) = match vertical {
+            Some((v, v_dot)) => (v + h * sin * sin / (cos + 1.0), v_dot + h * sin * theta_dot),
+            None if turn[0].value().abs() <= free.value() => (T::from(0.0), T::from(0.0)),
+            // On the lower corner alone, which sinks by δ_s under the whole weight and does not move.
+            None => {
+                let upper = if turn[0].value() > 0.0 { 0 } else { 1 };
+                (turn[upper] - free, turn_dot[upper])
+            }
+        };
+        let (v, v_dot) = (middle - h * sin * sin / (cos + 1.0), middle_dot - h * sin * theta_dot);
+        let velocities = Velocities { u_dot: h * cos * theta_dot, v_dot, theta_dot };
+        let corners = [0, 1].map(|i| (middle + turn[i], middle_dot + turn_dot[i]));
+        Placement { corners, theta, u: h * sin, v, velocities }
+    }
+}
+
+pub(super) fn beginning_on_rigid_base(initial: &Initial, time: f64) -> Pose {
+    let lean = if initial.theta != 0.0 { initial.theta } else { initial.theta_dot };
+    Pose {
+        time,
+        state: State::from([initial.theta, initial.theta_dot, 0.0, 0.0]),
+        // A block that leans to the left stands on L alone.
+        contacts: Contacts::touching([lean <= 0.0, lean >= 0.0], time),
+        footing: Footing::AT_START,
+    }
+}

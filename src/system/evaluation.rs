@@ -1,0 +1,294 @@
+//! A pose → the equations of motion at any time while its contacts last, and all that follows from them at one instant.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Block, Contacts, Corner, Regime};
+use crate::excitation::{Excitation, Forcing};
+use crate::numerics::dual::{Dual, Dual64};
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::Beside;
+use crate::numerics::{Equations, Rate, Real, State};
+use crate::system::dynamics::{
+    Footing, Held, Instant, energy, instant_held, instant_held_with_rates, instant_of, instant_with_rates,
+};
+use crate::system::events::Surface;
+use crate::system::law::{AnyLaw, Law};
+
+/// Place, velocities and contacts of the block: with the excitation they determine its motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Time (s).
+    pub time: f64,
+    /// `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`super::dynamics`].
+    pub state: State,
+    /// The contacts of the corners.
+    pub contacts: Contacts,
+    /// The horizontal hold.
+    pub footing: Footing<f64>,
+}
+
+impl Pose {
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let Pose { time, state, contacts, footing } = self;
+        time.is_finite() && state.0.iter().all(|x| x.is_finite()) && contacts.is_finite() && footing.is_finite()
+    }
+}
+
+/// The block at an instant, or one block per lane: its pose, the excitation, and the solved equations of motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation<'a, R: Real = f64> {
+    /// The block.
+    pub block: &'a Block<R>,
+    /// Its excitation.
+    pub excitation: &'a Excitation<R>,
+    /// Time (s).
+    pub time: R,
+    /// Which corners touch.
+    pub regime: Regime,
+    /// `[θ, θ̇, w, ẇ]`.
+    pub state: State<R>,
+    /// The horizontal hold.
+    pub footing: Footing<R>,
+    /// The excitation at this time.
+    pub forcing: Forcing<R>,
+    /// The equations of motion.
+    pub instant: Instant<R>,
+    /// Rate of the state, and the powers.
+    pub rate: Rate<R>,
+    /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
+    pub support_heights: [Sample<R>; 2],
+    /// The corner that is held, if one is.
+    pub held: Option<Held<R>>,
+}
+
+/// The motion from a pose on, while the block stands on the same corners.
+#[derive(Clone, Copy)]
+pub struct Motion<'a, L = AnyLaw> {
+    block: &'a Block,
+    excitation: &'a Excitation,
+    law: L,
+    since: f64,
+    footing: Footing<f64>,
+    contacts: Contacts,
+}
+
+impl<'a> Motion<'a> {
+    /// The motion of a block from a pose on.
+    #[inline]
+    pub fn from_pose(block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a> {
+        Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
+    }
+}
+
+impl<'a, L: Law> Motion<'a, L> {
+    /// The same where the law of the pose is known already.
+    #[inline(always)]
+    pub fn under(law: L, block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a, L> {
+        let Pose { time, contacts, footing, .. } = *pose;
+        Motion { block, excitation, law, since: time, footing, contacts }
+    }
+
+    /// The law of the motion.
+    #[inline(always)]
+    pub fn law(&self) -> L {
+        self.law
+    }
+
+    /// All that follows from a state at a time.
+    #[inline(always)]
+    pub fn at(&self, time: f64, state: State) -> Evaluation<'a> {
+        if let Some(held) = self.held_at(time) {
+            return self.at_held(time, state, held);
+        }
+        let (footing, support_heights) = (self.footing_at(time), self.support_heights(time));
+        Evaluation::of(self.law, self.block, self.excitation, footing, time, state, support_heights)
+    }
+
+    /// The corner that is held, with its support at a time.
+    #[inline(always)]
+    fn held_at(&self, time: f64) -> Option<Held<f64>> {
+        self.law.held().map(|corner| Held::on(self.block, corner, self.contacts.top(corner, self.block, time)))
+    }
+
+    /// [`Motion::at`] where a corner is held: height and rate of the middle of the base follow from θ and θ̇.
+    #[inline(never)]
+    fn at_held(&self, time: f64, State { 0: [theta, theta_dot, ..] }: State, held: Held<f64>) -> Evaluation<'a> {
+        let (forcing, footing) = (self.excitation.at(time), self.footing_at(time));
+        let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
+        let [left, right] = instant.corner;
+        Evaluation {
+            block: self.block,
+            excitation: self.excitation,
+            time,
+            regime: self.law.regime(),
+            state: State::from([theta, theta_dot, 0.5 * (left + right), instant.w_dot]),
+            footing,
+            forcing,
+            instant,
+            rate: rate_of(self.law, self.block, &instant, forcing),
+            support_heights: self.support_heights(time),
+            held: Some(held),
+        }
+    }
+
+    /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
+    #[inline(always)]
+    pub fn support_heights(&self, time: f64) -> [Sample; 2] {
+        Corner::each(|corner| match self.law.regime().touches(corner) {
+            true => Sample::default(),
+            false => self.contacts.top(corner, self.block, time),
+        })
+    }
+
+    /// The horizontal hold at `time`. Without any, `ü = −a_gx` is integrated in closed form.
+    #[inline(always)]
+    fn footing_at(&self, time: f64) -> Footing<f64> {
+        match self.footing {
+            Footing::Free { u, u_dot } if !self.law.grips() => {
+                let (velocity, displacement) = self.excitation.horizontal_drift(self.since, time);
+                Footing::Free { u: u + u_dot * (time - self.since) - displacement, u_dot: u_dot - velocity }
+            }
+            // The compiler knows the law, but maybe not the footing.
+            Footing::Grips { offset } | Footing::Free { u: offset, .. } => Footing::Grips { offset },
+        }
+    }
+}
+
+impl<L: Law> Equations for Motion<'_, L> {
+    #[inline(always)]
+    fn rate(&self, time: f64, state: &State) -> Rate {
+        if L::KNOWN { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
+    }
+}
+
+impl<L: Law> Motion<'_, L> {
+    /// All laws in one function, which is too much for each stage of a step.
+    #[inline(never)]
+    fn rate_called(&self, time: f64, state: &State) -> Rate {
+        self.rate_inlined(time, state)
+    }
+
+    #[inline(always)]
+    fn rate_inlined(&self, time: f64, state: &State) -> Rate {
+        if let Some(held) = self.held_at(time) {
+            return self.at_held(time, *state, held).rate;
+        }
+        rate(self.law, self.block, self.excitation, self.footing_at(time), time, state)
+    }
+}
+
+/// Rate of a state under a law that holds no corner, and the powers.
+#[inline(always)]
+pub fn rate<R: Real>(
+    law: impl Law,
+    block: &Block<R>,
+    excitation: &Excitation<R>,
+    footing: Footing<R>,
+    time: R,
+    state: &State<R>,
+) -> Rate<R> {
+    let forcing = excitation.at(time);
+    instant_of(block, law.foundation(), law.regime(), state.0, footing, forcing, |x| rate_of(law, block, &x, forcing))
+}
+
+#[inline(always)]
+fn rate_of<R: Real>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
+    // Where nothing holds the block, `Footing::free_work` is the horizontal part of the work.
+    let integrated = if law.grips() { forcing } else { Forcing { x: R::from(0.0), ..forcing } };
+    Rate {
+        state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
+        quadratures: x.powers::<R>(block, law.regime(), integrated).into(),
+    }
+}
+
+impl<'a, R: Real> Evaluation<'a, R> {
+    /// All that follows from a state under a law that holds no corner.
+    #[inline(always)]
+    pub fn of(
+        law: impl Law,
+        block: &'a Block<R>,
+        excitation: &'a Excitation<R>,
+        footing: Footing<R>,
+        time: R,
+        state: State<R>,
+        support_heights: [Sample<R>; 2],
+    ) -> Evaluation<'a, R> {
+        let (foundation, regime) = (law.foundation(), law.regime());
+        let forcing = excitation.at(time);
+        instant_of(block, foundation, regime, state.0, footing, forcing, |instant| Evaluation {
+            block,
+            excitation,
+            time,
+            regime,
+            state,
+            footing,
+            forcing,
+            instant,
+            rate: rate_of(law, block, &instant, forcing),
+            support_heights,
+            held: None,
+        })
+    }
+
+    /// Rate at which the forcing changes.
+    #[inline(always)]
+    pub fn forcing_rate(&self) -> Forcing<R> {
+        self.excitation.rate_at(self.time)
+    }
+
+    /// Equivalent accelerations of the block and of its motion (m/s²), as sums over rotation and height.
+    #[inline(always)]
+    pub fn unrest(&self) -> [R; 2] {
+        let Instant { theta_dot, theta_ddot, w_dot, w_ddot, .. } = self.instant;
+        let Block { r0, omega_v, .. } = *self.block;
+        let moves = r0 * (omega_v * theta_dot).abs() + (omega_v * w_dot).abs();
+        [r0 * theta_ddot.abs() + w_ddot.abs(), moves]
+    }
+}
+
+impl<R: Real> Evaluation<'_, R>
+where
+    Dual<R>: Beside<R>,
+{
+    /// The equations of motion with, in the dual parts, their rates of change along the motion while the forcing changes at
+    /// this rate.
+    #[inline(always)]
+    pub fn with_rates(&self, forcing_rate: Forcing<R>) -> Instant<Dual<R>> {
+        self.with_rates_of(forcing_rate, |x| x)
+    }
+
+    /// The part of [`Evaluation::with_rates`] that `pick` takes.
+    #[inline(always)]
+    pub fn with_rates_of<T>(&self, forcing_rate: Forcing<R>, pick: impl Fn(Instant<Dual<R>>) -> T) -> T {
+        let Evaluation { block, regime, state, footing, instant: ref x, .. } = *self;
+        let forcing = self.forcing.with_derivative(forcing_rate);
+        match &self.held {
+            Some(held) => pick(instant_held_with_rates(block, held, footing, x, forcing)),
+            None => instant_with_rates(block, regime, state.0, footing, x, forcing, pick),
+        }
+    }
+}
+
+impl Evaluation<'_> {
+    /// The same while the forcing changes as it does, not inlined.
+    #[inline(never)]
+    pub fn rates(&self) -> Instant<Dual64> {
+        self.with_rates(self.forcing_rate())
+    }
+
+    /// Kinetic and potential energy per unit mass, together (m²/s²).
+    pub fn energy(&self) -> f64 {
+        let (kinetic, potential) = energy(self.block, self.regime, &self.instant);
+        kinetic + potential
+    }
+
+    /// Whether the block stands on both corners, and its accelerations and its motion are below the round-off of the reactions: it
+    /// is at rest.
+    pub fn rests(&self) -> bool {
+        let rounding = Surface::Reaction(Corner::Left).rounding(self.block);
+        self.regime == Regime::FullContact
+            && self.footing.grips()
+            && self.unrest().into_iter().all(|acceleration| acceleration <= rounding)
+    }
+}

@@ -1,0 +1,145 @@
+//! A pose that is being changed, with the counters and the regimes of the change.
+
+use crate::block::{Contact, Corner, Creep, Regime};
+use crate::excitation::Excitation;
+use crate::numerics::roots::Sample;
+use crate::system::System;
+use crate::system::dynamics::Footing;
+use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::events::Surface;
+use crate::system::events::placement::Placement;
+
+/// Counters and sums of a transition.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TransitionCounts {
+    /// Landings to which the impact map (or e, on the rigid base) was applied.
+    pub impacts: u32,
+    /// Corners that lifted.
+    pub liftoffs: u32,
+    /// Energy per unit mass (m²/s²) that came with changes of the horizontal constraint.
+    pub constraint: f64,
+    /// Evaluations of the equations of motion.
+    pub evaluations: u64,
+}
+
+/// The regimes through which a pose passes in one instant. Corners only leave once the first of them is decided: so both corners
+/// touch, then one, then none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Path {
+    regimes: [Option<Regime>; 3],
+    /// Whether there were more.
+    overflows: bool,
+}
+
+impl Path {
+    fn push(&mut self, regime: Regime) {
+        let count = self.iter().count();
+        if self.iter().last() == Some(regime) {
+            return;
+        }
+        match self.regimes.get_mut(count) {
+            Some(next) => *next = Some(regime),
+            None => self.overflows = true,
+        }
+    }
+
+    /// The regimes in their order.
+    pub fn iter(&self) -> impl Iterator<Item = Regime> {
+        self.regimes.into_iter().flatten()
+    }
+
+    /// Whether there were more regimes than a pose can pass through: none of them lasts.
+    pub fn overflows(&self) -> bool {
+        self.overflows
+    }
+}
+
+/// A pose that is being changed.
+pub struct Change<'a> {
+    pub(super) system: &'a System,
+    excitation: &'a Excitation,
+    pub pose: Pose,
+    pub counts: TransitionCounts,
+    pub path: Path,
+}
+
+impl<'a> Change<'a> {
+    pub fn begin(system: &'a System, pose: &Pose, excitation: &'a Excitation) -> Change<'a> {
+        Change { system, excitation, pose: *pose, counts: TransitionCounts::default(), path: Path::default() }
+    }
+
+    pub(super) fn regime(&self) -> Regime {
+        self.pose.contacts.regime()
+    }
+
+    /// The block in the present pose.
+    pub(super) fn now(&mut self) -> Evaluation<'a> {
+        self.counts.evaluations += 1;
+        Motion::from_pose(&self.system.block, &self.pose, self.excitation).at(self.pose.time, self.pose.state)
+    }
+
+    /// Goes on from a placement on the present contacts.
+    pub(super) fn place(&mut self, placement: &Placement) {
+        let regime = self.regime();
+        self.pose.state = placement.state(regime).into();
+        self.path.push(regime);
+    }
+
+    /// The foot is held from here on, where it is, with velocities that agree with that.
+    pub(super) fn hold(&mut self, placement: &Placement) {
+        self.place(placement);
+        self.pose.footing = Footing::AT_START;
+        let offset = placement.u - self.now().instant.u;
+        self.pose.footing = Footing::Grips { offset };
+    }
+
+    /// Height of the support under a corner that has left it (m), and its rate (m/s).
+    pub(super) fn support(&self, corner: Corner) -> Sample {
+        self.pose.contacts.top(corner, &self.system.block, self.pose.time)
+    }
+
+    /// A corner's rate after a landing (m/s), or that of its support if the corner would leave it by little more. So a sequence
+    /// of ever lower flights ends: each flight rises at least ten times as high as the round-off of a gap.
+    pub(super) fn or_rest(&self, corner: Corner, rate: f64, support_rate: f64) -> f64 {
+        let block = &self.system.block;
+        let slowest = (20.0 * block.gravity * Surface::Gap(corner).rounding(block)).sqrt();
+        if rate > support_rate && rate - support_rate < slowest { support_rate } else { rate }
+    }
+
+    /// `corner` touches from now on, at the height of its support.
+    pub(super) fn put_down(&mut self, corner: Corner, placement: &mut Placement) {
+        placement.corners[corner.index()].0 = self.support(corner).value;
+        self.pose.contacts.set(corner, Contact::Bearing);
+    }
+
+    /// The recovery of a support that bears nothing from here on, from this height (m).
+    pub(super) fn creep_from(&self, height: f64) -> Creep {
+        Creep { depth: self.system.block.static_deflection() - height, since: self.pose.time }
+    }
+
+    /// Goes on from a placement; without any corner on the base, the block flies.
+    pub(super) fn go_on_from(&mut self, placement: &Placement) {
+        self.place(placement);
+        if self.regime() == Regime::Separated {
+            self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Corners that only leave pass through three regimes at most; the same one again is none.
+    #[test]
+    fn a_fourth_regime_in_one_instant_overflows() {
+        let mut path = Path::default();
+        for regime in [Regime::FullContact, Regime::FullContact, Regime::TiltingLeft, Regime::Separated] {
+            path.push(regime);
+        }
+        let passed = [Regime::FullContact, Regime::TiltingLeft, Regime::Separated];
+        assert!(path.iter().eq(passed) && !path.overflows(), "{path:?}");
+        path.push(Regime::TiltingRight);
+        assert!(path.iter().eq(passed) && path.overflows(), "{path:?}");
+    }
+}

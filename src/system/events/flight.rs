@@ -1,0 +1,162 @@
+//! Landing from flight, or while the other corner slides: the gap under a lifted corner closes.
+//!
+//! The landing corner grips if nothing held the block; otherwise it comes down without a horizontal impulse.
+
+use crate::block::{Contact, Corner, Regime};
+use crate::system::evaluation::Evaluation;
+use crate::system::events::Surface;
+use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::impact::{self, Velocities};
+
+impl Change<'_> {
+    /// The gap under `corner` closed in flight, or while the other corner slides.
+    pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation) {
+        let other = corner.other();
+        let placement = Placement::of(&now.instant);
+        if self.is_level(other, now) {
+            let before = self.pose.contacts;
+            let mut both = placement;
+            let rates = Corner::BOTH.map(|corner| {
+                let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
+                self.put_down(corner, &mut both);
+                self.rate_after_landing(corner, rate, support)
+            });
+            let (impulses, velocities) =
+                impact::landing_on_both(&self.system.block, placement.theta, placement.velocities, rates);
+            if impulses.iter().all(|&impulse| impulse >= 0.0) {
+                self.counts.impacts += 2;
+                both.velocities = velocities;
+                both.corners = [(both.corners[0].0, rates[0]), (both.corners[1].0, rates[1])];
+                self.hold(&both);
+                return self.settle(Regime::FullContact, both);
+            }
+            self.pose.contacts = before;
+            if impulses[corner.index()] < 0.0 {
+                return self.land_alone(other, placement);
+            }
+        }
+        self.land_alone(corner, placement);
+    }
+
+    /// Whether, in flight, the gap under this corner is closed to rounding and closing.
+    pub(super) fn is_level(&self, corner: Corner, now: &Evaluation) -> bool {
+        let gap = Surface::Gap(corner).sample(now);
+        let closed = gap.value <= Surface::Gap(corner).rounding(&self.system.block) && gap.rate < 0.0;
+        now.regime == Regime::Separated && closed
+    }
+
+    fn land_alone(&mut self, corner: Corner, mut placement: Placement) {
+        let block = &self.system.block;
+        let (i, before, regime) = (corner.index(), placement.velocities, self.regime());
+        let support = self.support(corner).rate;
+        self.put_down(corner, &mut placement);
+        let rate = placement.corners[i].1;
+        self.counts.impacts += u32::from(rate < 0.0);
+        let mut after = self.rate_after_landing(corner, rate, support);
+        let flying = regime == Regime::Separated;
+        if flying {
+            let mut velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
+            if rate >= 0.0 || velocities.v_dot < before.v_dot {
+                // The support came up to the corner, or it would have to pull: the horizontal stop alone throws the corner
+                // up faster than that.
+                let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
+                let rate = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
+                after = self.or_rest(corner, rate, support);
+                velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
+            }
+            placement.strike(block, velocities);
+        } else {
+            placement.strike(block, impact::landing_without_grip(block, corner, placement.theta, before, after));
+        }
+        placement.corners[i].1 = after;
+        let mut before = regime;
+        if flying {
+            self.hold(&placement);
+            before = self.regime();
+        }
+        self.settle(before, placement);
+    }
+
+    /// Vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
+    fn rate_after_landing(&self, corner: Corner, rate: f64, support: f64) -> f64 {
+        self.or_rest(corner, if rate < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
+    }
+
+    /// `corner` comes down from flight, or while the other one slides.
+    pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Evaluation) {
+        let other = corner.other();
+        let placement = Placement::of(&now.instant);
+        if !self.is_level(other, now) {
+            return self.land_on_corner(corner, placement);
+        }
+        let block = &self.system.block;
+        let rates = Corner::BOTH.map(|corner| self.rebound(corner, placement.corners[corner.index()].1));
+        let (impulses, velocities) = impact::landing_on_both(block, placement.theta, placement.velocities, rates);
+        if impulses[corner.index()] < 0.0 {
+            self.land_on_corner(other, placement);
+        } else if impulses[other.index()] < 0.0 || velocities.kinetic(block) > placement.velocities.kinetic(block) {
+            self.land_on_corner(corner, placement);
+        } else {
+            self.counts.impacts += 2;
+            self.come_down(placement, velocities, rates.map(Some));
+        }
+    }
+
+    /// `corner` comes down alone: it stops horizontally and rebounds with ε times its vertical rate, but with no more than
+    /// the energy allows, and no less than the horizontal stop alone throws it up.
+    fn land_on_corner(&mut self, corner: Corner, placement: Placement) {
+        let block = &self.system.block;
+        let before = placement.velocities;
+        let land = |rate: f64| impact::landing_with_grip(block, corner, placement.theta, before, rate);
+        let mut rate = self.rebound(corner, placement.corners[corner.index()].1);
+        // The energy after the landing grows with the square of the rate.
+        let [energy, held, rebound] = [before, land(0.0), land(rate)].map(|velocities| velocities.kinetic(block));
+        if rebound > energy {
+            // No rebound is left where its energy is lost in rounding.
+            let part = if rebound > held { (energy - held).max(0.0) / (rebound - held) } else { 0.0 };
+            rate = self.or_rest(corner, rate * part.sqrt(), 0.0);
+        }
+        if land(rate).v_dot < before.v_dot {
+            let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
+            let thrown = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
+            rate = self.or_rest(corner, thrown, 0.0);
+        }
+        self.counts.impacts += 1;
+        // The other one slid.
+        self.counts.liftoffs += u32::from(self.pose.contacts.touches(corner.other()));
+        let mut rates = [None; 2];
+        rates[corner.index()] = Some(rate);
+        self.come_down(placement, land(rate), rates);
+    }
+
+    /// Vertical rate of a corner after its landing (m/s), upwards.
+    fn rebound(&self, corner: Corner, rate: f64) -> f64 {
+        self.or_rest(corner, (-self.system.block.epsilon * rate).max(0.0), 0.0)
+    }
+
+    /// The corners with a rate have come down; those whose rate is zero stand.
+    pub(super) fn come_down(&mut self, mut placement: Placement, velocities: Velocities, rates: [Option<f64>; 2]) {
+        placement.strike(&self.system.block, velocities);
+        for (corner, rate) in Corner::BOTH.into_iter().zip(rates) {
+            if rate == Some(0.0) {
+                self.pose.contacts.set(corner, Contact::Bearing);
+            } else {
+                self.raise(corner);
+            }
+            if let Some(rate) = rate {
+                placement.corners[corner.index()] = (0.0, rate);
+                self.counts.liftoffs += u32::from(rate != 0.0);
+            }
+        }
+        match self.regime() {
+            Regime::Separated => self.go_on_from(&placement),
+            Regime::FullContact => {
+                placement.theta = 0.0;
+                self.hold(&placement);
+            }
+            Regime::TiltingLeft | Regime::TiltingRight => self.hold(&placement),
+        }
+        self.settle_on_rigid_base();
+    }
+}

@@ -1,0 +1,95 @@
+//! Grip: a foot that slides would be pressed on right after it gripped.
+//!
+//! In flight nothing holds the block horizontally, nor does a support that bears nothing. A support that bears the block
+//! grips it as soon as it would still be pressed on right after; until then the block slides on it without friction. So no
+//! support ever pulls, and no landing or grip makes energy.
+
+use crate::block::{Block, Corner, Foot, Foundation, Regime};
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::Elementary;
+use crate::system::dynamics::Instant;
+use crate::system::evaluation::Evaluation;
+use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::impact::{self, Velocities};
+
+/// The distance of a sliding foot from being pressed on if it gripped (m/s²).
+pub(super) fn slide(at: &Evaluation) -> Sample {
+    let block = at.block;
+    match (block.foundation, at.regime.pivot()) {
+        // It may be pressed on for a moment only, where the slide turns back.
+        (Foundation::Viscoelastic, _) => {
+            let pressure = pressure_if_gripped(block, at.regime, &at.rates());
+            Sample { value: -pressure.re, rate: -pressure.eps }
+        }
+        (Foundation::Rigid, Some(corner)) => {
+            let thrown = impact::thrown_by_grip(block, corner, &at.rates());
+            Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
+        }
+        // Both corners stand on the rigid base, which neither throws up: they grip.
+        (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: 0.0 },
+    }
+}
+
+/// Size of the terms of [`slide`] (m/s²): a foot may slide as fast as it wants, and dashpots make forces of the round-off of its
+/// rates.
+#[inline]
+pub(super) fn size(block: &Block) -> f64 {
+    block.gravity.max(block.xi_v * block.omega_v * block.p * block.r0)
+}
+
+/// The least force per mass (m/s²) that presses the corners that touch on their supports if they grip now: the
+/// reaction right after the horizontal impulse, which turns the block, less what would follow if it threw the corner up.
+///
+/// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
+/// corner would leave it again, land, and grip, over and over.
+pub fn pressure_if_gripped<T: Elementary>(block: &Block, regime: Regime, x: &Instant<T>) -> T {
+    let Block { i0, omega_v, xi_v, .. } = *block;
+    let (sin, cos) = x.theta.sin_cos();
+    let height = block.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
+    let theta_dot = (x.theta_dot * i0 + height * x.u_dot) / (height * height + i0);
+    let pressed = |corner: Corner| {
+        let i = corner.index();
+        let change = block.lever(Foot::Corner(corner), sin, cos).x * (theta_dot - x.theta_dot);
+        let rate = x.corner_dot[i] + change;
+        let thrown = if rate.value() > 0.0 { rate } else { T::from(0.0) };
+        x.reaction[i] - (change * xi_v + thrown * std::f64::consts::FRAC_1_SQRT_2) * omega_v
+    };
+    let touching = Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner));
+    let least = |a: T, b: T| if b.value() < a.value() { b } else { a };
+    touching.map(pressed).fold(T::from(f64::INFINITY), least)
+}
+
+impl Change<'_> {
+    /// The sliding foot is held from here on, where it is.
+    pub(super) fn grip_from(&mut self, mut placement: Placement) {
+        let before = self.regime();
+        match self.system.block.foundation {
+            Foundation::Viscoelastic => {
+                self.grip(&mut placement);
+                self.settle(before, placement);
+            }
+            Foundation::Rigid => self.grip_rigid_base(placement),
+        }
+    }
+
+    /// On supports a horizontal impulse stops the foot.
+    pub(super) fn grip(&mut self, placement: &mut Placement) {
+        let block = &self.system.block;
+        let velocities = impact::grip(block, self.regime(), placement.theta, placement.velocities);
+        placement.strike(block, velocities);
+        self.hold(placement);
+    }
+
+    fn grip_rigid_base(&mut self, placement: Placement) {
+        let (velocities, rates) = match self.regime().pivot() {
+            Some(corner) => {
+                let held =
+                    impact::landing_with_grip(&self.system.block, corner, placement.theta, placement.velocities, 0.0);
+                (held, Corner::BOTH.map(|of| (of == corner).then_some(0.0)))
+            }
+            None => (Velocities { u_dot: 0.0, v_dot: 0.0, theta_dot: 0.0 }, [Some(0.0); 2]),
+        };
+        self.come_down(placement, velocities, rates);
+    }
+}

@@ -1,0 +1,151 @@
+//! Lift-off: the reaction of a touching corner falls through zero.
+//!
+//! The corner lifts if its gap opens once it is let go. Otherwise it is held, or it slips if it is the last one.
+
+use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
+use crate::numerics::dual::Dual;
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{Beside, Real};
+use crate::system::dynamics::{Footing, Instant, instant};
+use crate::system::evaluation::Evaluation;
+use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::events::{Leaving, Surface};
+use crate::system::forces::support;
+
+/// The reaction N_I/M of a touching corner (m/s²).
+#[inline(always)]
+pub(super) fn reaction(foundation: Foundation, at: &Evaluation, corner: Corner) -> Sample {
+    match foundation {
+        Foundation::Viscoelastic => on_support(at.block, &at.instant, corner),
+        // It follows from the accelerations, so that its rate takes those of the whole equations.
+        Foundation::Rigid => {
+            let i = corner.index();
+            Sample { value: at.instant.reaction[i], rate: rates_on_rigid_base(at)[i] }
+        }
+    }
+}
+
+#[inline(never)]
+fn rates_on_rigid_base(at: &Evaluation) -> [f64; 2] {
+    at.with_rates_of(at.forcing_rate(), |x| x.reaction.map(|n| n.eps))
+}
+
+/// The same of a support.
+#[inline(always)]
+pub fn on_support<R: Real>(block: &Block<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
+where
+    Dual<R>: Beside<R>,
+{
+    let i = corner.index();
+    Sample { value: x.reaction[i], rate: support::reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]) }
+}
+
+/// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one
+/// staying as it is: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
+/// the gap opens with the rate v̇_I: infinitely fast by this measure.
+///
+/// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
+/// corner on one corner), `v̈_I` jumps a little at lift-off. It can happen that full contact has the corner lift and
+/// that the other regime has it pressed on: neither holds, and the true motion slides along the boundary with
+/// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go. The last corner that touches
+/// slides in that case, since a support that bears nothing cannot hold it.
+pub fn gap_opening(at: &Evaluation, corner: Corner, corner_dot: f64) -> f64 {
+    // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
+    let creep = if corner_dot == 0.0 { 0.0 } else { at.block.creep_rate() * corner_dot };
+    acceleration_if_let_go(at, corner) + creep
+}
+
+/// Vertical acceleration (m/s²) of a touching corner if it left now, the other one staying as it is.
+fn acceleration_if_let_go(at: &Evaluation, corner: Corner) -> f64 {
+    let &Evaluation { block, instant: ref x, .. } = at;
+    let other = corner.other();
+    let after = if at.regime.touches(other) {
+        let state = [x.theta, x.theta_dot, x.corner[other.index()], x.corner_dot[other.index()]];
+        instant(block, Regime::on(other), state, at.footing, at.forcing)
+    } else {
+        let flight = Footing::Free { u: x.u, u_dot: x.u_dot };
+        instant(block, Regime::Separated, [x.theta, x.theta_dot, x.v, x.v_dot], flight, at.forcing)
+    };
+    after.corner_ddot[corner.index()]
+}
+
+impl Change<'_> {
+    /// The reaction of `corner` fell through zero, or the corner is not held any more.
+    pub(super) fn lift_off(&mut self, corner: Corner, surface: Surface, now: &Evaluation) -> Leaving {
+        match self.system.block.foundation {
+            Foundation::Viscoelastic => self.leave_support(corner, surface, now),
+            Foundation::Rigid => self.leave_rigid_base(corner, now),
+        }
+    }
+
+    fn leave_support(&mut self, corner: Corner, surface: Surface, now: &Evaluation) -> Leaving {
+        let x = &now.instant;
+        // A foot that slides lifts just when its gap opens; and the paper's analysis ends where the last reaction falls.
+        let opens = !self.pose.footing.grips() || self.lets_go(corner, x.corner_dot[corner.index()], now);
+        match self.regime() {
+            Regime::FullContact => {
+                let other_is_held = self.pose.contacts.held() == Some(corner.other());
+                self.pose.contacts.let_bear();
+                if !opens && other_is_held {
+                    return self.bear_nothing(x);
+                }
+                if !opens && matches!(surface, Surface::Reaction(_)) {
+                    self.keep(corner, x.corner[corner.index()]);
+                    return Leaving::Held;
+                }
+            }
+            Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated if !opens => {
+                self.release(x);
+                return Leaving::Slides;
+            }
+            Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => {}
+        }
+        let (before, placement) = (self.regime(), Placement::of(x));
+        self.take_off(corner, &placement);
+        self.settle(before, placement);
+        Leaving::Lifts
+    }
+
+    /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. The paper's analysis ends
+    /// when the last corner bears nothing.
+    pub(super) fn lets_go(&self, corner: Corner, corner_dot: f64, now: &Evaluation) -> bool {
+        let last = !now.regime.touches(corner.other());
+        (last && !self.system.flies) || gap_opening(now, corner, corner_dot) >= 0.0
+    }
+
+    /// `corner` has left its support, which creeps back from here on.
+    pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement) {
+        self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(placement.corners[corner.index()].0)));
+        self.counts.liftoffs += 1;
+    }
+
+    /// `corner` leaves the rigid base, and so does any other that would have to be pulled then.
+    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation) -> Leaving {
+        let first = self.let_go(corner, now);
+        match self.settle_on_rigid_base() {
+            Some(Leaving::Lifts) => Leaving::Lifts,
+            Some(Leaving::Slides | Leaving::Held) | None => first,
+        }
+    }
+
+    /// `corner` lifts from the rigid base, or slides from here on if it is the last one and would be pressed on without being
+    /// held. The paper's analysis ends when the last corner bears nothing.
+    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation) -> Leaving {
+        let x = &now.instant;
+        let last = !now.regime.touches(corner.other());
+        if last && self.system.flies && self.pose.footing.grips() && acceleration_if_let_go(now, corner) < 0.0 {
+            self.release(x);
+            return Leaving::Slides;
+        }
+        self.raise(corner);
+        self.counts.liftoffs += 1;
+        self.go_on_from(&Placement::of(x));
+        Leaving::Lifts
+    }
+
+    /// `corner` has left the rigid base.
+    pub(super) fn raise(&mut self, corner: Corner) {
+        self.pose.contacts.set(corner, Contact::Lifted(Creep::default()));
+    }
+}

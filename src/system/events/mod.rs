@@ -1,0 +1,216 @@
+//! Events, a file each: the function that is watched, its round-off, and the change of the pose when it falls through zero.
+//!
+//! | module | watched → change |
+//! | --- | --- |
+//! | [`lift_off`] | the reaction of a touching corner → it leaves its support, or slips, or is held |
+//! | `slip` | the last corner bears nothing but would come down again → it slides |
+//! | `held` | whether a held corner would be pressed on, or lifted → it lifts, or bears again |
+//! | [`landing`] | the gap of a lifted corner while the other one stands → the impact map |
+//! | `pivot` | the same on a rigid base → Housner's change of the pivot |
+//! | `flight` | the same in flight, or while the other one slides → landing with or without grip |
+//! | [`grip`] | the pressure on a foot that slides, if it gripped → it grips |
+//! | [`quarter_turn`] | the rest of the quarter turn → the run ends |
+//!
+//! [`watched`] is the table of the functions that are watched in each regime; the driver, Model Exchange's indicators and the
+//! lanes use it. After each event `settle` decides the regime anew, in a `change` of the pose.
+
+pub(in crate::system) mod change;
+mod flight;
+pub mod grip;
+mod held;
+pub mod landing;
+pub mod lift_off;
+mod pivot;
+pub(in crate::system) mod placement;
+pub mod quarter_turn;
+mod settle;
+mod slip;
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Block, Corner, Foundation, Regime};
+use crate::numerics::roots::Sample;
+use crate::system::System;
+use crate::system::evaluation::{Evaluation, Pose};
+use crate::system::law::Law;
+use change::Change;
+use placement::Placement;
+
+pub use change::{Path, TransitionCounts};
+pub use lift_off::gap_opening;
+
+/// A reported event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// A corner left its support, or the rigid base.
+    LiftOff(Corner),
+    /// A corner came down on its support, or on the rigid base.
+    Landing(Corner),
+    /// Nothing holds the block horizontally any more, though a support still bears it.
+    Slip,
+    /// The foot is pressed on again and slides no more.
+    Grip,
+    /// The block reached a quarter turn: a side lies on the ground.
+    Overturning,
+}
+
+/// An event, as it is reported while the simulation runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Time (s).
+    pub time: f64,
+    /// Its kind.
+    pub kind: EventKind,
+    /// Regime right before.
+    pub before: Regime,
+    /// Regime right after, with all that followed in the same instant.
+    pub after: Regime,
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kind = match self.kind {
+            EventKind::LiftOff(Corner::Left) => "lift-off of L",
+            EventKind::LiftOff(Corner::Right) => "lift-off of R",
+            EventKind::Landing(Corner::Left) => "landing on L",
+            EventKind::Landing(Corner::Right) => "landing on R",
+            EventKind::Slip => "slip",
+            EventKind::Grip => "grip",
+            EventKind::Overturning => "overturning",
+        };
+        write!(f, "t = {:.9} s: {kind}, {} -> {}", self.time, self.before, self.after)
+    }
+}
+
+/// A function of the motion that is positive within a regime and falls through zero when the regime ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Surface {
+    /// The reaction N_I/M of a touching corner (m/s²).
+    Reaction(Corner),
+    /// The gap `v_I − y_I` between a lifted corner and its support (m).
+    Gap(Corner),
+    /// The acceleration with which a held corner would be pressed on if it were let go (m/s²); see [`gap_opening`].
+    Held(Corner),
+    /// The acceleration with which full contact would lift a held corner (m/s²).
+    Unloaded(Corner),
+    /// The distance of a sliding foot from being pressed on if it gripped (m/s²): on supports see
+    /// [`grip::pressure_if_gripped`], on the rigid base p times the vertical rate with which gripping would throw the corner up.
+    Slide,
+    /// The rest of the quarter turn, `π/2 − |θ|` (rad).
+    QuarterTurn,
+}
+
+/// The functions that are watched under a law, in the order of Model Exchange's indicators: of L, of R, of the quarter turn, and
+/// of a foot that slides or a corner that is held. Of two that fall at the same time the first one counts.
+#[inline(always)]
+pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
+    use Corner::{Left, Right};
+    use Surface::{Gap, Held, QuarterTurn, Reaction, Slide, Unloaded};
+    let (left, right, contact) = match (law.regime(), law.held()) {
+        (Regime::FullContact, None) => (Reaction(Left), Reaction(Right), None),
+        (Regime::FullContact, Some(Left)) => (Held(Left), Reaction(Right), Some(Unloaded(Left))),
+        (Regime::FullContact, Some(Right)) => (Reaction(Left), Held(Right), Some(Unloaded(Right))),
+        (Regime::TiltingLeft, _) => (Reaction(Left), Gap(Right), None),
+        (Regime::TiltingRight, _) => (Gap(Left), Reaction(Right), None),
+        (Regime::Separated, _) => (Gap(Left), Gap(Right), None),
+    };
+    let slides = match law.regime() {
+        Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => !law.grips(),
+        Regime::Separated => false,
+    };
+    [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
+}
+
+impl Surface {
+    /// Value and rate at an instant.
+    #[inline(always)]
+    pub fn sample(self, at: &Evaluation) -> Sample {
+        self.sample_on(at.block.foundation, at)
+    }
+
+    /// The same on a `foundation` that the compiler may know: that of the block.
+    #[inline(always)]
+    pub fn sample_on(self, foundation: Foundation, at: &Evaluation) -> Sample {
+        match self {
+            Surface::Reaction(corner) => lift_off::reaction(foundation, at, corner),
+            Surface::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner),
+            Surface::Held(corner) => held::pressed_on(at, corner),
+            Surface::Unloaded(corner) => held::unloading(at, corner),
+            Surface::Slide => grip::slide(at),
+            Surface::QuarterTurn => quarter_turn::rest(&at.instant),
+        }
+    }
+
+    /// Round-off of a zero of this surface.
+    #[inline]
+    pub fn rounding(self, block: &Block) -> f64 {
+        ROUNDING
+            * match self {
+                Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => block.gravity,
+                Surface::Gap(_) => landing::size(block),
+                Surface::Slide => grip::size(block),
+                Surface::QuarterTurn => quarter_turn::SIZE,
+            }
+    }
+}
+
+/// Round-off of a zero beside the largest term that enters: some thousand ulp.
+pub(crate) const ROUNDING: f64 = 1e-13;
+
+/// The pose after an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// The pose right after.
+    pub pose: Pose,
+    /// The event as it is reported; none where a corner is held from here on, or bears again.
+    pub happened: Option<EventKind>,
+    /// Its share of the counters and sums of a run.
+    pub counts: TransitionCounts,
+    /// The regimes through which the block came there.
+    pub path: Path,
+}
+
+impl System {
+    /// The change of a pose at `now`, when the motion has fallen through a surface.
+    pub fn transition(&self, pose: &Pose, now: &Evaluation, surface: Surface) -> Transition {
+        let mut change = Change::begin(self, pose, now.excitation);
+        let happened = match surface {
+            Surface::Reaction(corner) | Surface::Held(corner) => match change.lift_off(corner, surface, now) {
+                Leaving::Lifts => Some(EventKind::LiftOff(corner)),
+                Leaving::Slides => Some(EventKind::Slip),
+                Leaving::Held => None,
+            },
+            Surface::Gap(corner) => {
+                match (self.block.foundation, pose.footing.grips()) {
+                    (Foundation::Viscoelastic, true) => change.land(corner, now),
+                    (Foundation::Viscoelastic, false) => change.land_freely(corner, now),
+                    (Foundation::Rigid, true) => change.change_pivot(corner, now),
+                    (Foundation::Rigid, false) => change.land_on_rigid_base(corner, now),
+                }
+                Some(EventKind::Landing(corner))
+            }
+            Surface::Slide => {
+                change.grip_from(Placement::of(&now.instant));
+                Some(EventKind::Grip)
+            }
+            Surface::Unloaded(_) => {
+                change.pose.contacts.let_bear();
+                None
+            }
+            Surface::QuarterTurn => Some(EventKind::Overturning),
+        };
+        let Change { pose, counts, path, .. } = change;
+        Transition { pose, happened, counts, path }
+    }
+}
+
+/// The way in which a corner that bears nothing any more leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Leaving {
+    /// It lifts.
+    Lifts,
+    /// It stays on its support and slides.
+    Slides,
+    /// It stays, and is held.
+    Held,
+}

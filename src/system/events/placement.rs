@@ -1,0 +1,61 @@
+//! An instant → the block's place and velocities, in numbers that a change of regime leaves as they are.
+
+use crate::block::Block;
+use crate::block::{Corner, Regime};
+use crate::numerics::scalar::Elementary;
+use crate::system::dynamics::Instant;
+use crate::system::impact::{self, Velocities};
+
+/// Where the block is while its regime is decided. Heights and rates of the corners stand beside those of the centre of
+/// mass, since their exact values (a rate of zero, say) decide.
+#[derive(Clone, Copy)]
+pub struct Placement<T = f64> {
+    /// Height (m) and vertical rate (m/s) of each corner.
+    pub corners: [(T, T); 2],
+    /// θ (rad).
+    pub theta: T,
+    /// Horizontal place of the centre of mass (m).
+    pub u: T,
+    /// Its height above its place at rest (m).
+    pub v: T,
+    /// Velocities of the block.
+    pub velocities: Velocities<T>,
+}
+
+impl<T: Elementary> Placement<T> {
+    pub fn of(x: &Instant<T>) -> Placement<T> {
+        Placement {
+            corners: [(x.corner[0], x.corner_dot[0]), (x.corner[1], x.corner_dot[1])],
+            theta: x.theta,
+            u: x.u,
+            v: x.v,
+            velocities: Velocities { u_dot: x.u_dot, v_dot: x.v_dot, theta_dot: x.theta_dot },
+        }
+    }
+
+    /// The state `[θ, θ̇, w, ẇ]` by which the motion goes on in a regime.
+    pub fn state(&self, regime: Regime) -> [T; 4] {
+        let [left, right] = self.corners;
+        let (w, w_dot) = match regime {
+            Regime::FullContact => ((left.0 + right.0) * 0.5, (left.1 + right.1) * 0.5),
+            Regime::TiltingLeft => left,
+            Regime::TiltingRight => right,
+            Regime::Separated => (self.v, self.velocities.v_dot),
+        };
+        [self.theta, self.velocities.theta_dot, w, w_dot]
+    }
+
+    /// Gives the block other velocities, and its corners the rates that go with them.
+    pub fn strike(&mut self, block: &Block<T>, velocities: Velocities<T>) {
+        let Velocities { v_dot, theta_dot, .. } = velocities;
+        self.velocities = velocities;
+        for corner in Corner::BOTH {
+            self.corners[corner.index()].1 = impact::corner_rate(block, corner, self.theta, v_dot, theta_dot);
+        }
+    }
+
+    /// The other corner has left full contact: from here on the `pivot` is held, and the middle of the base is free.
+    pub fn hold_pivot(&mut self, block: &Block<T>, pivot: Corner) {
+        self.velocities.u_dot = impact::height_over(block, pivot, self.theta) * self.velocities.theta_dot;
+    }
+}

@@ -1,0 +1,137 @@
+//! The regime anew after an event: on supports a corner leaves whose support would have to pull, on the rigid base one that would
+//! have to be pulled.
+
+use crate::block::{Corner, Foundation, Regime};
+use crate::system::System;
+use crate::system::dynamics::Footing;
+use crate::system::evaluation::{Evaluation, Pose};
+use crate::system::events::change::{Change, Path};
+use crate::system::events::grip::pressure_if_gripped;
+use crate::system::events::placement::Placement;
+use crate::system::events::{Leaving, Surface};
+use crate::system::forces::support::{reaction, reaction_rate};
+
+impl Change<'_> {
+    /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
+    /// within the resolution of time, and repeats. `before` is the regime that the block comes from.
+    pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement) {
+        let block = &self.system.block;
+        let omega_v = block.omega_v;
+        // Two events closer than this cannot be told apart.
+        let resolution = 4.0 * f64::EPSILON * self.pose.time.abs().max(1.0 / omega_v);
+        loop {
+            self.pose.contacts.let_bear();
+            let regime = self.regime();
+            if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
+                self.hold_pivot(pivot, &mut placement);
+            }
+            before = regime;
+            if regime == Regime::Separated && self.pose.footing.grips() {
+                self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };
+            }
+            self.place(&placement);
+            let mut now = self.now();
+            let slides = !self.pose.footing.grips() && regime != Regime::Separated;
+            if slides && pressure_if_gripped(block, regime, &now.instant) > Surface::Slide.rounding(block) {
+                self.grip(&mut placement);
+                now = self.now();
+            }
+            (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);
+            let mut leaving: Option<(Corner, f64)> = None;
+            for corner in Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner)) {
+                let (height, rate) = placement.corners[corner.index()];
+                let n = reaction(block, height, rate);
+                // The round-off of a zero: the rate decides.
+                let n = if n.abs() <= Surface::Reaction(corner).rounding(block) { 0.0 } else { n };
+                match self.leaves(corner, n, rate, resolution, &now) {
+                    Some(Leaving::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
+                        leaving = Some((corner, n));
+                    }
+                    Some(Leaving::Lifts) | None => {}
+                    Some(Leaving::Held) => {
+                        self.pose.contacts.let_bear();
+                        self.keep(corner, height);
+                    }
+                    Some(Leaving::Slides) => self.release(&now.instant),
+                }
+            }
+            let Some((corner, _)) = leaving else { break };
+            self.take_off(corner, &placement);
+        }
+    }
+
+    /// [`Placement::hold_pivot`], and the energy that comes with it.
+    fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement) {
+        let block = &self.system.block;
+        let before = placement.velocities;
+        placement.hold_pivot(block, pivot);
+        self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
+    }
+
+    /// Whether and how a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its
+    /// support now.
+    fn leaves(&self, corner: Corner, n: f64, corner_dot: f64, resolution: f64, now: &Evaluation) -> Option<Leaving> {
+        if n < 0.0 {
+            return Some(Leaving::Lifts);
+        }
+        let falling = {
+            let corner_ddot = now.instant.corner_ddot[corner.index()];
+            let rate = reaction_rate(&self.system.block, corner_dot, corner_ddot);
+            // Without damping and after a landing at ε = 0 the rate is zero, and the next derivative decides.
+            n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && corner_ddot > 0.0)))
+        };
+        if !falling {
+            None
+        } else if !self.pose.footing.grips() || self.lets_go(corner, corner_dot, now) {
+            Some(Leaving::Lifts)
+        } else {
+            match now.regime {
+                Regime::FullContact => Some(Leaving::Held),
+                Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => Some(Leaving::Slides),
+            }
+        }
+    }
+
+    /// Lets go of the corners that would have to be pulled, and returns the way in which the last of them left.
+    pub(super) fn settle_on_rigid_base(&mut self) -> Option<Leaving> {
+        let mut leaving = None;
+        loop {
+            let now = self.now();
+            match self.system.leaving_rigid_base(&now) {
+                Some(corner) => leaving = Some(self.let_go(corner, &now)),
+                None => return leaving,
+            }
+        }
+    }
+}
+
+impl System {
+    /// The corner on the rigid base that would have to be pulled at this instant or right after it, the one more so if both
+    /// would; none on supports, whose reactions follow from the motion.
+    pub fn leaving_rigid_base(&self, now: &Evaluation) -> Option<Corner> {
+        if self.block.foundation == Foundation::Viscoelastic {
+            return None;
+        }
+        let falls = |corner: Corner| Surface::Reaction(corner).sample(now).rate < 0.0;
+        Corner::BOTH
+            .into_iter()
+            .filter(|&corner| now.regime.touches(corner))
+            .map(|corner| (corner, now.instant.reaction[corner.index()]))
+            .filter(|&(corner, n)| n < 0.0 || (n == 0.0 && falls(corner)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(corner, _)| corner)
+    }
+
+    /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base; nothing if all can.
+    pub fn released(&self, pose: &Pose, now: &Evaluation) -> Option<Pose> {
+        self.released_by(pose, now).map(|(pose, _)| pose)
+    }
+
+    /// The same, and the regimes through which it comes there.
+    pub(in crate::system) fn released_by(&self, pose: &Pose, now: &Evaluation) -> Option<(Pose, Path)> {
+        let corner = self.leaving_rigid_base(now)?;
+        let mut change = Change::begin(self, pose, now.excitation);
+        change.leave_rigid_base(corner, now);
+        Some((change.pose, change.path))
+    }
+}

@@ -1,0 +1,14 @@
+//! Slip: the last corner bears nothing, but its gap would close again if it were let go. A support that bears nothing cannot hold
+//! it horizontally, so it slides without friction until it is pressed on again ([`super::grip`]).
+//!
+//! Nothing is watched for it: it is one way in which [`super::lift_off`] and [`super::settle`] take a reaction that falls.
+
+use crate::system::dynamics::{Footing, Instant};
+use crate::system::events::change::Change;
+
+impl Change<'_> {
+    /// Nothing holds the block horizontally from here on.
+    pub(super) fn release(&mut self, x: &Instant<f64>) {
+        self.pose.footing = Footing::Free { u: x.u, u_dot: x.u_dot };
+    }
+}

@@ -1,0 +1,35 @@
+//! The forces on the block, a file each: value, rate, energy, power. Everything is per unit of the block's mass.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`support`] | height and rate of a corner → its vertical reaction; spring energy, dashpot power |
+//! | [`load`] | excitation → its power on the moving block |
+//! | [`weight`] | height of the centre of mass → potential energy |
+//!
+//! A force that follows from the excitation alone, or from the state, adds to the [`Forcing`] of an instant or stands beside
+//! the supports in [`super::dynamics`]; its energy and its power are added here.
+
+pub mod load;
+pub mod support;
+pub mod weight;
+
+use crate::block::{Block, Regime};
+use crate::excitation::Forcing;
+use crate::numerics::scalar::{Beside, Elementary, Scalar};
+use crate::system::dynamics::Instant;
+
+impl<T: Scalar> Instant<T> {
+    /// Powers of the excitation and of the dashpots (m²/s³); the second is positive when they take energy.
+    #[inline(always)]
+    pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
+    where
+        T: Beside<P>,
+    {
+        [load::power(self, forcing), support::power(block, regime, self.corner_dot)]
+    }
+}
+
+/// Potential energy of weight and supports (m²/s²), zero at rest.
+pub fn potential<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
+    weight::energy(block, x.v) + support::energy(block, regime, x.corner)
+}

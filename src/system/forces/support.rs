@@ -1,0 +1,52 @@
+//! The vertical Kelvin–Voigt support under each corner: it pushes but never pulls.
+//!
+//! With `δ_s = g/ω_v²` one support gives `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
+
+use crate::block::{Block, Corner, Foundation, Regime};
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+
+/// Reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
+#[inline(always)]
+pub fn reaction<P: Scalar, T: Beside<P>>(block: &Block<P>, height: T, rate: T) -> T {
+    let Block { gravity, omega_v, xi_v, .. } = *block;
+    -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * 0.5
+}
+
+/// Rate of change of the reaction (m/s³), from the corner's rate (m/s) and acceleration (m/s²).
+#[inline(always)]
+pub fn reaction_rate<R: Real>(block: &Block<R>, rate: R, acceleration: R) -> R
+where
+    Dual<R>: Beside<R>,
+{
+    reaction(block, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
+}
+
+/// Power per mass (m²/s³) that the dashpots under the touching corners take: `ξ_v ω_v Σ v̇_I²`.
+#[inline(always)]
+pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, regime: Regime, [left, right]: [T; 2]) -> T {
+    let squares = match regime {
+        Regime::FullContact => left * left + right * right,
+        Regime::TiltingLeft => left * left,
+        Regime::TiltingRight => right * right,
+        Regime::Separated => T::from(0.0),
+    };
+    squares * (block.xi_v * block.omega_v)
+}
+
+/// Energy of the springs per mass (m²/s²), less that at rest: `½ K/M (δ_s − v_I)² − ½ K/M δ_s²` of a touching corner, with the
+/// second term alone where the support bears nothing. A rigid base stores none.
+pub fn energy<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, height: [T; 2]) -> T {
+    let Block { gravity, omega_v, .. } = *block;
+    let of = |corner: Corner| match regime.touches(corner) {
+        true => {
+            let v = height[corner.index()];
+            v * v * (omega_v * omega_v * 0.25) - v * (gravity * 0.5)
+        }
+        false => T::from(-(gravity * 0.25 * block.static_deflection())),
+    };
+    match block.foundation {
+        Foundation::Rigid => T::from(0.0),
+        Foundation::Viscoelastic => of(Corner::Left) + of(Corner::Right),
+    }
+}

@@ -1,0 +1,322 @@
+//! Exact derivatives in a direction: of outputs at the present time, and, while the values become a block, of all that is
+//! calculated from them.
+
+use std::collections::BTreeMap;
+
+use crate::block::Block;
+use crate::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
+use crate::ground::{Ground, Varied};
+use crate::numerics::dual::Dual64;
+use crate::simulation::exchange::States;
+use crate::simulation::outputs::Observation;
+use crate::simulation::{AtBeginning, Energies, Start};
+use crate::unit::fault::Fault;
+use crate::unit::instance::{Unit, input, known, output};
+use crate::unit::life_cycle::Phase;
+use crate::unit::outputs::{source, state};
+use crate::unit::values::{DerivedSource, GivenBlock, PerInput, Values, derived, inputs, inputs_of};
+use crate::unit::variables::{Fmi3Only, Input, Kind, Output, Role, VARIABLES, Variable};
+use rocking_records::{Record, Unit as RecordUnit};
+
+/// A direction of what a block begins from: inputs, parameters, and what only FMI 3.0 has.
+#[derive(Clone, Debug)]
+pub struct Direction {
+    /// Components by value reference.
+    numbers: [f64; VARIABLES.len()],
+    /// Those of the samples of the horizontal and the vertical record in arrays, by their numbers, where they are not zero.
+    samples: [BTreeMap<usize, f64>; 2],
+    /// That of the time at which the block begins.
+    time: f64,
+}
+
+impl Default for Direction {
+    fn default() -> Direction {
+        Direction { numbers: [0.0; VARIABLES.len()], samples: Default::default(), time: 0.0 }
+    }
+}
+
+impl Direction {
+    /// Goes by `component` in the direction of an input or a Real parameter, too.
+    pub fn add(&mut self, reference: u32, component: f64) -> Result<(), Fault> {
+        let metadata = known(reference, Kind::Real)?;
+        match metadata.role {
+            Role::Input(_) | Role::Parameter(_) => {}
+            Role::Derived(_) | Role::Output(_) | Role::Text(_) => {
+                let (name, found) = (metadata.name, metadata.causality.one());
+                return Err(Fault::new(format!(
+                    "{name} is {found}; while initializing only an input or a parameter is a direction"
+                )));
+            }
+        }
+        self.numbers[reference as usize] += finite(metadata.name, component)?;
+        Ok(())
+    }
+
+    /// The same for values of a variable that only FMI 3.0 has, from the value with the number `first` on.
+    pub fn add_fmi3_only(&mut self, fmi3_only: Fmi3Only, first: usize, components: &[f64]) -> Result<(), Fault> {
+        let name = fmi3_only.name();
+        components.iter().try_for_each(|&component| finite(name, component).map(|_| ()))?;
+        match fmi3_only {
+            Fmi3Only::Time => self.time += components.iter().sum::<f64>(),
+            Fmi3Only::RecordHorizontalSamples => add(&mut self.samples[0], first, components),
+            Fmi3Only::RecordVerticalSamples => add(&mut self.samples[1], first, components),
+            // Nothing of a beginning depends on when the importer looks into steps.
+            Fmi3Only::IntermediateInterval => {}
+            Fmi3Only::RecordSamples
+            | Fmi3Only::IndicatorL
+            | Fmi3Only::IndicatorR
+            | Fmi3Only::IndicatorQuarterTurn
+            | Fmi3Only::IndicatorSlide => {
+                return Err(Fault::new(format!(
+                    "{name} is no real parameter; while initializing only an input or a parameter is a direction"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of a variable with its component.
+    fn along(&self, values: &Values, variable: Variable) -> Dual64 {
+        Dual64::new(values[variable], self.numbers[variable as usize])
+    }
+
+    fn of(&self, variable: Variable) -> f64 {
+        self.numbers[variable as usize]
+    }
+}
+
+fn add(sums: &mut BTreeMap<usize, f64>, first: usize, components: &[f64]) {
+    for (i, &component) in (first..).zip(components).filter(|(_, component)| **component != 0.0) {
+        *sums.entry(i).or_default() += component;
+    }
+}
+
+fn finite(name: &str, component: f64) -> Result<f64, Fault> {
+    if component.is_finite() {
+        return Ok(component);
+    }
+    Err(Fault::new(format!("direction {component} of {name}; expected a finite number")))
+}
+
+/// Derivatives of all that is put out or calculated, in one direction.
+#[expect(clippy::large_enum_variant, reason = "between steps nothing is allocated")]
+enum Derivatives {
+    /// Of outputs, at the present time.
+    Now(Observation<f64>, Energies),
+    /// Of outputs and calculated parameters, while the values become a block.
+    AtBeginning(Box<Beginning>),
+}
+
+struct Beginning {
+    along: AtBeginning,
+    block: Block<Dual64>,
+    /// The start of the run.
+    time: f64,
+    /// What is calculated from the records, in the order of [`OfGround`](crate::unit::records::OfGround).
+    ground: [f64; 3],
+}
+
+impl Derivatives {
+    fn of(&self, reference: u32) -> Result<f64, Fault> {
+        match self {
+            Derivatives::Now(seen, energies) => {
+                Ok(source(output(reference, "can be differentiated")?).sensitivity(seen, energies))
+            }
+            Derivatives::AtBeginning(beginning) => match unknown(reference)? {
+                Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
+                Unknown::Output(output) => Ok(source(output).at_beginning(&beginning.along)),
+                Unknown::Derived(DerivedSource::Block(of)) => Ok(of(&beginning.block).eps),
+                Unknown::Derived(DerivedSource::Ground(of)) => Ok(beginning.ground[of as usize]),
+            },
+        }
+    }
+}
+
+/// What has derivatives while the values become a block.
+enum Unknown {
+    Output(Output),
+    Derived(DerivedSource<Dual64>),
+}
+
+fn unknown(reference: u32) -> Result<Unknown, Fault> {
+    let metadata = known(reference, Kind::Real)?;
+    match metadata.role {
+        Role::Output(output) => Ok(Unknown::Output(output)),
+        Role::Derived(parameter) => Ok(Unknown::Derived(derived(parameter))),
+        Role::Input(_) | Role::Parameter(_) | Role::Text(_) => {
+            let (name, found) = (metadata.name, metadata.causality.one());
+            Err(Fault::new(format!(
+                "{name} is {found}; only an output or a calculated parameter can be differentiated"
+            )))
+        }
+    }
+}
+
+impl Unit {
+    /// Exact derivatives of Real variables in a direction: while initializing those of outputs and calculated parameters with
+    /// respect to inputs and parameters, then those of outputs with respect to inputs, states and `time`, at the present time.
+    pub fn directional_derivative<'a>(
+        &mut self,
+        unknowns: &'a [u32],
+        knowns: &[u32],
+        direction: &[f64],
+        time: f64,
+    ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
+        let derivatives = if self.phase == Phase::InitializationMode {
+            let mut along = Direction { time, ..Direction::default() };
+            knowns.iter().zip(direction).try_for_each(|(&reference, &component)| along.add(reference, component))?;
+            self.derivatives_at_beginning(unknowns, &along)?
+        } else {
+            self.derivatives_now(unknowns, knowns, direction, time)?
+        };
+        Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
+    }
+
+    /// The same while initializing, in a direction of which only FMI 3.0 has some components.
+    pub fn derivative_at_beginning<'a>(
+        &mut self,
+        unknowns: &'a [u32],
+        direction: &Direction,
+    ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
+        let derivatives = self.derivatives_at_beginning(unknowns, direction)?;
+        Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
+    }
+
+    fn derivatives_now(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        direction: &[f64],
+        time: f64,
+    ) -> Result<Derivatives, Fault> {
+        finite(Fmi3Only::Time.name(), time)?;
+        unknowns.iter().try_for_each(|&reference| output(reference, "can be differentiated").map(|_| ()))?;
+        let (mut components, mut states) = (PerInput::default(), None::<States>);
+        for (&reference, &component) in knowns.iter().zip(direction) {
+            finite(known(reference, Kind::Real)?.name, component)?;
+            match known(reference, Kind::Real)?.role {
+                Role::Output(output) if let Some(i) = state(output) => states.get_or_insert_default()[i] += component,
+                _ => components[input(reference, "or a state is a direction")?.0 as usize] += component,
+            }
+        }
+        let (records, _) = self.acting(&Inputs { time: self.time(), ..Inputs::default() });
+        components[Input::AGx as usize] += time * records.a_gx.rate;
+        components[Input::AGz as usize] += time * records.a_gz.rate;
+        let along = inputs(0.0, components, &PerInput::default());
+        let (simulation, at) = self.preview()?;
+        let (seen, energies) = match states {
+            None => (simulation.observe_direction(&at, &along, time), Energies::default()),
+            Some(states) => simulation.directional(&at, &states, &along, time),
+        };
+        let mut seen = seen.map(|x| x.eps);
+        if let Some([theta, theta_dot, v, v_dot, u, u_dot, ..]) = states {
+            seen = Observation { theta, theta_dot, v, v_dot, u, u_dot, ..seen };
+        }
+        Ok(Derivatives::Now(seen, energies))
+    }
+
+    fn derivatives_at_beginning(&mut self, unknowns: &[u32], direction: &Direction) -> Result<Derivatives, Fault> {
+        let mut of_ground = false;
+        for &reference in unknowns {
+            of_ground |= matches!(unknown(reference)?, Unknown::Derived(DerivedSource::Ground(_)));
+        }
+        let ground = self.ground()?;
+        let unscaled = self.unscaled(direction)?;
+        let (simulation, inputs) = self.preview()?;
+        let simulation = simulation.clone();
+        let values = &self.values;
+        let records = [(&ground.horizontal, 0), (&ground.vertical, 1)].map(|(record, place)| {
+            let unscaled = unscaled.as_ref().map(|ground| [&ground.horizontal, &ground.vertical][place]);
+            record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), place))
+        });
+        let of = |variable| direction.along(values, variable);
+        let block = match values.given_block(of) {
+            (GivenBlock::Dimensionless(given), common) => Block::of_dimensionless(&given, &common),
+            (GivenBlock::Physical(given), common) => Block::of_physical(&given, &common),
+        };
+        let time = Dual64::new(simulation.time(), direction.time);
+        let motion =
+            records.each_ref().map(|record| record.as_ref().map_or(Dual64::from(0.0), |record| record.at(time)));
+        let acting = inputs_of(time, |input| {
+            let value = of(input.variable());
+            Ramp::held(match input {
+                Input::AGx => value + motion[0],
+                Input::AGz => value + motion[1],
+                Input::FX | Input::FZ | Input::MY => value,
+            })
+        });
+        let pulse = acting_pulse(values.pulse_of(of), time);
+        let forcing = Excitation::new(&acting, pulse.as_ref(), block.mass).at(time);
+        let start = Start { block, initial: values.initial_of(of), forcing };
+        let along = simulation.initial_sensitivity(&values.initial(), &inputs, &start);
+        let ground = if of_ground {
+            let end = ground.end();
+            let ends =
+                [&ground.horizontal, &ground.vertical].into_iter().zip(&records).filter_map(|(record, varied)| {
+                    let record = record.as_ref()?;
+                    (Some(record.start_time + record.duration()) == end).then(|| varied.as_ref().map(Varied::end))?
+                });
+            let [peak, vertical] = records.each_ref().map(|record| record.as_ref().map_or(0.0, Varied::peak));
+            [peak, vertical, ends.reduce(f64::max).unwrap_or(0.0)]
+        } else {
+            [0.0; 3]
+        };
+        Ok(Derivatives::AtBeginning(Box::new(Beginning { along, block, time: direction.time, ground })))
+    }
+
+    /// The records before they were scaled, where a factor of zero has left nothing of them and a direction asks for it.
+    fn unscaled(&self, direction: &Direction) -> Result<Option<Ground>, Fault> {
+        let lost = self.values[Variable::RecordScale] == 0.0 && direction.of(Variable::RecordScale) != 0.0;
+        if lost { self.values.unscaled_ground().map(Some).map_err(Fault) } else { Ok(None) }
+    }
+}
+
+/// The pulse, if it acts at `time`. One sine begins and ends at zero: whether it acts right there is decided by the direction, as
+/// for the motion that goes on from there.
+fn acting_pulse(pulse: Pulse<Dual64>, time: Dual64) -> Option<Pulse<Dual64>> {
+    let since = time - pulse.start;
+    let left = pulse.period - since;
+    let acts = match pulse.shape {
+        PulseShape::None => false,
+        PulseShape::OneSine => [since, left].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps >= 0.0)),
+        PulseShape::OneCosine | PulseShape::C1 | PulseShape::C2 => {
+            let value = Pulse {
+                shape: pulse.shape,
+                amplitude: pulse.amplitude.re,
+                period: pulse.period.re,
+                start: pulse.start.re,
+            };
+            value.acts_at(time.re)
+        }
+    };
+    acts.then_some(pulse)
+}
+
+/// A record as it acts, with its derivatives.
+fn varied<'a>(
+    values: &Values,
+    direction: &'a Direction,
+    record: &'a Record,
+    unscaled: Option<&'a Record>,
+    place: usize,
+) -> Varied<'a, impl Fn(usize) -> f64 + use<'a>> {
+    let (scale, gravity) = (values[Variable::RecordScale], values[Variable::G]);
+    let scaled = direction.of(Variable::RecordScale);
+    // Only what a file has in parts of g changes with g.
+    let heavier = if record.unit == RecordUnit::G { direction.of(Variable::G) / gravity } else { 0.0 };
+    let sample = move |i: usize| {
+        let acceleration = record.acceleration[i];
+        let raw = unscaled.map_or_else(|| acceleration / scale, |record| record.acceleration[i]);
+        let factor = if scaled == 0.0 { 0.0 } else { raw * scaled };
+        let moved = direction.samples[place].get(&i).map_or(0.0, |component| component * scale);
+        factor + acceleration * heavier + moved
+    };
+    // Where the file has a time step of its own, none can be given but that.
+    let given = values[Variable::RecordDt] != 0.0;
+    Varied {
+        record,
+        sample,
+        start_time: direction.of(Variable::RecordStart),
+        time_step: if given { direction.of(Variable::RecordDt) } else { 0.0 },
+    }
+}

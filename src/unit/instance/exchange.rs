@@ -1,0 +1,160 @@
+//! Model Exchange: an importer's solver steps the block.
+
+use crate::simulation::exchange::{INDICATORS, STATES, States, nominals};
+use crate::system::events::Event;
+use crate::unit::fault::Fault;
+use crate::unit::instance::{Interface, Unit, with_ground};
+use crate::unit::life_cycle::Phase;
+use crate::unit::outputs::state;
+use crate::unit::values::inputs;
+use crate::unit::variables::Output;
+
+/// What an importer has to know after an event.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AfterEvent {
+    /// Whether the run ended.
+    pub ended: bool,
+    /// Whether states may differ from those before. In Model Exchange each event says so: the derivatives are others, those states that
+    /// follow from the rest are set to what follows, and some importers restart their solver only then.
+    pub states_changed: bool,
+    /// When the excitation has its next kink or the next event is foreseen (s), if either is.
+    pub next_time: Option<f64>,
+}
+
+impl Unit {
+    /// An event is due, or the beginning. The motion up to here was that under the inputs as they are now.
+    pub fn enter_event_mode(&mut self) {
+        self.complete_step();
+        self.phase = Phase::EventMode;
+    }
+
+    /// What becomes of the block at the present time: a new piece of the excitation, transitions, and what follows.
+    pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
+        self.preview()?;
+        let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else {
+            return Err(Fault::new("there is no block yet"));
+        };
+        let time = simulation.time();
+        let (sum, end) = with_ground(&self.values.inputs(time, &self.rates), ground, time);
+        (self.inputs, self.seen) = (sum, None);
+        simulation.pass_events(&self.inputs, end, observer).map_err(|error| {
+            self.phase = Phase::Error;
+            Fault::new(error.to_string())
+        })?;
+        let [theta, theta_dot, v, v_dot, u, u_dot, ..] = simulation.states(&self.inputs);
+        // No event changes the works.
+        let [.., input, dashpots] = self.states;
+        self.states = [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots];
+        self.last_inputs = self.values.present_inputs();
+        let next_time = [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min);
+        Ok(AfterEvent {
+            ended: simulation.ending().is_some() && !simulation.is_frozen(),
+            states_changed: true,
+            next_time: next_time.filter(|time| time.is_finite()),
+        })
+    }
+
+    /// The motion goes on.
+    pub fn enter_continuous_time_mode(&mut self) {
+        self.phase = Phase::ContinuousTimeMode;
+    }
+
+    /// The importer's clock.
+    pub fn set_time(&mut self, time: f64) -> Result<(), Fault> {
+        if !time.is_finite() {
+            return Err(Fault::new(format!("time = {time}; expected a finite time")));
+        }
+        let states = self.states;
+        self.put(time, states);
+        Ok(())
+    }
+
+    /// The continuous states.
+    pub fn set_states(&mut self, states: &[f64]) -> Result<(), Fault> {
+        let states: States = counted(states.len(), STATES, "states").map(|()| std::array::from_fn(|i| states[i]))?;
+        if let Some(i) = states.iter().position(|state| !state.is_finite()) {
+            return Err(Fault::new(format!("state {i} = {}; expected a finite number", states[i])));
+        }
+        let time = self.time();
+        self.put(time, states);
+        Ok(())
+    }
+
+    fn put(&mut self, time: f64, states: States) {
+        self.states = states;
+        if let Some(simulation) = &mut self.simulation {
+            simulation.set_states(time, &states);
+        }
+        self.seen = None;
+    }
+
+    /// The continuous states, as they were set or as the last event left them.
+    pub fn states(&mut self) -> Result<States, Fault> {
+        if self.phase.is_initialized() {
+            return Ok(self.states);
+        }
+        let (simulation, inputs) = self.preview()?;
+        Ok(simulation.states(&inputs))
+    }
+
+    /// Their derivatives. Those of displacements are the rates among the states.
+    pub fn derivatives(&mut self) -> Result<States, Fault> {
+        let states = self.states()?;
+        let (simulation, inputs) = self.preview()?;
+        let mut derivatives = simulation.derivatives(&inputs);
+        (derivatives[0], derivatives[2], derivatives[4]) = (states[1], states[3], states[5]);
+        Ok(derivatives)
+    }
+
+    /// Returns the value of an output that is known without the equations of motion: a continuous state of the importer's solver, and
+    /// the rotation.
+    pub(super) fn state_output(&self, output: Output) -> Option<f64> {
+        match self.interface {
+            Interface::ModelExchange => state(output).filter(|_| self.phase.is_initialized()).map(|i| self.states[i]),
+            Interface::CoSimulation if output == Output::Theta => Some(self.simulation.as_ref()?.state()[0]),
+            Interface::CoSimulation => None,
+        }
+    }
+
+    /// The sizes that they typically have.
+    pub fn nominals(&mut self) -> Result<States, Fault> {
+        match &self.simulation {
+            Some(simulation) => Ok(nominals(simulation.block())),
+            None => self.block().map(|block| nominals(&block)),
+        }
+    }
+
+    /// The event indicators.
+    pub fn indicators(&mut self) -> Result<[f64; INDICATORS], Fault> {
+        let (simulation, inputs) = self.preview()?;
+        Ok(simulation.indicators(&inputs))
+    }
+
+    /// A step of the importer's solver was accepted. Inputs count as linear in time over it.
+    pub fn complete_step(&mut self) {
+        let Some(simulation) = self.simulation.as_mut().filter(|_| self.interface == Interface::ModelExchange) else {
+            return;
+        };
+        let (last, time) = (simulation.last_completed(), simulation.time());
+        if last < time {
+            let now = self.values.present_inputs();
+            let rates = std::array::from_fn(|i| (now[i] - self.last_inputs[i]) / (time - last));
+            let over = inputs(last, self.last_inputs, &rates);
+            let over = match &self.ground {
+                Some(ground) => with_ground(&over, ground, simulation.piece_time()).0,
+                None => over,
+            };
+            simulation.complete_step(&over);
+            self.last_inputs = now;
+            self.seen = None;
+        }
+    }
+}
+
+/// Refuses an array of another length than the model has.
+pub fn counted(found: usize, expected: usize, what: &str) -> Result<(), Fault> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(Fault::new(format!("room for {found} {what}; there are {expected}")))
+}

@@ -1,0 +1,57 @@
+//! Derivatives in time: of inputs over the next step, of outputs now.
+
+use crate::simulation::peaks;
+use crate::unit::fault::Fault;
+use crate::unit::instance::{Unit, input, known, output};
+use crate::unit::outputs::source;
+use crate::unit::values::PerInput;
+use crate::unit::variables::{Kind, Metadata};
+
+impl Unit {
+    /// How inputs change in the next step, by derivatives of order 1.
+    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Fault> {
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let (_, metadata) = input(reference, "has set derivatives")?;
+            first_order(metadata, order)?;
+            if !value.is_finite() {
+                return Err(Fault::new(format!("derivative of {} = {value}; expected a finite number", metadata.name)));
+            }
+        }
+        if !self.rates_are_new {
+            self.rates = PerInput::default();
+            self.rates_are_new = true;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            let (input, _) = input(reference, "has set derivatives")?;
+            self.rates[input as usize] = value;
+        }
+        self.take_up_values();
+        Ok(())
+    }
+
+    /// How outputs change now, by derivatives of order 1: exact, from the equations of motion.
+    pub fn output_derivatives<'a>(
+        &mut self,
+        references: &'a [u32],
+        orders: &[i32],
+    ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
+        let output = |reference| output(reference, "has derivatives in time");
+        for (&reference, &order) in references.iter().zip(orders) {
+            output(reference)?;
+            first_order(known(reference, Kind::Real)?, order)?;
+        }
+        let (simulation, inputs) = self.preview()?;
+        let seen = simulation.observe_rates(&inputs);
+        let (rates, channels) = (seen.map(|x| x.eps), peaks::channels(&seen));
+        let (energy_rates, peaks) = (simulation.energy_rates(&inputs), simulation.peaks());
+        let rate = move |output| source(output).rate(&rates, &energy_rates, &channels, &peaks);
+        Ok(references.iter().map(move |&reference| output(reference).map(&rate)))
+    }
+}
+
+fn first_order(metadata: &Metadata, order: i32) -> Result<(), Fault> {
+    if order == 1 {
+        return Ok(());
+    }
+    Err(Fault::new(format!("derivative of {} of order {order}; expected 1", metadata.name)))
+}

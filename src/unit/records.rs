@@ -1,0 +1,131 @@
+//! Files or arrays of samples → the ground motion inside, and the parameters calculated from it.
+
+use std::path::Path;
+
+use crate::ground::Ground;
+use crate::unit::values::Values;
+use crate::unit::variables::{Text, Variable};
+use rocking_records::{LARGEST_FILE, ReadOptions, Record, Setting};
+
+/// The variables that say which record is read, and how.
+struct RecordSettings {
+    path: Text,
+    unit: Text,
+    channel: Variable,
+}
+
+impl Values {
+    /// Returns the records that act inside, from arrays or files; an error is one line.
+    pub fn ground(&self) -> Result<Ground, String> {
+        let ground = self.unscaled_ground()?;
+        Ok(ground.scaled(self[Variable::RecordScale]).shifted(self[Variable::RecordStart]))
+    }
+
+    /// Returns them neither scaled nor shifted.
+    pub(super) fn unscaled_ground(&self) -> Result<Ground, String> {
+        match (self.fmi3_only.has_record(), self.has_file()) {
+            (false, _) => self.ground_of_files(),
+            (true, false) => self.fmi3_only.ground(self[Variable::RecordDt]),
+            (true, true) => Err("record.horizontal_samples or record.vertical_samples holds a record, and \
+                                 record.horizontal or record.vertical names one; expected one of both"
+                .into()),
+        }
+    }
+
+    /// Whether a record acts inside.
+    pub(super) fn has_record(&self) -> bool {
+        self.has_file() || self.fmi3_only.has_record()
+    }
+
+    /// Whether a file of a record is named.
+    pub(super) fn has_file(&self) -> bool {
+        !(self[Text::RecordHorizontal].is_empty() && self[Text::RecordVertical].is_empty())
+    }
+
+    /// Whether [`Values::ground`] reads this variable.
+    pub fn is_of_ground(variable: Variable) -> bool {
+        variable == Variable::G || variable.name().starts_with("record.")
+    }
+
+    /// Reads the files that the parameters name; an error is one line, which calls settings by the names of their variables.
+    pub(super) fn ground_of_files(&self) -> Result<Ground, String> {
+        let unit = |texts: &[Text]| texts.iter().copied().find(|&text| !self[text].is_empty());
+        let horizontal = RecordSettings {
+            path: Text::RecordHorizontal,
+            unit: unit(&[Text::RecordHorizontalUnit]).unwrap_or(Text::RecordHorizontalUnit),
+            channel: Variable::RecordHorizontalChannel,
+        };
+        let vertical = RecordSettings {
+            path: Text::RecordVertical,
+            unit: unit(&[Text::RecordVerticalUnit, Text::RecordHorizontalUnit]).unwrap_or(Text::RecordVerticalUnit),
+            channel: Variable::RecordVerticalChannel,
+        };
+        Ok(Ground { horizontal: self.record(&horizontal)?, vertical: self.record(&vertical)? })
+    }
+
+    fn record(&self, settings: &RecordSettings) -> Result<Option<Record>, String> {
+        let &RecordSettings { path, unit, channel } = settings;
+        if self[path].is_empty() {
+            return Ok(None);
+        }
+        // To open a pipe without a writer would wait for one, and a device may never end.
+        if std::fs::metadata(&self[path]).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            let (name, found) = (path.variable().name(), &self[path]);
+            return Err(format!(
+                "{name}: {found} is a pipe or a device; expected a file of at most {LARGEST_FILE} MiB"
+            ));
+        }
+        let time_step = self[Variable::RecordDt];
+        let given = (!self[unit].is_empty()).then(|| self[unit].parse());
+        let options = ReadOptions {
+            unit: given.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
+            time_step: (time_step != 0.0).then_some(time_step),
+            gravity: self[Variable::G],
+            channel: (self[channel] != 0.0).then_some(self[channel] as usize),
+            ..ReadOptions::default()
+        };
+        let name = |setting| match setting {
+            Setting::Unit => unit.variable().name().to_string(),
+            Setting::TimeStep => Variable::RecordDt.name().to_string(),
+            Setting::Channel => channel.name().to_string(),
+            Setting::Format => "a format".to_string(),
+            Setting::TimeColumn | Setting::AccelerationColumn => {
+                "a file with one column of accelerations, here one of columns".to_string()
+            }
+        };
+        let read = rocking_records::read(Path::new(&self[path]), &options);
+        let record = read.map_err(|error| format!("{}: {}", path.variable().name(), error.naming(name)))?;
+        match options.channel {
+            Some(given) if given > 1 && !Setting::Channel.formats().contains(&record.format) => Err(format!(
+                "{} = {given}; expected 0 or 1, since {} is a file of format {} and has one channel",
+                channel.name(),
+                self[path],
+                record.format
+            )),
+            Some(_) | None => Ok(Some(record)),
+        }
+    }
+}
+
+/// What is calculated from the records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfGround {
+    /// The peak acceleration of the horizontal one.
+    Peak,
+    /// The peak acceleration of the vertical one.
+    VerticalPeak,
+    /// The time of the last sample.
+    End,
+}
+
+impl OfGround {
+    /// The value.
+    pub fn value(self, ground: &Ground) -> f64 {
+        let greatest = |record: &Option<Record>| record.as_ref().map_or(0.0, |record| record.peak().acceleration.abs());
+        match self {
+            OfGround::Peak => greatest(&ground.horizontal),
+            OfGround::VerticalPeak => greatest(&ground.vertical),
+            OfGround::End => ground.end().unwrap_or(0.0),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! A saved state ↔ bytes that can be told from any others: magic, version, GUID, length, content, checksum.
+
+use serde::{Deserialize, Serialize};
+
+use crate::unit::fault::Fault;
+use crate::unit::instance::Unit;
+use crate::unit::variables::GUID;
+
+const MAGIC: [u8; 8] = *b"rockblk\x1a";
+
+/// Version of the content; to be raised with every change of what [`Unit`] holds.
+pub const VERSION: u32 = 7;
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    magic: [u8; 8],
+    version: u32,
+    guid: String,
+    length: u64,
+    checksum: u32,
+}
+
+/// The bytes of a state.
+pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
+    let internal = |error: postcard::Error| Fault::new(format!("the state cannot be written: {error}"));
+    let content = postcard::to_allocvec(unit).map_err(internal)?;
+    let header = Header {
+        magic: MAGIC,
+        version: VERSION,
+        guid: GUID.into(),
+        length: content.len() as u64,
+        checksum: crc32fast::hash(&content),
+    };
+    postcard::to_extend(&header, Vec::new())
+        .map(|mut bytes| {
+            bytes.extend_from_slice(&content);
+            bytes
+        })
+        .map_err(internal)
+}
+
+/// The state that these bytes hold; refuses what is no state of this FMU, is cut, or was altered.
+pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
+    let refuse = |message: String| Fault::new(format!("serialized state refused: {message}"));
+    let (header, content): (Header, &[u8]) = postcard::take_from_bytes(bytes)
+        .map_err(|_| refuse(format!("{} bytes without a complete header", bytes.len())))?;
+    if header.magic != MAGIC {
+        return Err(refuse("it does not begin as a state of this FMU does".into()));
+    }
+    if header.version != VERSION {
+        return Err(refuse(format!("version {}; expected {VERSION}", header.version)));
+    }
+    if header.guid != GUID {
+        return Err(refuse(format!("GUID {:?}; expected {GUID:?}", header.guid)));
+    }
+    // Room after the content is the importer's own.
+    let content = usize::try_from(header.length)
+        .ok()
+        .and_then(|length| content.get(..length))
+        .ok_or_else(|| refuse(format!("{} bytes of content; expected {}", content.len(), header.length)))?;
+    if crc32fast::hash(content) != header.checksum {
+        return Err(refuse("its checksum does not fit, it was altered".into()));
+    }
+    let unit: Unit =
+        postcard::from_bytes(content).map_err(|error| refuse(format!("its content is broken: {error}")))?;
+    if unit.is_valid() { Ok(unit) } else { Err(refuse("its content is no state of a block".into())) }
+}

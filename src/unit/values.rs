@@ -1,0 +1,369 @@
+//! Variables ↔ block, initial state, pulse and what is calculated from them; every variable of modelDescription.xml but the outputs is
+//! named here, once.
+
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
+use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use crate::numerics::scalar::Elementary;
+use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
+use crate::unit::fmi3_only::Fmi3OnlyValues;
+use crate::unit::records::OfGround;
+use crate::unit::variables::{Causality, Choice, Derived, Input, Parameter, Text, VARIABLES, Variable, choices};
+
+/// Values of all inputs, in the order of [`Input::ALL`], or what else there is one of for each.
+pub type PerInput = [f64; Input::ALL.len()];
+
+/// Values of all variables that are set from outside.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Values {
+    /// Numbers by value reference; those of other variables stay at 0. Integers, enumerations and Booleans (0 or 1) are held
+    /// as the real numbers that they are.
+    numbers: Vec<f64>,
+    /// Texts, in the order of [`Text::ALL`].
+    texts: [String; Text::ALL.len()],
+    /// What only FMI 3.0 has.
+    pub(super) fmi3_only: Fmi3OnlyValues,
+}
+
+impl Default for Values {
+    fn default() -> Values {
+        let numbers = VARIABLES.iter().map(|metadata| metadata.start.unwrap_or(0.0)).collect();
+        Values { numbers, texts: Default::default(), fmi3_only: Fmi3OnlyValues::default() }
+    }
+}
+
+impl std::ops::Index<Text> for Values {
+    type Output = String;
+
+    fn index(&self, text: Text) -> &String {
+        &self.texts[text as usize]
+    }
+}
+
+impl std::ops::IndexMut<Text> for Values {
+    fn index_mut(&mut self, text: Text) -> &mut String {
+        &mut self.texts[text as usize]
+    }
+}
+
+impl std::ops::Index<Variable> for Values {
+    type Output = f64;
+
+    fn index(&self, variable: Variable) -> &f64 {
+        &self.numbers[variable as usize]
+    }
+}
+
+impl std::ops::IndexMut<Variable> for Values {
+    fn index_mut(&mut self, variable: Variable) -> &mut f64 {
+        &mut self.numbers[variable as usize]
+    }
+}
+
+/// The parameters of the block that are read.
+pub(super) enum GivenBlock<T> {
+    Dimensionless(Dimensionless<T>),
+    Physical(Physical<T>),
+}
+
+const ON_SUPPORTS: &str = "foundation = Viscoelastic";
+
+impl Values {
+    /// Whether these are values of this FMU: one a variable, each within its limits.
+    pub fn are_valid(&self) -> bool {
+        self.fmi3_only.are_valid()
+            && self.numbers.len() == VARIABLES.len()
+            && VARIABLES.iter().zip(&self.numbers).all(|(metadata, &value)| {
+                !metadata.is_settable() || (value.is_finite() && metadata.admits(value).is_ok())
+            })
+    }
+
+    /// The block that the parameters amount to.
+    pub fn block(&self) -> Result<Block, BlockError> {
+        let (given, common) = self.given_block(|variable| self[variable]);
+        match given {
+            GivenBlock::Dimensionless(dimensionless) => Block::from_dimensionless(&dimensionless, &common),
+            GivenBlock::Physical(physical) => Block::from_physical(&physical, &common),
+        }
+    }
+
+    /// The parameters of the block as they are read, in the numbers that `of` gives for variables.
+    pub(super) fn given_block<T>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
+        let common = Common {
+            mass: of(Variable::Mass),
+            gamma: of(Variable::Gamma),
+            epsilon: of(Variable::Epsilon),
+            gravity: of(Variable::G),
+            foundation: self.foundation(),
+            restitution_factor: of(Variable::RestitutionFactor),
+        };
+        let given = if self.is_physical() {
+            GivenBlock::Physical(Physical {
+                width: of(Variable::PhysicalWidth),
+                height: of(Variable::PhysicalHeight),
+                stiffness: of(Variable::PhysicalK),
+                damping: of(Variable::PhysicalC),
+            })
+        } else {
+            GivenBlock::Dimensionless(Dimensionless {
+                alpha: of(Variable::DimensionlessAlpha),
+                p: of(Variable::DimensionlessP),
+                eta: of(Variable::DimensionlessEta),
+                xi_v: of(Variable::DimensionlessXiV),
+            })
+        };
+        (given, common)
+    }
+
+    /// The item of an enumeration.
+    fn choice<C: Choice>(&self, variable: Variable) -> C {
+        C::of(self[variable])
+            .unwrap_or_else(|| unreachable!("{} = {} is checked where it is set", variable.name(), self[variable]))
+    }
+
+    fn is_physical(&self) -> bool {
+        match self.choice(Variable::Parameterization) {
+            choices::Parameterization::Dimensionless => false,
+            choices::Parameterization::Physical => true,
+        }
+    }
+
+    fn foundation(&self) -> Foundation {
+        match self.choice(Variable::Foundation) {
+            choices::Foundation::Viscoelastic => Foundation::Viscoelastic,
+            choices::Foundation::Rigid => Foundation::Rigid,
+        }
+    }
+
+    /// Returns the parameters of a physical parameterization whose defaults fit no real block. A mass matters only beside a
+    /// stiffness. Empty for a dimensionless parameterization.
+    pub fn sizes(&self) -> &'static [Variable] {
+        use Variable::{Mass, PhysicalC, PhysicalHeight, PhysicalK, PhysicalWidth};
+        match (self.is_physical(), self.foundation()) {
+            (false, _) => &[],
+            (true, Foundation::Rigid) => &[PhysicalWidth, PhysicalHeight],
+            (true, Foundation::Viscoelastic) => &[PhysicalWidth, PhysicalHeight, PhysicalK, PhysicalC, Mass],
+        }
+    }
+
+    /// The [`Values::sizes`] that have their start values, except the mass.
+    pub fn unset_sizes(&self) -> impl Iterator<Item = Variable> {
+        let is_unset = |variable: Variable| Some(self[variable]) == VARIABLES[variable as usize].start;
+        let sizes = self.sizes().iter().copied().filter(|&variable| variable != Variable::Mass);
+        sizes.filter(move |&variable| is_unset(variable))
+    }
+
+    /// What a parameter needs to be read, if it is not there with the other parameters as they are.
+    fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
+        let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
+        match parameter {
+            Parameter::DimensionlessAlpha
+            | Parameter::DimensionlessP
+            | Parameter::DimensionlessEta
+            | Parameter::DimensionlessXiV => physical.then_some("parameterization = Dimensionless"),
+            Parameter::PhysicalWidth | Parameter::PhysicalHeight | Parameter::PhysicalK | Parameter::PhysicalC => {
+                (!physical).then_some("parameterization = Physical")
+            }
+            Parameter::InitialV | Parameter::InitialVDot if rigid => Some(ON_SUPPORTS),
+            Parameter::InitialV | Parameter::InitialVDot => {
+                (self[Variable::InitialSettled] != 0.0).then_some("initial.settled = false")
+            }
+            Parameter::RestitutionFactor => (!rigid).then_some("foundation = Rigid"),
+            Parameter::PulseAmplitude | Parameter::PulsePeriod | Parameter::PulseStart => {
+                (self.pulse().shape == PulseShape::None).then_some("a pulse.shape")
+            }
+            Parameter::RecordScale | Parameter::RecordStart | Parameter::RecordDt => {
+                (!self.has_record()).then_some("record.horizontal or record.vertical")
+            }
+            Parameter::RecordHorizontalChannel => {
+                self[Text::RecordHorizontal].is_empty().then_some("record.horizontal")
+            }
+            Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
+            Parameter::Parameterization
+            | Parameter::Mass
+            | Parameter::Gamma
+            | Parameter::Epsilon
+            | Parameter::G
+            | Parameter::Foundation
+            | Parameter::OnSeparation
+            | Parameter::OnOverturning
+            | Parameter::InitialTheta
+            | Parameter::InitialThetaDot
+            | Parameter::InitialSettled
+            | Parameter::PulseShape => None,
+        }
+    }
+
+    /// Parameters that were given and that nothing reads with the others as they are, each with what it needs.
+    pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
+        let numbers = self.given(Parameter::ALL.into_iter().filter_map(lacking).collect());
+        numbers.chain(Text::ALL.into_iter().filter(|&text| !self[text].is_empty()).filter_map(|text| {
+            let needed = self.text_lacks(text)?;
+            Some((text.variable().name(), needed))
+        }))
+    }
+
+    /// What a text needs to be read.
+    fn text_lacks(&self, text: Text) -> Option<&'static str> {
+        match text {
+            Text::RecordHorizontal | Text::RecordVertical => None,
+            // Of a vertical record too, unless that has a unit of its own.
+            Text::RecordHorizontalUnit => {
+                let of_vertical = !self[Text::RecordVertical].is_empty() && self[Text::RecordVerticalUnit].is_empty();
+                (self[Text::RecordHorizontal].is_empty() && !of_vertical).then_some("record.horizontal")
+            }
+            Text::RecordVerticalUnit => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
+        }
+    }
+
+    /// Those of [`Values::unread`], and those of the supports on a rigid base, where only calculated parameters have them.
+    pub fn unread_by_motion(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let supports = match (self.foundation(), self.is_physical()) {
+            (Foundation::Viscoelastic, _) => vec![],
+            (Foundation::Rigid, true) => vec![Variable::PhysicalK, Variable::PhysicalC],
+            (Foundation::Rigid, false) => vec![Variable::DimensionlessEta, Variable::DimensionlessXiV],
+        };
+        self.unread().chain(self.given(supports.into_iter().map(|variable| (variable, ON_SUPPORTS)).collect()))
+    }
+
+    /// Those that do not have their start value, with their names.
+    fn given(&self, variables: Vec<(Variable, &'static str)>) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let given = |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
+        variables.into_iter().filter(move |(v, _)| given(*v)).map(|(v, needed)| (v.name(), needed))
+    }
+
+    /// The beginning.
+    pub fn initial(&self) -> Initial {
+        self.initial_of(|variable| self[variable])
+    }
+
+    /// The same in the numbers that `of` gives for variables.
+    pub(super) fn initial_of<T>(&self, of: impl Fn(Variable) -> T) -> Initial<T> {
+        let vertical = (of(Variable::InitialV), of(Variable::InitialVDot));
+        Initial {
+            theta: of(Variable::InitialTheta),
+            theta_dot: of(Variable::InitialThetaDot),
+            vertical: (self[Variable::InitialSettled] == 0.0).then_some(vertical),
+        }
+    }
+
+    /// The pulse.
+    pub fn pulse(&self) -> Pulse {
+        self.pulse_of(|variable| self[variable])
+    }
+
+    /// The same in the numbers that `of` gives for variables.
+    pub(super) fn pulse_of<T>(&self, of: impl Fn(Variable) -> T) -> Pulse<T> {
+        Pulse {
+            shape: match self.choice(Variable::PulseShape) {
+                choices::PulseShape::None => PulseShape::None,
+                choices::PulseShape::OneSine => PulseShape::OneSine,
+                choices::PulseShape::OneCosine => PulseShape::OneCosine,
+                choices::PulseShape::C1 => PulseShape::C1,
+                choices::PulseShape::C2 => PulseShape::C2,
+            },
+            amplitude: of(Variable::PulseAmplitude),
+            period: of(Variable::PulsePeriod),
+            start: of(Variable::PulseStart),
+        }
+    }
+
+    /// How to run, with this tolerance or the default one.
+    pub fn settings(&self, tolerance: Option<f64>) -> Settings {
+        Settings {
+            tolerance: tolerance.unwrap_or(Settings::default().tolerance),
+            on_separation: match self.choice(Variable::OnSeparation) {
+                choices::OnSeparation::Terminate => OnSeparation::Terminate,
+                choices::OnSeparation::Hold => OnSeparation::Hold,
+                choices::OnSeparation::Fly => OnSeparation::Fly,
+            },
+            on_overturning: match self.choice(Variable::OnOverturning) {
+                choices::OnOverturning::Terminate => OnOverturning::Terminate,
+                choices::OnOverturning::Hold => OnOverturning::Hold,
+            },
+        }
+    }
+
+    /// The present values of the inputs.
+    pub fn present_inputs(&self) -> PerInput {
+        Input::ALL.map(|input| self[input.variable()])
+    }
+
+    /// The inputs from `time` on, changing at these rates.
+    pub fn inputs(&self, time: f64, rates: &PerInput) -> Inputs {
+        inputs(time, self.present_inputs(), rates)
+    }
+}
+
+/// Inputs from their values and rates.
+pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
+    inputs_of(time, |input| Ramp { value: values[input as usize], rate: rates[input as usize] })
+}
+
+/// Inputs with their reference at `time` (s).
+pub(super) fn inputs_of<T>(time: T, of: impl Fn(Input) -> Ramp<T>) -> Inputs<T> {
+    Inputs {
+        time,
+        a_gx: of(Input::AGx),
+        a_gz: of(Input::AGz),
+        f_x: of(Input::FX),
+        f_z: of(Input::FZ),
+        m_y: of(Input::MY),
+    }
+}
+
+/// One of the inputs.
+pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
+    match input {
+        Input::AGx => inputs.a_gx,
+        Input::AGz => inputs.a_gz,
+        Input::FX => inputs.f_x,
+        Input::FZ => inputs.f_z,
+        Input::MY => inputs.m_y,
+    }
+}
+
+/// Where the value of a calculated parameter comes from.
+pub enum DerivedSource<T = f64> {
+    /// The block.
+    Block(fn(&Block<T>) -> T),
+    /// The records.
+    Ground(OfGround),
+}
+
+/// Where a calculated parameter comes from.
+pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
+    use DerivedSource::Block as OfBlock;
+    match parameter {
+        Derived::DerivedAlpha => OfBlock(|block| block.alpha),
+        Derived::DerivedR0 => OfBlock(|block| block.r0),
+        Derived::DerivedI0 => OfBlock(Block::inertia),
+        Derived::DerivedP => OfBlock(|block| block.p),
+        Derived::DerivedOmegaV => OfBlock(|block| block.omega_v),
+        Derived::DerivedK => OfBlock(|block| block.stiffness),
+        Derived::DerivedC => OfBlock(|block| block.damping),
+        Derived::DerivedEta => OfBlock(Block::eta),
+        Derived::DerivedXiV => OfBlock(|block| block.xi_v),
+        Derived::DerivedDeltaS => OfBlock(Block::static_deflection),
+        Derived::DerivedE => OfBlock(Block::restitution),
+        Derived::DerivedEMax => OfBlock(Block::max_restitution),
+        Derived::DerivedThetaSeparation => OfBlock(Block::separation_angle),
+        Derived::DerivedWidth => OfBlock(|block| block.b * 2.0),
+        Derived::DerivedHeight => OfBlock(|block| block.h * 2.0),
+        Derived::RecordPGA => DerivedSource::Ground(OfGround::Peak),
+        Derived::RecordPGAVertical => DerivedSource::Ground(OfGround::VerticalPeak),
+        Derived::RecordEnd => DerivedSource::Ground(OfGround::End),
+    }
+}
+
+impl Variable {
+    /// Its name in modelDescription.xml.
+    pub fn name(self) -> &'static str {
+        VARIABLES[self as usize].name
+    }
+
+    /// Whether it is an output.
+    pub fn is_output(self) -> bool {
+        VARIABLES[self as usize].causality == Causality::Output
+    }
+}

@@ -1,0 +1,38 @@
+//! Blocks for tests.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+
+/// Returns a block with the parameters `[α (rad), p (rad/s), η, ξ_v]`.
+pub fn block([alpha, p, eta, xi_v]: [f64; 4], common: &Common) -> Block {
+    Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, common).unwrap()
+}
+
+/// Returns a homogeneous block of 1000 kg on supports.
+pub fn supported(alpha: f64, p: f64, eta: f64, xi_v: f64, epsilon: f64) -> Block {
+    block([alpha, p, eta, xi_v], &Common { epsilon, ..Common::default() })
+}
+
+/// Returns a homogeneous block of 1000 kg on the rigid base.
+pub fn rigid(alpha: f64, p: f64, epsilon: f64) -> Block {
+    block([alpha, p, 40.0, 0.1], &Common { epsilon, foundation: Foundation::Rigid, ..Common::default() })
+}
+
+/// Returns a homogeneous block of 1000 kg that lands without rebound.
+pub fn on(foundation: Foundation, alpha: f64, p: f64, eta: f64, xi_v: f64) -> Block {
+    block([alpha, p, eta, xi_v], &Common { foundation, ..Common::default() })
+}
+
+/// Returns a squat block on soft, overdamped supports: corners are held, and slide.
+pub fn squat(common: &Common) -> Block {
+    block([0.9, 1.0, 8.0, 1.5], common)
+}
+
+/// Returns a block without round numbers, whose parameters cannot be mistaken for one another.
+pub fn uneven(foundation: Foundation, xi_v: f64) -> Block {
+    block([0.42, 1.7, 11.0, xi_v], &Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, foundation, ..Common::default() })
+}
+
+/// Returns the block with the default parameters of the FMU.
+pub fn plain() -> Block {
+    supported(0.25, 1.0, 40.0, 0.1, 0.0)
+}

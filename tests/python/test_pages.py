@@ -1,0 +1,161 @@
+"""Runs the commands and the Python of README.md and docs, compares their output with the pages, and follows all links.
+
+`python tests/python/test_pages.py` writes the output of today's program into the pages.
+"""
+
+import contextlib
+import io
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND_PAGES = [ROOT / page for page in ("README.md", "docs/program.md", "docs/python.md")]
+PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md")]
+PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
+FMU = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
+# A block of indented lines after an empty one, and a fence.
+SHELL = re.compile(r"(?<=\n\n)((?: {4,}\S.*\n|\n(?= {4}))+)")
+PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
+# These build the project; scripts/test has run them before it comes here.
+BUILDS = ("cargo run", "scripts/test", "pip install")
+PRINT = re.compile(r"^(print\(.*\))  # (.*)$", re.MULTILINE)
+
+
+def shell_blocks(page):
+    return [match[0] for match in SHELL.finditer(PYTHON.sub("", page.read_text()))]
+
+
+def commands(block):
+    """Splits a block into commands, each with the lines printed below it."""
+    lines = [line.strip() if line.rstrip().endswith("\\") else line.rstrip() for line in block.splitlines()]
+    indent = min(len(line) - len(line.lstrip()) for line in block.splitlines() if line)
+    found, text = [], "\n".join(line[indent:] if line.startswith(" ") else line for line in lines)
+    for line in text.replace("\\\n", " ").splitlines():
+        if line.startswith(("target/release/", "python ", *BUILDS)):
+            found.append((line, []))
+        else:
+            assert found, f"`{line}` stands in a block that begins without a known command"
+            found[-1][1].append(line)
+    return [(command, "\n".join(printed).strip("\n")) for command, printed in found]
+
+
+class Workplace:
+    """A folder in which the pages' commands find their files and leave their results."""
+
+    def __init__(self, folder):
+        self.folder, self.printed = folder, {}
+        (folder / "target/release").mkdir(parents=True)
+        for link, path in {"target/release/rocking": PROGRAM, "target/release/RockingBlock.fmu": FMU,
+                           "records": ROOT / "records", "examples": ROOT / "examples"}.items():
+            (folder / link).symlink_to(path)
+
+    def run(self, command):
+        """Returns the output of a command without trailing blanks. A command on several pages runs once."""
+        if command not in self.printed:
+            words = [word for part in shlex.split(command)
+                     for word in (map(str, sorted(self.folder.glob(part))) if "*" in part else [part])]
+            words[0] = sys.executable if words[0] == "python" else str(self.folder / words[0])
+            made = subprocess.run(words, cwd=self.folder, capture_output=True, text=True)
+            assert made.returncode == 0, f"{command}\n{made.stderr}"
+            self.printed[command] = "\n".join(line.rstrip() for line in made.stdout.splitlines())
+        return self.printed[command]
+
+    def prints(self, page):
+        """Runs the Python of a page; returns pairs of expected and actual output lines."""
+        names, pairs, before = {}, [], Path.cwd()
+        os.chdir(self.folder)
+        try:
+            for code in PYTHON.findall(page.read_text()):
+                if "print(" not in code:
+                    continue  # a fragment, such as one call on a page about several tools
+                out = io.StringIO()
+                with contextlib.redirect_stdout(out):
+                    exec(compile(code, page.name, "exec"), names)
+                said = [match[1] for match in PRINT.findall(code)]
+                assert len(said) == code.count("print("), f"a print in {page.name} lacks its expected output"
+                pairs += zip(said, out.getvalue().splitlines(), strict=True)
+        finally:
+            os.chdir(before)
+        return pairs
+
+
+def test_commands_print_what_the_pages_say(tmp_path):
+    place = Workplace(tmp_path)
+    for page in COMMAND_PAGES:
+        found = [pair for block in shell_blocks(page) for pair in commands(block)]
+        assert found, page
+        for command, printed in found:
+            if not command.startswith(BUILDS):
+                told = place.run(command)
+                assert not printed or told == printed, command
+    assert len(place.printed) > 10
+
+
+def test_python_prints_what_the_pages_say(tmp_path, monkeypatch):
+    for package in ("fmpy", "rocking_block", "matplotlib"):
+        pytest.importorskip(package)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    place = Workplace(tmp_path)
+    for page in PYTHON_PAGES:
+        pairs = place.prints(page)
+        assert pairs, page
+        for said, printed in pairs:
+            assert printed == said
+
+
+def anchor(heading):
+    """The anchor that GitHub gives a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def links(page):
+    """Yields the links of a page to files, with their anchors."""
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if "://" not in target:
+            path, _, name = target.partition("#")
+            yield target, (page.parent / path if path else page), name
+
+
+def pages():
+    listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True, check=True)
+    return [ROOT / line for line in listed.stdout.splitlines()]
+
+
+def test_links_lead_somewhere():
+    lost = []
+    for page in pages():
+        for target, path, name in links(page):
+            if not path.exists() or name and path.suffix == ".md" and name not in [
+                    anchor(line.lstrip("#")) for line in path.read_text().splitlines() if line.startswith("#")]:
+                lost.append(f"{page.relative_to(ROOT)}: {target}")
+    assert not lost
+
+
+def test_the_index_lists_every_page():
+    listed = {path.resolve() for _, path, _ in links(ROOT / "docs/README.md")}
+    assert {page for page in (ROOT / "docs").glob("*.md") if page.name != "README.md"} <= listed
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        place = Workplace(Path(folder))
+        for page in dict.fromkeys(COMMAND_PAGES + PYTHON_PAGES):
+            text = page.read_text()
+            for block in shell_blocks(page) if page in COMMAND_PAGES else []:
+                for command, printed in commands(block):
+                    told = "" if command.startswith(BUILDS) else place.run(command)
+                    if printed:
+                        text = text.replace("\n".join(f"    {line}" if line else "" for line in printed.splitlines()),
+                                            "\n".join(f"    {line}" if line else "" for line in told.splitlines()))
+            for said, printed in place.prints(page):
+                text = text.replace(f"  # {said}\n", f"  # {printed}\n")
+            page.write_text(text)

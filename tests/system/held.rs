@@ -1,0 +1,191 @@
+//! Held corners: full contact would lift them, and the other regime would press them back at once.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix4, Vector4};
+use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Regime};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::system::System;
+use rocking_block::system::dynamics::{Footing, State, instant};
+use rocking_block::system::evaluation::{Motion, Pose};
+use rocking_block::system::events::Transition;
+use rocking_block::system::events::{Event, EventKind, Surface};
+use rocking_block::system::impact;
+
+use crate::blocks::squat;
+
+/// Returns a short push that unloads L for a moment after it.
+fn pulse(amplitude: f64) -> Pulse {
+    Pulse { shape: PulseShape::OneSine, amplitude, period: 0.6 * TAU / 8.0, start: 0.0 }
+}
+
+fn start(pulse: Pulse) -> Simulation {
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    Simulation::new(squat(&Common::default()), settings, pulse, &Initial::default(), 0.0, &Inputs::default())
+}
+
+/// Returns the acceleration (m/s²) of the gap if L left its support now, by Newton's and Euler's equations.
+///
+/// It is the acceleration of L with the block on R alone, minus that of the top of the recovering support.
+fn opening(block: &Block, seen: &Observation<f64>, a_gx: f64) -> f64 {
+    let Block { b, h, i0, mass, gravity, stiffness, damping, .. } = *block;
+    let (sin, cos) = seen.theta.sin_cos();
+    let [left, right] = [-b, b].map(|x| [x * cos - h * sin, -x * sin - h * cos]);
+    let rates = [left, right].map(|[x, _]| seen.v_dot - x * seen.theta_dot);
+    let n = (0.5 * mass * gravity - stiffness * seen.corner[1] - damping * rates[1]) / mass;
+    let turning = seen.theta_dot * seen.theta_dot;
+    // ẍ, z̈, θ̈ and H/M; R does not move horizontally.
+    #[rustfmt::skip]
+    let matrix = Matrix4::new(
+        1.0, 0.0, 0.0, -1.0,
+        0.0, 1.0, 0.0, 0.0,
+        0.0, 0.0, i0, -right[1],
+        1.0, 0.0, right[1], 0.0,
+    );
+    let forces = Vector4::new(-a_gx, n - gravity, -right[0] * n, right[0] * turning);
+    let x = matrix.lu().solve(&forces).unwrap();
+    let corner = x[1] - left[0] * x[2] - left[1] * turning;
+    // C ẏ = K (δ_s − y), and initially ẏ is the rate of the corner.
+    corner + stiffness / damping * rates[0]
+}
+
+/// Returns the distance of L to the left of the centre of mass (m).
+fn corner_arm(block: &Block, theta: f64) -> f64 {
+    block.b * theta.cos() + block.h * theta.sin()
+}
+
+/// Returns N_L over the weight and the acceleration with which the gap of L would open.
+fn look(simulation: &Simulation, inputs: &Inputs, pulse: &Pulse) -> (f64, f64) {
+    let (block, seen) = (simulation.block(), simulation.observe(inputs));
+    let a_gx = pulse.acceleration(simulation.time()) + inputs.a_gx.value;
+    (seen.reaction[0] / (block.mass * block.gravity), opening(block, &seen, a_gx))
+}
+
+/// The strongest push for which the gap does not open when L bears no load.
+const HELD: f64 = 13.140_26;
+
+/// A corner that the other regime would press back moves with its support, without load or event, until it bears load again.
+#[test]
+fn a_corner_that_would_be_pressed_back_is_held() {
+    let (pulse, inputs) = (pulse(HELD), Inputs::default());
+    let mut simulation = start(pulse);
+    let mut held = Vec::new();
+    for i in 1..=8000 {
+        let mut none = |event: &Event| panic!("{event}");
+        simulation.advance(1e-4 * f64::from(i), &inputs, &mut none).unwrap();
+        let (n, opening) = look(&simulation, &inputs, &pulse);
+        assert!(n >= 0.0, "N_L = {n} M g");
+        if n == 0.0 {
+            let (block, seen) = (simulation.block(), simulation.observe(&inputs));
+            let free = block.static_deflection();
+            let creeps = (seen.v_dot + corner_arm(block, seen.theta) * seen.theta_dot)
+                - block.creep_rate() * (free - seen.corner[0]);
+            held.push((opening, creeps));
+        }
+    }
+    assert_eq!(simulation.regime(), Regime::FullContact);
+    assert!((5..40).contains(&held.len()), "{held:?}");
+    for (opening, creeps) in held {
+        assert!(opening < 0.0, "the gap would open with {opening} m/s2");
+        assert!(creeps.abs() < 1e-12, "L is faster than its support by {creeps} m/s");
+    }
+    assert!(look(&simulation, &inputs, &pulse).0 > 0.1);
+}
+
+/// Under a slightly stronger push the gap opens, and L lifts when its reaction falls to zero.
+#[test]
+fn a_corner_whose_gap_opens_lifts() {
+    let (pulse, inputs) = (pulse(HELD + 5e-5), Inputs::default());
+    let mut first = None;
+    start(pulse).advance(0.8, &inputs, &mut |event| first = first.or(Some(*event))).unwrap();
+    let event = first.expect("an event");
+    assert_eq!((event.kind, event.after), (EventKind::LiftOff(Corner::Left), Regime::TiltingRight));
+    let mut before = start(pulse);
+    before.advance(event.time - 1e-9, &inputs, &mut |event| panic!("{event}")).unwrap();
+    let (n, opening) = look(&before, &inputs, &pulse);
+    assert!((0.0..1e-8).contains(&n) && (0.0..0.01).contains(&opening), "N_L = {n} M g, opens with {opening} m/s2");
+}
+
+/// A held corner that bears load again lifts when its reaction falls to zero.
+#[test]
+fn a_corner_that_bears_load_again_is_no_longer_held() {
+    let pulse = pulse(HELD);
+    let mut simulation = start(pulse);
+    simulation.advance(0.8, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();
+    let inputs = Inputs { time: 0.8, a_gx: Ramp { value: 0.0, rate: -50.0 }, ..Inputs::default() };
+    let mut first = None;
+    simulation.clone().advance(1.2, &inputs, &mut |event| first = first.or(Some(*event))).unwrap();
+    let event = first.expect("an event");
+    assert_eq!(event.kind, EventKind::LiftOff(Corner::Left));
+    simulation.advance(event.time - 1e-9, &inputs, &mut |event| panic!("{event}")).unwrap();
+    let n =
+        simulation.observe(&inputs).reaction[0] / (squat(&Common::default()).mass * squat(&Common::default()).gravity);
+    assert!((0.0..1e-7).contains(&n), "N_L = {n} M g");
+}
+
+/// Ground motion that opens the gap of a held corner lifts it at once; the opposite motion presses it down.
+#[test]
+fn a_held_corner_lifts_when_its_gap_opens() {
+    let pulse = pulse(HELD);
+    for (a_gx, lifts) in [(-1.0, true), (1.0, false)] {
+        let mut simulation = start(pulse);
+        let mut none = |event: &Event| panic!("{event}");
+        simulation.advance(0.4003, &Inputs::default(), &mut none).unwrap();
+        let inputs = Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() };
+        let (n, opening) = look(&simulation, &inputs, &pulse);
+        assert!(n == 0.0 && (opening > 0.0) == lifts, "N_L = {n} M g, opens with {opening} m/s2 at {a_gx} m/s2");
+        let mut events = Vec::new();
+        simulation.advance(0.41, &inputs, &mut |event| events.push(*event)).unwrap();
+        if lifts {
+            let Some(Event { time, kind: EventKind::LiftOff(Corner::Left), .. }) = events.first() else {
+                panic!("{events:?}")
+            };
+            assert!((time - 0.4003).abs() < 1e-12, "{time}");
+        } else {
+            assert!(events.is_empty(), "{events:?}");
+        }
+    }
+}
+
+/// A corner that lands without rebound on a support at free height stays or lifts by its acceleration in full contact.
+#[test]
+fn the_acceleration_decides_whether_a_landed_corner_stays() {
+    let mut became = [0; 2];
+    for xi_v in [0.0, 0.3] {
+        let dimensionless = Dimensionless { alpha: 0.9, p: 1.0, eta: 8.0, xi_v };
+        let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
+        let system = System { block, flies: false, slowest: System::SLOWEST };
+        let free = block.static_deflection();
+        let pose = Pose {
+            time: 0.0,
+            state: State::from([libm::asin(free / block.b), -0.4, -free, 0.1]),
+            contacts: Contacts::touching([false, true], 0.0),
+            footing: Footing::AT_START,
+        };
+        for i in -400..400 {
+            let inputs = Inputs { a_gx: Ramp::held(0.05 * f64::from(i)), ..Inputs::default() };
+            let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, &block);
+            let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
+            let theta = now.instant.theta;
+            let (v_dot, theta_dot) =
+                impact::landing(&block, Corner::Left, theta, now.instant.v_dot, now.instant.theta_dot);
+            let [left, right] = Corner::BOTH.map(|corner| impact::corner_rate(&block, corner, theta, v_dot, theta_dot));
+            let state = [theta, theta_dot, 0.0, 0.5 * (left + right)];
+            let x = instant(&block, Regime::FullContact, state, pose.footing, now.forcing);
+            let lifts = x.corner_ddot[Corner::Left.index()] > 0.0;
+            let Transition { pose: after, happened, counts, .. } =
+                system.transition(&pose, &now, Surface::Gap(Corner::Left));
+            assert_eq!(
+                after.contacts.regime(),
+                if lifts { Regime::TiltingRight } else { Regime::FullContact },
+                "{x:?}"
+            );
+            assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+            assert_eq!([counts.impacts, counts.liftoffs], [1, u32::from(lifts)]);
+            became[usize::from(lifts)] += 1;
+        }
+    }
+    assert!(became.iter().all(|&count| count > 100), "{became:?} stayed, lifted");
+}

@@ -1,0 +1,12 @@
+//! The block and its equations: parameters, excitation, accelerations, impacts, transitions.
+
+#[path = "../common/blocks.rs"]
+#[allow(dead_code, reason = "each room uses a part")]
+mod blocks;
+
+mod equations;
+mod held;
+mod impulses;
+mod parameters;
+mod pulses;
+mod transitions;

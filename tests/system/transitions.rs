@@ -1,0 +1,189 @@
+//! Transitions from rare poses, each against its definition.
+
+use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
+use rocking_block::simulation::outputs::observe;
+use rocking_block::simulation::{Counts, Initial, OnSeparation, Settings, Simulation};
+use rocking_block::system::System;
+use rocking_block::system::dynamics::{Footing, State};
+use rocking_block::system::evaluation::{Motion, Pose};
+use rocking_block::system::events::{EventKind, Surface};
+use rocking_block::system::{
+    events::Transition,
+    initial_sensitivity::{InitialSensitivity, Start},
+};
+
+use crate::blocks::squat as block;
+
+fn system(block: Block) -> System {
+    System { block, flies: true, slowest: System::SLOWEST }
+}
+
+fn excitation(block: &Block, a_gx: f64) -> Excitation {
+    let inputs = Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() };
+    Excitation::from_time(0.0, &inputs, &Pulse::NONE, block)
+}
+
+fn transition(system: &System, pose: &Pose, a_gx: f64, surface: Surface) -> Transition {
+    let excitation = excitation(&system.block, a_gx);
+    let now = Motion::from_pose(&system.block, pose, &excitation).at(pose.time, pose.state);
+    system.transition(pose, &now, surface)
+}
+
+/// A corner joins a recovering support if their rates agree to rounding, and otherwise keeps its own rate.
+#[test]
+fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
+    let block = block(&Common::default());
+    let theta = -0.2;
+    let creep = Creep { depth: 0.5 * block.static_deflection(), since: -0.1 };
+    let top = creep.top(&block, 0.0);
+    assert!(top.rate > 0.1, "{top:?}");
+    // Rise of L minus rise of the centre of mass, from rest.
+    let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
+    for (faster, with_its_support) in [(1e-6, true), (-1e-6, false), (-1e-3, false)] {
+        // Without rotation and horizontal motion the grip has no effect.
+        let rate = top.rate + faster;
+        let pose = Pose {
+            time: 0.0,
+            state: State::from([theta, 0.0, top.value - corner, rate]),
+            contacts: {
+                let mut contacts = Contacts::touching([false; 2], 0.0);
+                contacts.set(Corner::Left, Contact::Lifted(creep));
+                contacts
+            },
+            footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
+        };
+        let Transition { pose: after, happened, counts, .. } =
+            transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+        assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+        assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 0));
+        let [_, _, height, found] = after.state.0;
+        assert_eq!(height, top.value);
+        if with_its_support {
+            assert_eq!(found, top.rate, "faster by {faster} m/s");
+        } else {
+            assert!((found - rate).abs() < 1e-12, "{found} m/s, expected {rate}");
+        }
+    }
+}
+
+/// With ε = 0 a landed corner stands still, even on a support that creeps at the limit of rounding.
+#[test]
+fn a_corner_that_lands_without_rebound_stands_still() {
+    let block = block(&Common::default());
+    let theta = -0.2;
+    let slow = 1e-6;
+    let creep = Creep { depth: slow / block.creep_rate(), since: 0.0 };
+    let top = creep.top(&block, 0.0);
+    assert!((top.rate - slow).abs() < 1e-15, "{top:?}");
+    let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
+    let mut contacts = Contacts::touching([false; 2], 0.0);
+    contacts.set(Corner::Left, Contact::Lifted(creep));
+    let pose = Pose {
+        time: 0.0,
+        state: State::from([theta, 0.0, top.value - corner, -0.5]),
+        contacts,
+        footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
+    };
+    let Transition { pose: after, counts, .. } = transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+    assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 1));
+    assert_eq!(after.state.0[2..], [top.value, 0.0]);
+}
+
+/// A block sliding on R on the rigid base lands on L, which grips: R leaves the base.
+#[test]
+fn a_corner_that_slid_until_the_other_one_landed_has_lifted() {
+    for (epsilon, lifts) in [(0.0, 1), (0.6, 2)] {
+        let block = block(&Common { foundation: Foundation::Rigid, epsilon, ..Common::default() });
+        let pose = Pose {
+            time: 0.0,
+            state: State::from([0.0, -0.4, 0.0, 0.0]),
+            contacts: Contacts::touching([false, true], 0.0),
+            footing: Footing::Free { u: 0.0, u_dot: -0.4 * block.h },
+        };
+        let Transition { pose: after, happened, counts, .. } =
+            transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
+        assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+        assert!(!after.contacts.touches(Corner::Right), "{after:?}");
+        assert_eq!(after.contacts.touches(Corner::Left), lifts == 1, "{after:?}");
+        assert_eq!([counts.impacts, counts.liftoffs], [1, lifts]);
+    }
+}
+
+/// The initial sensitivity finds the slide of a block that slides from the first instant.
+///
+/// R is at the free height of its support, without load. The ground moves so fast that R would lift while gripping, and land
+/// again when released.
+#[test]
+fn the_initial_sensitivity_finds_a_slide_from_the_first_instant() {
+    let block = block(&Common::default());
+    let (theta, a_gx) = (0.05, 30.0);
+    let (sin, cos) = libm::sincos(theta);
+    let v = block.static_deflection() + block.b * sin - block.h * sin * sin / (1.0 + cos);
+    let initial = Initial { theta, theta_dot: 0.0, vertical: Some((v, 0.0)) };
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let inputs = Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() };
+    let simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+    let expected = simulation.observe(&inputs);
+    assert_eq!((expected.regime, expected.horizontal), (Regime::TiltingRight, 0.0));
+    assert!((expected.u_ddot + a_gx).abs() < 1e-12, "{expected:?}");
+
+    let excitation = excitation(&block, a_gx);
+    let start = Start { block, initial, forcing: excitation.at(0.0) };
+    let InitialSensitivity { goes_on: (regime, x), support_heights, .. } =
+        system(block).initial_sensitivity(&initial, 0.0, &excitation, &start);
+    assert_eq!(observe(&block, regime, &x, support_heights, start.forcing), expected);
+}
+
+/// Corners drawn up faster than their supports can follow leave at once, and the supports stay below them.
+#[test]
+fn supports_are_where_the_corners_have_just_left_them() {
+    let block = block(&Common::default());
+    let initial = Initial { theta: 0.01, theta_dot: 0.0, vertical: Some((0.0, 4.0)) };
+    let excitation = excitation(&block, 0.0);
+    let pose = system(block).beginning(&initial, 0.0, &excitation);
+    assert_eq!(pose.contacts.regime(), Regime::Separated);
+    let start = Start { block, initial, forcing: excitation.at(0.0) };
+    let InitialSensitivity { support_heights, .. } =
+        system(block).initial_sensitivity(&initial, 0.0, &excitation, &start);
+    for (corner, found) in Corner::BOTH.into_iter().zip(support_heights) {
+        let expected = pose.contacts.top(corner, &block, 0.0).value;
+        assert!(expected < 0.5 * block.static_deflection(), "{expected}");
+        assert!((found - expected).abs() < 1e-15, "{corner:?}: {found} m, expected {expected} m");
+    }
+}
+
+/// A transition evaluates the block once per tried regime.
+#[test]
+fn evaluations_in_transitions_are_counted() {
+    let block = block(&Common::default());
+    // R has just lost its load and rises.
+    let [theta_dot, height] = [-0.3, block.static_deflection()];
+    let pose = Pose {
+        time: 0.0,
+        state: State::from([-0.1, theta_dot, height - block.b * libm::sin(0.1), 0.0]),
+        contacts: Contacts::FULL,
+        footing: Footing::AT_START,
+    };
+    let Transition { pose: after, counts, .. } =
+        transition(&system(block), &pose, 0.0, Surface::Reaction(Corner::Right));
+    assert_eq!((after.contacts.regime(), counts.evaluations), (Regime::TiltingLeft, 1));
+}
+
+/// Evaluations beyond start, steps, event and transition are of the dense output, three per step that needs it.
+#[test]
+fn evaluations_are_those_of_steps_events_and_dense_output() {
+    // The block falls on L and stays, or onto its right side.
+    for (theta, landings) in [(0.3, 1), (1.0, 0)] {
+        let common = Common { foundation: Foundation::Rigid, restitution_factor: 0.0, ..Common::default() };
+        let initial = Initial { theta, ..Initial::default() };
+        let inputs = Inputs::default();
+        let mut simulation = Simulation::new(block(&common), Settings::default(), Pulse::NONE, &initial, 0.0, &inputs);
+        let mut events = 0;
+        simulation.advance(1e3, &inputs, &mut |_| events += 1).unwrap();
+        let Counts { impacts, steps, rejected, evaluations, .. } = simulation.counts();
+        assert_eq!((events, impacts), (1, landings));
+        let rest = evaluations as i64 - 1 - 11 * (steps + rejected) as i64 - 1 - i64::from(landings);
+        assert!(rest % 3 == 0 && (3..=3 * steps as i64).contains(&rest), "{rest} of {:?}", simulation.counts());
+    }
+}

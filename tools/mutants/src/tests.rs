@@ -1,0 +1,181 @@
+//! The rewritten copy → programs of tests → whether one of them notices a mutant.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// Variables of a test's environment: the same random cases for every mutant, a few of them, and no time for smaller ones.
+const ENVIRONMENT: [(&str, &str); 2] =
+    [("PROPTEST_MAX_SHRINK_ITERS", "0"), ("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true")];
+
+/// A mutant that makes a test take this many times as long, and more than [`LEAST_TIMEOUT`], is noticed by that.
+const TIMEOUT: u32 = 20;
+
+const LEAST_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Memory that a test may take (KiB): a mutant may make a loop endless in which something grows.
+const MEMORY: u64 = 8 << 20;
+
+/// An error of the compiler.
+pub struct CompileError {
+    /// The file, in the copy.
+    pub file: String,
+    /// Places in it, in bytes, the most important first.
+    pub places: Vec<std::ops::Range<usize>>,
+    pub code: String,
+    pub text: String,
+}
+
+/// The tests of a module in a program of tests, or all tests of a program without modules.
+pub struct Program {
+    pub name: String,
+    path: PathBuf,
+    filter: Option<String>,
+    folder: PathBuf,
+    timeout: Duration,
+}
+
+pub enum Verdict {
+    Passed,
+    Failed,
+    TimedOut,
+}
+
+/// Why the copy does not compile; nothing, if it does.
+pub fn check(folder: &Path, out: &Path) -> Result<Vec<CompileError>, String> {
+    let mut command = cargo(folder, &out.join("checked"), true)?;
+    command.args(["check", "--lib", "--features", "lanes"]);
+    let (messages, status) = messages(command)?;
+    let errors: Vec<CompileError> = messages.iter().filter_map(|message| error(&message["message"])).collect();
+    match status.success() || !errors.is_empty() {
+        true => Ok(errors),
+        false => Err(format!("cargo check: {status}")),
+    }
+}
+
+/// Compiles the copy with these tests: `lib`, programs such as `system`, or modules such as `simulation::physics`. Modules in
+/// `skip` run only by their own name. FMUs are packed if `abi` or `fmi3`, which load them, are among the tests.
+pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Result<Vec<Program>, String> {
+    let wanted: BTreeSet<&str> = tests.iter().map(|test| test.split("::").next().unwrap_or(test)).collect();
+    let fmus = wanted.contains("abi") || wanted.contains("fmi3");
+    let mut command = cargo(folder, &out.join(if fmus { "with-fmus" } else { "without-fmus" }), !fmus)?;
+    command.args(["test", "--no-run", "--features", "fmu,lanes"]);
+    for test in &wanted {
+        match *test {
+            "lib" => command.arg("--lib"),
+            test => command.args(["--test", test]),
+        };
+    }
+    let (messages, status) = messages(command)?;
+    if !status.success() {
+        return Err(format!("cargo test: {status}"));
+    }
+    let mut programs = Vec::new();
+    for message in &messages {
+        let Some(path) = message["executable"].as_str().filter(|_| message["profile"]["test"] == true) else { continue };
+        let target = &message["target"];
+        let name = if target["kind"][0] == "test" { text(&target["name"]) } else { "lib".into() };
+        for module in modules(&name, path)? {
+            let full = module.as_ref().map_or(name.clone(), |module| format!("{name}::{module}"));
+            let skipped = module.as_ref().is_some_and(|module| skip.contains(module));
+            if tests.contains(&full) || tests.contains(&name) && !skipped {
+                let filter = module.map(|module| format!("{module}::"));
+                programs.push(Program {
+                    name: full,
+                    path: path.into(),
+                    filter,
+                    folder: folder.into(),
+                    timeout: Duration::MAX,
+                });
+            }
+        }
+    }
+    Ok(programs)
+}
+
+/// Returns the modules of a program's tests, or one `None` if it has tests outside of modules or is the library.
+fn modules(name: &str, path: &str) -> Result<BTreeSet<Option<String>>, String> {
+    let listed = Command::new(path).args(["--list", "--format=terse"]).output().map_err(|e| format!("{path}: {e}"))?;
+    let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+    let modules: Option<BTreeSet<_>> =
+        listed.lines().map(|line| line.split_once("::").map(|(module, _)| Some(module.to_string()))).collect();
+    Ok(modules.filter(|_| name != "lib").unwrap_or_else(|| BTreeSet::from([None])))
+}
+
+/// Cargo in the copy, with a target folder of its own, since what its build script does depends on whether FMUs are packed.
+fn cargo(folder: &Path, target: &Path, inner: bool) -> Result<Command, String> {
+    let target = std::path::absolute(target).map_err(|e| format!("{}: {e}", target.display()))?;
+    let mut command = Command::new("cargo");
+    command.current_dir(folder).env("CARGO_TARGET_DIR", target).env_remove("ROCKING_BLOCK_INNER");
+    if inner {
+        command.env("ROCKING_BLOCK_INNER", "1");
+    }
+    Ok(command)
+}
+
+/// What cargo tells.
+fn messages(mut command: Command) -> Result<(Vec<Value>, ExitStatus), String> {
+    command.args(["--locked", "--message-format=json", "--no-default-features"]).stderr(Stdio::inherit());
+    let output = command.output().map_err(|e| format!("cargo does not start: {e}"))?;
+    let lines = String::from_utf8_lossy(&output.stdout);
+    let messages = lines.lines().map(|line| serde_json::from_str(line).map_err(|e| format!("{line}: {e}")));
+    let messages: Vec<Value> = messages.collect::<Result<_, _>>()?;
+    Ok((messages, output.status))
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_string()
+}
+
+/// An error with its places; none where there is no place, as in the last one, which counts the others.
+fn error(message: &Value) -> Option<CompileError> {
+    if message["level"] != "error" {
+        return None;
+    }
+    let mut spans: Vec<&Value> = message["spans"].as_array()?.iter().collect();
+    spans.sort_by_key(|span| span["is_primary"] != true);
+    let file = text(&spans.first()?["file_name"]);
+    let byte = |value: &Value| value.as_u64().unwrap_or_default() as usize;
+    let places = spans.iter().filter(|span| span["file_name"] == file.as_str());
+    let places = places.map(|span| byte(&span["byte_start"])..byte(&span["byte_end"])).collect();
+    Some(CompileError { file, places, code: text(&message["code"]["code"]), text: text(&message["rendered"]) })
+}
+
+impl Program {
+    /// Without a mutant all tests pass; how long they take says when one with a mutant takes too long.
+    pub fn measure(&mut self) -> Result<Duration, String> {
+        let start = Instant::now();
+        match self.run(0)? {
+            Verdict::Passed => {}
+            Verdict::Failed | Verdict::TimedOut => return Err(format!("{} fails without a mutant", self.name)),
+        }
+        let time = start.elapsed();
+        self.timeout = (TIMEOUT * time).max(LEAST_TIMEOUT);
+        Ok(time)
+    }
+
+    /// Runs the tests with a mutant.
+    pub fn run(&self, mutant: u32) -> Result<Verdict, String> {
+        let failed = |e: std::io::Error| format!("{}: {e}", self.path.display());
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("ulimit -v {MEMORY} && exec \"$0\" \"$@\" --test-threads=1 --quiet")]);
+        command.arg(&self.path).args(&self.filter);
+        command.envs(ENVIRONMENT).env("MUTANT", mutant.to_string()).current_dir(&self.folder);
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let start = Instant::now();
+        let mut child = command.spawn().map_err(failed)?;
+        loop {
+            if let Some(status) = child.try_wait().map_err(failed)? {
+                return Ok(if status.success() { Verdict::Passed } else { Verdict::Failed });
+            }
+            if start.elapsed() > self.timeout {
+                child.kill().and_then(|()| child.wait()).map_err(failed)?;
+                return Ok(Verdict::TimedOut);
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
