@@ -22,6 +22,8 @@
 //! | [`figures`] | numbers of figures → pictures with their tables |
 //! | [`shell`] | command line → completions, manual pages |
 
+#![expect(rustdoc::broken_intra_doc_links, reason = "help texts give units in brackets")]
+
 mod choices;
 
 mod explicit_options;
