@@ -13,6 +13,7 @@
 //! | [`accelerograms`] | options, files → records |
 //! | [`excitation`] | options → records and a pulse |
 //! | [`run_options`] | options shared by commands → settings, a table of many runs |
+//! | [`block_options`] | options of a single block → a block |
 //! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
@@ -45,6 +46,8 @@ mod accelerograms;
 mod excitation;
 
 mod run_options;
+
+mod block_options;
 
 mod summary;
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, Parser};
 
+use crate::block_options::BlockOptions;
 use crate::checks::{check, check_friction, check_tolerance, checked};
 use crate::choices;
 use crate::excitation::{Excitation, ExcitationOptions};
@@ -13,9 +14,8 @@ use crate::formats::{PictureOptions, check_table};
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles};
-use crate::run_options::warn_of_soft_supports;
 use crate::summary::Summary;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::Foundation;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
 use rocking_block::words::Words;
 use rocking_charts::picture::PictureFormat;
@@ -69,53 +69,6 @@ pub struct Options {
     quiet: bool,
     #[command(flatten)]
     report: ReportOptions,
-}
-
-#[derive(Args)]
-#[command(next_help_heading = "Block")]
-struct BlockOptions {
-    /// Slenderness angle alpha [rad]
-    #[arg(long, value_name = "RAD", default_value_t = 0.25)]
-    alpha: f64,
-    /// Frequency parameter p [rad/s]
-    #[arg(long, value_name = "RAD/S", default_value_t = 1.0)]
-    p: f64,
-    /// Stiffness ratio eta = omega_v/p of the supports
-    #[arg(long, default_value_t = 40.0)]
-    eta: f64,
-    /// Vertical damping ratio xi_v of the supports
-    #[arg(long, default_value_t = 0.1)]
-    xi_v: f64,
-    /// Width of the base; with --height, --stiffness, --damping and --mass it replaces alpha, p, eta and xi_v [m]
-    #[arg(long, value_name = "M")]
-    width: Option<f64>,
-    /// Twice the height of the centre of mass above the base [m]
-    #[arg(long, value_name = "M")]
-    height: Option<f64>,
-    /// Stiffness K of one support; not on a rigid base [N/m]
-    #[arg(long, value_name = "N/M")]
-    stiffness: Option<f64>,
-    /// Damping C of one support; not on a rigid base [N.s/m]
-    #[arg(long, value_name = "N.S/M")]
-    damping: Option<f64>,
-    /// Mass M; it changes the motion only together with --stiffness [kg]
-    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
-    mass: f64,
-    /// Shape factor gamma = M R0²/I0
-    #[arg(long, default_value_t = Common::default().gamma)]
-    gamma: f64,
-    /// Restitution epsilon of the landing corner, from 0 to 1
-    #[arg(long, default_value_t = Common::default().epsilon)]
-    epsilon: f64,
-    /// Gravitational acceleration, also for records in g [m/s2]
-    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
-    g: f64,
-    /// Foundation under the block
-    #[arg(long, value_parser = choices::foundation(), default_value = Foundation::Viscoelastic.word())]
-    foundation: Foundation,
-    /// Factor on Housner's restitution e of the rigid base; their product is at most 1
-    #[arg(long, value_name = "FACTOR", default_value_t = Common::default().restitution_factor)]
-    restitution_factor: f64,
 }
 
 #[derive(Args)]
@@ -188,28 +141,19 @@ impl Options {
 
     /// Refuses options without effect.
     fn refuse_unread(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-        let on_supports = match self.block.foundation {
-            Foundation::Viscoelastic => true,
-            Foundation::Rigid => false,
-        };
-        let of_supports = ["eta", "xi-v", "stiffness", "damping", "v", "v-dot"];
-        explicit.refuse_unless(on_supports, &of_supports, "on a rigid base")?;
-        let needed = "on viscoelastic supports; expected --foundation rigid";
-        explicit.refuse_unless(!on_supports, &["restitution-factor"], needed)?;
-        explicit.refuse_unless(self.block.width.is_none(), &["alpha", "p", "eta", "xi-v"], "with --width")?;
-        explicit.refuse_unless(self.block.width.is_some(), &["height", "stiffness", "damping"], "without --width")?;
+        self.block.refuse_unread(explicit)?;
+        let on_supports = self.block.foundation() == Foundation::Viscoelastic;
+        explicit.refuse_unless(on_supports, &["v", "v-dot"], "on a rigid base")?;
         explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
         explicit.refuse_unless(!self.quiet, &["events", "friction"], "with --quiet")
     }
 
     /// Returns the run and a description of its excitation.
     fn run(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Run, String)> {
-        let block = self.block()?;
-        let has_mass = self.block.stiffness.is_none() || explicit.has("mass");
-        anyhow::ensure!(has_mass, "--stiffness without --mass; expected both, since eta and xi_v depend on the mass");
-        warn_of_soft_supports(&block);
+        let block = self.block.block(explicit)?;
         let embedded = self.embedded(explicit)?;
-        let Excitation { ground, pulse, mut description } = self.excitation.read(explicit, self.block.g, embedded)?;
+        let Excitation { ground, pulse, mut description } =
+            self.excitation.read(explicit, self.block.gravity(), embedded)?;
         if description.is_empty() {
             description = "free motion".into();
         }
@@ -243,30 +187,9 @@ impl Options {
             return Ok(None);
         }
         let (name, bytes) = EMBEDDED;
-        let options = ReadOptions { gravity: self.block.g, ..ReadOptions::default() };
+        let options = ReadOptions { gravity: self.block.gravity(), ..ReadOptions::default() };
         let record = rocking_records::parse(name, bytes, &options)?;
         Ok(Some(Record { title: format!("{name}: {}", record.title), ..record }))
-    }
-
-    fn block(&self) -> anyhow::Result<Block> {
-        let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } =
-            self.block;
-        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
-        let BlockOptions { width: Some(width), height, stiffness, damping, .. } = self.block else {
-            return Ok(Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?);
-        };
-        let height = height.context("--width without --height; expected both")?;
-        let (stiffness, damping) = match (foundation, stiffness, damping) {
-            (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
-            (Foundation::Viscoelastic, ..) => {
-                anyhow::bail!(
-                    "--width without --stiffness and --damping; expected both and --mass, or --foundation rigid"
-                )
-            }
-            // The rigid base reads neither; these make a valid block.
-            (Foundation::Rigid, ..) => (mass * g / height, 0.0),
-        };
-        Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?)
     }
 }
 
