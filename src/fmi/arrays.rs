@@ -1,6 +1,6 @@
-//! Arrays, places and texts of the importer → slices and rooms.
+//! The importer's pointers → slices, strings and places for results.
 //!
-//! What is asked of the importer and what is not is said in [`boundary`](crate::fmi::boundary).
+//! [`boundary`](crate::fmi::boundary) lists the importer's obligations.
 
 use std::borrow::Cow;
 use std::ffi::{CStr, c_char};
@@ -11,7 +11,7 @@ use libc::size_t;
 
 use crate::unit::fault::Fault;
 
-/// Refuses what cannot be an array of `count` elements.
+/// Refuses a pointer that cannot be an array of `count` elements.
 fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> {
     if pointer.is_null() {
         return Err(Fault::new(format!("{name} is NULL; expected {count} elements")));
@@ -26,7 +26,7 @@ fn usable<T>(name: &str, pointer: *const T, count: size_t) -> Result<(), Fault> 
     Ok(())
 }
 
-/// An array that is only read.
+/// Returns an array for reading.
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that nothing changes meanwhile (standard, 2.1.7).
@@ -35,21 +35,21 @@ pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Resul
         return Ok(&[]);
     }
     usable(name, pointer, count)?;
-    // SAFETY: not null, aligned and of a length that exists; by contract as many elements as it says (standard, 2.1.7).
+    // SAFETY: not null, aligned and of a possible length; by contract `count` elements (standard, 2.1.7).
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// Room for results in the importer's memory. Nothing is read of it: the importer need not have written it.
+/// The importer's memory for results. It is never read, since it may be uninitialized.
 pub struct Room<'a, T> {
     pointer: *mut T,
     count: usize,
     memory: PhantomData<&'a mut [MaybeUninit<T>]>,
 }
 
-/// An array that is only written.
+/// Returns an array for writing.
 ///
 /// # Safety
-/// `pointer` is null or points to room for `count` elements that nothing else touches meanwhile (standard, 2.1.7), but for
+/// `pointer` is null or points to memory for `count` elements that nothing else uses meanwhile (standard, 2.1.7), except
 /// arrays that are read by [`Room::read_beside`].
 pub unsafe fn room<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<Room<'a, T>, Fault> {
     if count > 0 {
@@ -59,7 +59,7 @@ pub unsafe fn room<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<
 }
 
 impl<'a, T> Room<'a, T> {
-    /// An array that is read while this room is written: itself, or a copy of it where the two share memory.
+    /// Returns an array for reading while this one is written: a copy if the two share memory.
     ///
     /// # Safety
     /// As for [`read`].
@@ -69,24 +69,24 @@ impl<'a, T> Room<'a, T> {
         pointer: *const U,
         count: size_t,
     ) -> Result<Cow<'a, [U]>, Fault> {
-        // SAFETY: by contract; where it shares memory with this room the slice is gone before anything is written.
+        // SAFETY: by contract; a slice that shares memory with this array is dropped before anything is written.
         let array = unsafe { read(name, pointer, count) }?;
         let (here, there) = (self.pointer.addr(), array.as_ptr().addr());
         let apart = here + self.count * size_of::<T>() <= there || there + size_of_val(array) <= here;
         Ok(if apart || self.count == 0 { Cow::Borrowed(array) } else { Cow::Owned(array.to_vec()) })
     }
 
-    /// The elements.
+    /// Returns the elements.
     pub fn places(&mut self) -> &mut [MaybeUninit<T>] {
         if self.count == 0 {
             return &mut [];
         }
-        // SAFETY: not null, aligned and of a length that exists (see `room`); by its contract room for as many elements
-        // (standard, 2.1.7), of which nothing is assumed, and by that of `read_beside` no slice shares it.
+        // SAFETY: not null, aligned and of a possible length (see `room`); by its contract memory for `count` elements
+        // (standard, 2.1.7), whose content is not assumed, and by that of `read_beside` no slice shares it.
         unsafe { std::slice::from_raw_parts_mut(self.pointer.cast(), self.count) }
     }
 
-    /// Writes the one element of a room for one.
+    /// Writes a single result.
     pub fn put(mut self, value: T) {
         if let [place] = self.places() {
             place.write(value);
@@ -95,7 +95,7 @@ impl<'a, T> Room<'a, T> {
 }
 
 impl Room<'_, u8> {
-    /// Copies bytes to the beginning of the room.
+    /// Copies bytes to the beginning of the array.
     pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let (found, needed) = (self.count, bytes.len());
         let places = self.places().get_mut(..needed);
@@ -105,7 +105,7 @@ impl Room<'_, u8> {
     }
 }
 
-/// A single place for a result.
+/// Returns the place for a single result.
 ///
 /// # Safety
 /// As for [`room()`], with one element.
@@ -117,26 +117,26 @@ pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<Room<'a, T>, F
     unsafe { room(name, pointer, 1) }
 }
 
-/// A text of C.
+/// Returns a C string.
 ///
 /// # Safety
-/// `pointer` is null or points to a text that ends with 0 (standard, 2.1.2) and that nothing changes meanwhile.
+/// `pointer` is null or points to a string that ends with 0 (standard, 2.1.2) and that nothing changes meanwhile.
 pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
-    // SAFETY: not null here, and by contract a text that ends with 0 (standard, 2.1.2).
+    // SAFETY: not null here, and by contract a string that ends with 0 (standard, 2.1.2).
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
-/// The texts of an array.
+/// Returns the strings of an array.
 ///
 /// # Safety
-/// As for [`read`], and each element is null or points to a text that ends with 0 (standard, 2.1.2) and stays meanwhile.
+/// As for [`read`], and each element is null or points to a string that ends with 0 (standard, 2.1.2) and does not change meanwhile.
 pub unsafe fn texts<'a>(name: &str, pointer: *const *const c_char, count: size_t) -> Result<Vec<&'a str>, Fault> {
-    // SAFETY: by contract an array of as many pointers (standard, 2.1.5).
+    // SAFETY: by contract an array of `count` pointers (standard, 2.1.5).
     let pointers = unsafe { read(name, pointer, count) }?;
     pointers
         .iter()
         .map(|&pointer| {
-            // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2).
+            // SAFETY: by contract null or a string that ends with 0 (standard, 2.1.2).
             let text =
                 unsafe { text(pointer) }.ok_or_else(|| Fault::new(format!("{name} holds NULL; expected texts")))?;
             text.to_str().map_err(|_| Fault::new(format!("{name} holds {text:?}; expected UTF-8")))
@@ -148,7 +148,7 @@ pub unsafe fn texts<'a>(name: &str, pointer: *const *const c_char, count: size_t
 mod tests {
     use super::*;
 
-    /// Whatever shares memory with the room is read before it is written.
+    /// An array that shares memory with the results is copied before these are written.
     #[test]
     fn arrays_may_overlap() {
         let mut memory = [1.0, 2.0, 3.0, 4.0, 5.0];

@@ -1,29 +1,27 @@
 //! Pointers from C → references; panics and faults → a status and a message. For all versions of FMI.
 //!
-//! All that the exported functions do with pointers is here, in [`arrays`](crate::fmi::arrays), or in the `boundary` of their
-//! version. What the standards (2.0.4, of whose sections the numbers are where none is named, and 3.0.1) have the importer
-//! answer for:
+//! Pointers are handled only here, in [`arrays`](crate::fmi::arrays), and in the `boundary` of each version. Section numbers are
+//! those of FMI 2.0.4 unless 3.0.1 is named. The importer's obligations by the standards:
 //!
-//! - an instance is used between its instantiation and its being freed only (2.1.5; 3.0.1, 2.3.1);
-//! - arrays hold as many elements as their counts say (2.1.7; 3.0.1, 2.2.6), texts end with 0 (2.1.2; 3.0.1, 2.2.1), and
-//!   both stay as they are during a call;
-//! - a state that is handed over was made by this FMU and not freed (2.1.8; 3.0.1, 2.2.7).
+//! - an instance is used only between instantiation and `FreeInstance` (2.1.5; 3.0.1, 2.3.1);
+//! - arrays have the given number of elements (2.1.7; 3.0.1, 2.2.6), strings end with 0 (2.1.2; 3.0.1, 2.2.1), and neither
+//!   changes during a call;
+//! - a saved state was made by this FMU and has not been freed (2.1.8; 3.0.1, 2.2.7).
 //!
-//! What is not left to the importer:
+//! Handled here:
 //!
-//! - **Calls within a call.** The logger may call functions of its own instance, and so may another thread. While a call
-//!   is under way, any other on the same instance gets the status for an error, without a message, and changes nothing; a call that
-//!   frees the instance does nothing. Only between the pieces of a step, where FMI 3.0 lets the importer look in, calls
-//!   are taken; see [`call_in_pieces`].
-//! - **Memory that was never written.** Results go into [`Room`]s, of which nothing is read.
-//! - **Arrays that overlap,** such as a direction and its sensitivities in one array: all is read before anything is
+//! - **Calls within a call.** The logger, or another thread, may call functions of an instance that is in use. Such a call
+//!   returns the error status without a message and changes nothing; freeing does nothing. Only the intermediate updates of
+//!   FMI 3.0 admit calls; see [`call_in_pieces`].
+//! - **Uninitialized memory.** Results go into [`Room`]s, which are never read.
+//! - **Overlapping arrays,** such as a direction and its sensitivities in one array: inputs are read before results are
 //!   written.
-//! - **Panics** are caught here, and the instance refuses every call from then on.
+//! - **Panics** are caught, and the instance refuses every later call.
 //!
-//! **Exceptions** must not leave a callback: C has none. One that does (of C++, say, or a panic of a Rust host) is no
-//! undefined behaviour, since callbacks are called as `extern "C-unwind"` and unwinding is caught here: it ends the process with a
-//! message, or where this library and the host share a Rust runtime, the instance. A `longjmp` out of a callback is undefined
-//! behaviour and forbidden: it would skip what the frames in between have to put back.
+//! **Exceptions** must not leave a callback, since C has none. One that does (of C++, or a panic of a Rust host) is not undefined
+//! behaviour, since callbacks are called as `extern "C-unwind"` and unwinding is caught here: it ends the process with a message
+//! or, if the library and the host share a Rust runtime, makes the instance unusable. A `longjmp` out of a callback is undefined
+//! behaviour and forbidden: it would skip the clean-up of the frames in between.
 
 use std::ffi::c_void;
 use std::ops::ControlFlow;
@@ -36,16 +34,16 @@ use crate::fmi::{Call, Status, Version};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 
-/// No call is under way.
+/// No call is in progress.
 const FREE: u8 = 0;
 /// A call has the instance.
 const BUSY: u8 = 1;
-/// A step is under way, and has let go of the instance while the importer looks in.
+/// A step is in progress and has released the instance for an intermediate update.
 const LENT: u8 = 2;
 
-/// What the importer's handle points to.
+/// The target of the importer's handle.
 struct Outer<V: Version> {
-    /// [`FREE`], [`BUSY`] or [`LENT`]. The only part that two calls may look at at once.
+    /// [`FREE`], [`BUSY`] or [`LENT`]. The only field that two calls may access at the same time.
     turn: AtomicU8,
     instance: Instance<V>,
 }
@@ -53,19 +51,20 @@ struct Outer<V: Version> {
 /// The right to use an instance, for one call at a time.
 struct Turn<'a> {
     turn: &'a AtomicU8,
-    /// What it is when this call has ended.
+    /// Its value after this call.
     after: u8,
 }
 
 impl Turn<'_> {
-    /// `None` while another call has it, or if it is in none of these states.
+    /// Takes the turn, or returns `None` if it is in none of the states `from`.
     fn take<'a>(turn: &'a AtomicU8, from: &[u8]) -> Option<Turn<'a>> {
         let taken = |&after: &u8| turn.compare_exchange(after, BUSY, Ordering::Acquire, Ordering::Relaxed).ok();
         from.iter().find_map(taken).map(|after| Turn { turn, after })
     }
 
-    /// Runs `act` while other calls may have the instance. One that is still under way in another thread afterwards, which
-    /// no standard allows, is waited for.
+    /// Runs `act` while other calls may use the instance.
+    ///
+    /// Waits for a call that another thread has not ended by then, which no standard allows.
     fn lend<R>(&self, act: impl FnOnce() -> R) -> R {
         self.turn.store(LENT, Ordering::Release);
         let result = act();
@@ -82,10 +81,10 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
+/// Runs a call on an instance: checks the handle, the turn and the state, and turns faults and panics into a status and a message.
 ///
 /// # Safety
-/// `handle` is null or comes from [`create`] for the same version and was not freed.
+/// `handle` is null or comes from [`create`] for the same version and has not been freed.
 pub unsafe fn call<V: Version>(
     handle: *mut c_void,
     call: V::Call,
@@ -95,18 +94,20 @@ pub unsafe fn call<V: Version>(
     if outer.is_null() {
         return Status::Error;
     }
-    // SAFETY: not null, so by contract an instance that lives (standard, 2.1.5). The reference is to `turn` alone, which is
-    // shared by all calls and never borrowed in another way.
+    // SAFETY: not null, so by contract a live instance (standard, 2.1.5). The reference is to `turn` alone, which all calls
+    // share and never borrow mutably.
     let turn = unsafe { &(*outer).turn };
     let Some(_turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
-    // SAFETY: as before, and until `_turn` is dropped no other call comes as far as here, nor does `free`, so that
-    // this is the only reference to the part `instance` (standard, 2.1: one instance need not be safe for threads).
+    // SAFETY: as before; until `_turn` is dropped, neither another call nor `free` gets this far, so that this is the only
+    // reference to the field `instance` (standard, 2.1: one instance need not be thread-safe).
     let instance = unsafe { &mut (*outer).instance };
     guarded(instance, call, act)
 }
 
-/// Runs a call in pieces, as [`call`] does each. `piece` ends the call, or asks for something that `between` gives it; during
-/// `between` the instance is not borrowed, and other calls on it are taken if its state allows them.
+/// Runs a call in pieces, each as [`call`] does.
+///
+/// `piece` ends the call or makes a request, which `between` answers. The instance is not borrowed during `between`, so that
+/// other calls are admitted if its state allows them.
 ///
 /// # Safety
 /// As for [`call`].
@@ -127,7 +128,7 @@ pub unsafe fn call_in_pieces<V: Version, Asked, Given>(
     let mut admitted = false;
     loop {
         let mut asked = None;
-        // SAFETY: as in `call`; while the turn is lent below, this reference is gone.
+        // SAFETY: as in `call`; this reference is dropped before the turn is lent below.
         let instance = unsafe { &mut (*outer).instance };
         let act = |instance: &mut Instance<V>| {
             Ok(match piece(instance, given.take())? {
@@ -138,7 +139,7 @@ pub unsafe fn call_in_pieces<V: Version, Asked, Given>(
                 }
             })
         };
-        // The state is that of the importer's look from the second piece on.
+        // From the second piece on, the state is that of an intermediate update, where the call itself is illegal.
         let status = if admitted { guarded_always(instance, call, act) } else { guarded(instance, call, act) };
         admitted = true;
         let Some(asked) = asked else { return status };
@@ -153,7 +154,7 @@ pub unsafe fn call_in_pieces<V: Version, Asked, Given>(
     }
 }
 
-/// Runs `act` if the state allows the call, and lets no panic out.
+/// Runs `act` if the state allows the call, and catches panics.
 pub(crate) fn guarded<V: Version>(
     instance: &mut Instance<V>,
     call: V::Call,
@@ -165,7 +166,7 @@ pub(crate) fn guarded<V: Version>(
     })
 }
 
-/// Runs `act` and lets no panic out.
+/// Runs `act` and catches panics.
 fn guarded_always<V: Version>(
     instance: &mut Instance<V>,
     call: V::Call,
@@ -181,7 +182,7 @@ fn guarded_always<V: Version>(
     }
 }
 
-/// What becomes of an instance after a fault or a panic: one function for all calls, of which each is compiled apart.
+/// Logs a fault or a panic and returns its status. Not generic over the call, so that it is compiled once for each version.
 #[cold]
 fn failed<V: Version>(instance: &mut Instance<V>, call: V::Call, reason: std::thread::Result<Fault>) -> Status {
     let (status, message) = match reason {
@@ -212,7 +213,7 @@ fn panic_reason(panic: &(dyn std::any::Any + Send)) -> &str {
         .unwrap_or("no reason given")
 }
 
-/// Makes an instance's handle, or null if there is none or a panic was caught.
+/// Makes an instance's handle, or null if `make` refuses or panics.
 pub fn create<V: Version>(make: impl FnOnce() -> Option<Instance<V>>) -> *mut c_void {
     let created = catch_unwind(AssertUnwindSafe(|| {
         make().map(|instance| Box::new(Outer { turn: AtomicU8::new(FREE), instance }))
@@ -223,34 +224,34 @@ pub fn create<V: Version>(make: impl FnOnce() -> Option<Instance<V>>) -> *mut c_
     }
 }
 
-/// Frees an instance: nothing for null, and nothing from within a call on the instance, which goes on using it.
+/// Frees an instance. Does nothing for null or from within a call on the instance.
 ///
 /// # Safety
-/// As for [`call`]; unless a call is under way the instance is gone afterwards.
+/// As for [`call`]; unless a call is in progress, the handle is invalid afterwards.
 pub unsafe fn free<V: Version>(handle: *mut c_void) {
     let outer = handle.cast::<Outer<V>>();
     if outer.is_null() {
         return;
     }
-    // SAFETY: not null, so by contract an instance that lives (standard, 2.1.5); as in `call`, of `turn` alone.
+    // SAFETY: not null, so by contract a live instance (standard, 2.1.5); as in `call`, a reference to `turn` alone.
     let Some(turn) = Turn::take(unsafe { &(*outer).turn }, &[FREE]) else { return };
-    // The turn is not given back: it goes with the instance.
+    // The turn is not returned: it is freed with the instance.
     std::mem::forget(turn);
-    // SAFETY: `create` made it from a box, no call is under way, and by contract none follows (standard, 2.1.5).
+    // SAFETY: `create` made it from a box, no call is in progress, and by contract none follows (standard, 2.1.5).
     drop(unsafe { Box::from_raw(outer) });
 }
 
-/// Saves the state: a new one, or the present one written over the state that `*state` points to.
+/// Saves the state: as a new one, or over the state that `*state` points to.
 ///
 /// # Safety
-/// `state` is null or points to null or to a state of this FMU that was not freed (standard, 2.1.8).
+/// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
 pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_void) -> Answer {
-    // SAFETY: by contract a place that nothing else touches meanwhile (standard, 2.1.8).
+    // SAFETY: by contract a place that nothing else uses meanwhile (standard, 2.1.8).
     let place = unsafe { place("FMUstate", state) }?;
     // SAFETY: not null (see `place`), and by contract set to null or a state (standard, 2.1.8).
     let saved = unsafe { state.read() }.cast::<Unit>();
-    // SAFETY: by contract null or a state that was not freed (standard, 2.1.8); no other call holds a reference to it, since
-    // none lasts longer than its call.
+    // SAFETY: by contract null or a state that has not been freed (standard, 2.1.8); no other call holds a reference to it, since
+    // no reference outlives its call.
     match unsafe { saved.as_mut() } {
         Some(saved) => *saved = instance.unit.clone(),
         None => place.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
@@ -258,33 +259,33 @@ pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_v
     Ok(Status::Ok)
 }
 
-/// A saved state.
+/// Returns a saved state.
 ///
 /// # Safety
 /// `state` is null or a state of this FMU that is not freed or written meanwhile (standard, 2.1.8).
 pub unsafe fn state<'a>(state: *mut c_void) -> Result<&'a Unit, Fault> {
-    // SAFETY: by contract null or a state that lives (standard, 2.1.8).
+    // SAFETY: by contract null or a live state (standard, 2.1.8).
     unsafe { state.cast::<Unit>().as_ref() }.ok_or_else(|| Fault::new("FMUstate is NULL; expected a saved state"))
 }
 
-/// Frees the state and forgets the pointer; nothing for null.
+/// Frees a state and sets its pointer to null. Does nothing for null.
 ///
 /// # Safety
-/// `state` is null or points to null or to a state of this FMU that was not freed (standard, 2.1.8).
+/// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
 pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
     if state.is_null() {
         return Ok(Status::Ok);
     }
-    // SAFETY: by contract a pointer that is set and that nothing else touches meanwhile (standard, 2.1.8).
+    // SAFETY: by contract an initialized pointer that nothing else uses meanwhile (standard, 2.1.8).
     let saved = unsafe { state.replace(std::ptr::null_mut()) }.cast::<Unit>();
     if !saved.is_null() {
-        // SAFETY: made from a box by `get_state` or `give_state`, and by contract not freed before (standard, 2.1.8).
+        // SAFETY: `get_state` or `give_state` made it from a box, and by contract it has not been freed (standard, 2.1.8).
         drop(unsafe { Box::from_raw(saved) });
     }
     Ok(Status::Ok)
 }
 
-/// Puts a state that was read from bytes where the importer wants it.
+/// Writes the pointer of a deserialized state to the importer's place.
 pub fn give_state(place: Room<*mut c_void>, unit: Unit) -> Answer {
     place.put(Box::into_raw(Box::new(unit)).cast());
     Ok(Status::Ok)
@@ -299,7 +300,7 @@ mod tests {
     use crate::unit::instance::Interface;
     use crate::unit::life_cycle::Phase;
 
-    /// A version with one function, which every state allows, and a logger that panics.
+    /// A version with one function, legal in every state, and a logger that panics.
     struct Any;
 
     #[derive(Clone, Copy)]
@@ -383,7 +384,7 @@ mod tests {
         unsafe { free::<Any>(handle) };
     }
 
-    /// Between the pieces of a call others are taken, but for one that would free the instance.
+    /// Between the pieces of a call other calls are admitted, except one that would free the instance.
     #[test]
     fn a_call_in_pieces_lends_its_turn() {
         let handle = create(|| Some(instance()));

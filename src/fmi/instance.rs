@@ -1,4 +1,4 @@
-//! An instance behind any version of FMI: a [`Unit`], its answers as statuses, and its messages. No pointer, no C.
+//! An instance of any version of FMI: a [`Unit`], statuses and messages, without pointers.
 
 use std::ffi::CString;
 use std::mem::MaybeUninit;
@@ -11,29 +11,29 @@ use crate::unit::instance::{Interface, Unit};
 use crate::unit::life_cycle::Phase;
 use crate::unit::variables::{Kind, VARIABLES};
 
-/// What a call answers; a fault is answered with the status for an error.
+/// Result of a call. A fault becomes the error status and a message.
 pub type Answer = Result<Status, Fault>;
 
-/// An instance: what a saved state holds, and where its messages go.
+/// An instance: its state, its log and its version's own fields.
 #[derive(Debug)]
 pub struct Instance<V: Version> {
-    /// Messages.
+    /// The importer's log.
     pub log: Log<V::Messenger>,
-    /// What a saved state holds.
+    /// The content of a saved state.
     pub unit: Unit,
-    /// What this version of FMI has of its own.
+    /// Fields of this version of FMI.
     pub version: V,
-    /// Texts that the importer was given, until its next call for some.
+    /// Strings returned to the importer, kept until its next request for strings.
     texts: Vec<CString>,
 }
 
 impl<V: Version> Instance<V> {
-    /// A new instance, all values at their starts.
+    /// Makes a new instance with start values.
     pub fn new(log: Log<V::Messenger>, interface: Interface, version: V) -> Instance<V> {
         Instance { log, unit: Unit::new(interface), version, texts: Vec::new() }
     }
 
-    /// Refuses a call that the present state does not allow.
+    /// Refuses a call that is illegal in the present state.
     pub fn admit(&self, call: V::Call) -> Result<(), Fault> {
         call.admitted_in(self.unit.phase(), self.unit.interface()).map_err(Fault)
     }
@@ -43,7 +43,7 @@ impl<V: Version> Instance<V> {
         self.unit.phase() == Phase::Fatal
     }
 
-    /// Which categories are logged.
+    /// Chooses the categories that are logged.
     pub fn set_debug_logging(&mut self, logging: bool, names: &[&str]) -> Answer {
         let categories = names
             .iter()
@@ -58,7 +58,7 @@ impl<V: Version> Instance<V> {
         Ok(Status::Ok)
     }
 
-    /// Tolerance, start and stop of the run.
+    /// Sets tolerance, start and stop of the run.
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Answer {
         match (tolerance, self.unit.plan(tolerance, start, stop)?) {
             (Some(tolerance), Some(used)) => {
@@ -69,7 +69,7 @@ impl<V: Version> Instance<V> {
         }
     }
 
-    /// The values become a block, or the call is refused and they can be corrected.
+    /// Makes a block of the values, or refuses the call so that they can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Answer {
         let unread = self.unit.exit_initialization_mode()?;
         let unset = self.unit.unset_sizes();
@@ -87,13 +87,13 @@ impl<V: Version> Instance<V> {
         Ok(status)
     }
 
-    /// The run ends.
+    /// Ends the run.
     pub fn terminate(&mut self) -> Answer {
         self.unit.terminate();
         Ok(Status::Ok)
     }
 
-    /// As after instantiation.
+    /// Returns to the state after instantiation.
     pub fn reset(&mut self) -> Answer {
         self.unit = Unit::new(self.unit.interface());
         Ok(Status::Ok)
@@ -129,8 +129,10 @@ impl<V: Version> Instance<V> {
         }
     }
 
-    /// What follows from the states may be no finite number in Model Exchange, where an importer's solver sets them: it can go back
-    /// then. In Co-Simulation that is an error of the step before.
+    /// Answers a request whose result is not finite.
+    ///
+    /// In Model Exchange the importer's solver may have set impossible states and can go back, so the call is discarded. In
+    /// Co-Simulation the step before has reported an error.
     pub fn answer_without_numbers(&self, what: &str) -> Status {
         if self.unit.interface() == Interface::CoSimulation {
             return Status::Ok;
@@ -156,7 +158,7 @@ impl<V: Version> Instance<V> {
         Ok(&self.texts)
     }
 
-    /// How outputs change now, by derivatives of order 1.
+    /// Returns the time derivatives of outputs, of order 1.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -166,7 +168,7 @@ impl<V: Version> Instance<V> {
         write(self.unit.output_derivatives(references, orders)?, values)
     }
 
-    /// Derivatives in a direction of variables and, in FMI 3.0, of time.
+    /// Returns derivatives in a direction of variables and, in FMI 3.0, of time.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -181,13 +183,13 @@ impl<V: Version> Instance<V> {
         if lost { Ok(self.answer_without_numbers("a derivative")) } else { Ok(Status::Ok) }
     }
 
-    /// An event is due.
+    /// Enters Event Mode.
     pub fn enter_event_mode(&mut self) -> Answer {
         self.unit.enter_event_mode();
         Ok(Status::Ok)
     }
 
-    /// What becomes of the block at an event of Model Exchange: one call does it all.
+    /// Model Exchange: applies an event. One call suffices.
     pub fn new_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         let log = &self.log;
         let after = self.unit.pass_events(&mut |event| {
@@ -196,31 +198,31 @@ impl<V: Version> Instance<V> {
         Ok(after)
     }
 
-    /// The motion goes on.
+    /// Enters Continuous-Time Mode.
     pub fn enter_continuous_time_mode(&mut self) -> Answer {
         self.unit.enter_continuous_time_mode();
         Ok(Status::Ok)
     }
 
-    /// A step of the importer's solver was accepted: no event follows from it.
+    /// Takes in an accepted step of the importer's solver. It never requires an event.
     pub fn completed_integrator_step(&mut self) -> Answer {
         self.unit.complete_step();
         Ok(Status::Ok)
     }
 
-    /// The importer's clock.
+    /// Sets the time (s).
     pub fn set_time(&mut self, time: f64) -> Answer {
         self.unit.set_time(time)?;
         Ok(Status::Ok)
     }
 
-    /// The continuous states.
+    /// Sets the continuous states.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Answer {
         self.unit.set_states(states)?;
         Ok(Status::Ok)
     }
 
-    /// States, derivatives, event indicators or nominals: what `of` gives, all of it.
+    /// Returns all states, derivatives, event indicators or nominal values, by `of`.
     pub fn get_all<const N: usize>(
         &mut self,
         of: impl FnOnce(&mut Unit) -> Result<[f64; N], Fault>,
@@ -234,14 +236,14 @@ impl<V: Version> Instance<V> {
         write(numbers.into_iter().map(Ok), values)
     }
 
-    /// From here on as when the state was saved.
+    /// Restores a saved state.
     pub fn restore(&mut self, saved: &Unit) -> Answer {
         self.check_restorable(saved)?;
         self.unit.clone_from(saved);
         Ok(Status::Ok)
     }
 
-    /// Refuses a state of the other interface, and one of another version's, from bytes, out of which no call of this version leads.
+    /// Refuses a state of the other interface type, or one that only another version of FMI can reach.
     pub fn check_restorable(&self, saved: &Unit) -> Result<(), Fault> {
         let (found, expected) = (saved.interface(), self.unit.interface());
         if found != expected {
@@ -257,7 +259,7 @@ impl<V: Version> Instance<V> {
     }
 }
 
-/// Writes results to the importer's places for them.
+/// Writes results to the importer's memory.
 pub fn write<T>(results: impl Iterator<Item = Result<T, Fault>>, places: &mut [MaybeUninit<T>]) -> Answer {
     for (result, place) in results.zip(places) {
         place.write(result?);

@@ -1,14 +1,14 @@
-//! Messages for the importer, by category, as text that is no printf format.
+//! Messages for the importer, by category; never interpreted as a printf format.
 
 use std::ffi::{CStr, CString};
 use std::fmt::Write;
 
 use crate::fmi::Status;
 
-/// Category of a message; the names are those of modelDescription.xml.
+/// Category of a message, named in modelDescription.xml.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// Something is to be looked at.
+    /// A warning.
     Warning,
     /// A step was discarded.
     Discard,
@@ -16,18 +16,18 @@ pub enum Category {
     Error,
     /// The instance is unusable.
     Fatal,
-    /// One line an event.
+    /// One line per event.
     Events,
-    /// One line a step.
+    /// One line per step.
     Steps,
 }
 
 impl Category {
-    /// All of them.
+    /// All categories.
     pub const ALL: [Category; 6] =
         [Category::Warning, Category::Discard, Category::Error, Category::Fatal, Category::Events, Category::Steps];
 
-    /// Its name.
+    /// Returns its name.
     pub fn name(self) -> &'static CStr {
         match self {
             Category::Warning => c"logStatusWarning",
@@ -49,19 +49,19 @@ impl Category {
     }
 }
 
-/// Whether messages of each category are logged, by its place in [`Category::ALL`].
+/// Whether each category is logged, in the order of [`Category::ALL`].
 pub type Wanted = [bool; Category::ALL.len()];
 
 /// The importer's logger.
 pub trait Messenger {
-    /// The categories that are logged after a call for those `listed`, or for all, where those `before` were logged until then.
+    /// Returns the categories that are logged after a call of `SetDebugLogging` with those `listed`, or all if `None`.
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted;
 
-    /// Hands a message over.
+    /// Sends a message.
     fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr);
 }
 
-/// Where messages of an instance go.
+/// The log of an instance.
 #[derive(Debug)]
 pub struct Log<M> {
     messenger: M,
@@ -70,7 +70,7 @@ pub struct Log<M> {
 }
 
 impl<M: Messenger> Log<M> {
-    /// A log through the importer's logger, of what its version of FMI lets through with or without `logging`.
+    /// Makes a log with the categories that the version of FMI chooses for `logging`.
     pub fn new(messenger: M, instance: CString, logging: bool) -> Log<M> {
         let mut log = Log { messenger, instance, wanted: [true; Category::ALL.len()] };
         log.choose(logging, None);
@@ -87,24 +87,24 @@ impl<M: Messenger> Log<M> {
         self.wanted[category as usize]
     }
 
-    /// Tells the message that belongs to a status.
+    /// Logs the message of a status.
     pub fn status(&self, status: Status, message: &str) {
         self.tell(status, Category::of_status(status), format_args!("{message}"));
     }
 
-    /// Tells a message, without allocating memory; what exceeds a line of 1 kB is cut.
+    /// Logs a message without allocating memory, cut to 1 kB.
     pub fn tell(&self, status: Status, category: Category, message: std::fmt::Arguments) {
         if !self.wants(category) {
             return;
         }
         let mut line = Line::new();
-        // A line that is too long is cut.
+        // The error means that a long line was cut.
         let _ = line.write_fmt(message);
         self.messenger.send(&self.instance, status, category.name(), line.as_c_str());
     }
 }
 
-/// A line of text on the stack that ends with 0 and has no control characters inside.
+/// A line of text on the stack that ends with 0 and contains no control characters.
 struct Line {
     bytes: [u8; 1024],
     length: usize,
@@ -124,7 +124,7 @@ impl Write for Line {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
         for character in text.chars() {
             let character = if character.is_control() { '\u{fffd}' } else { character };
-            // A single # would begin the number of a variable (standard, 2.1.3).
+            // A single # would begin a variable's number (standard, 2.1.3).
             for _ in 0..if character == '#' { 2 } else { 1 } {
                 let end = self.length + character.len_utf8();
                 if end >= self.bytes.len() {

@@ -1,7 +1,6 @@
-//! What the C interfaces of all versions of FMI share: an instance with its answers and messages, pointers → slices,
-//! panics → a status.
+//! The common part of the C interfaces: an instance with its statuses and messages, pointers → slices, panics → a status.
 //!
-//! A [`Version`] adds the functions of its standard: their table of calls, its callbacks, its types.
+//! A [`Version`] adds the functions of its standard: the table of calls, callbacks and types.
 
 pub mod arrays;
 pub mod boundary;
@@ -14,7 +13,7 @@ use crate::fmi::log::Messenger;
 use crate::unit::instance::Interface;
 use crate::unit::life_cycle::Phase;
 
-/// A version of the standard, and what an instance has of it alone.
+/// A version of the standard, and the fields that it adds to an instance.
 pub trait Version {
     /// The functions that act on an instance.
     type Call: Call;
@@ -24,25 +23,25 @@ pub trait Version {
 
 /// A function of the interface that acts on an instance.
 pub trait Call: Copy {
-    /// Its name in the standard.
+    /// Returns its name in the standard.
     fn name(self) -> &'static str;
 
-    /// Whether the state of an instance for this interface allows the call; if not, a sentence that says what would.
+    /// Refuses a call that is illegal in this state; the error names the states in which it is legal.
     fn admitted_in(self, phase: Phase, interface: Interface) -> Result<(), String>;
 
-    /// Whether calls lead an instance for this interface into this state.
+    /// Whether an instance of this interface type can reach this state.
     fn lead_to(phase: Phase, interface: Interface) -> bool;
 }
 
-/// What a call answers; the numbers are the same in all versions.
+/// Status of a call. The numbers are the same in all versions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
     /// Done.
     Ok = 0,
-    /// Done, and something is to be looked at.
+    /// Done, with a message for the user.
     Warning = 1,
-    /// Not done, or not to the end; the instance can be read.
+    /// Not done, or only in part; the instance can be read.
     Discard = 2,
     /// Refused or failed.
     Error = 3,
@@ -51,7 +50,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// The number of the standard.
+    /// Returns the number in the standard.
     pub fn code(self) -> libc::c_int {
         self as libc::c_int
     }

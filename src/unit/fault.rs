@@ -1,12 +1,14 @@
-//! A refused or failed call, as a sentence.
+//! The reason of a refused or failed call, as a sentence.
 
-/// Why a call was refused, changing nothing, or how it failed: what was found and what was expected.
+/// The reason why a call was refused or failed: what was found and what was expected.
+///
+/// A refused call changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Fault(pub String);
 
 impl Fault {
-    /// With this sentence.
+    /// Makes a fault from a sentence.
     pub fn new(message: impl Into<String>) -> Fault {
         Fault(message.into())
     }

@@ -1,4 +1,4 @@
-//! The parameters that only FMI 3.0 has: a record as arrays, and how often the importer looks into a step.
+//! The parameters that exist only in FMI 3.0: a record as arrays, and the interval of intermediate updates.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,12 +8,12 @@ use crate::unit::instance::{Interface, Unit};
 use crate::unit::variables::{Fmi3Only, Variable};
 use rocking_records::{Format, Record};
 
-/// Their values.
+/// Values of these parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fmi3OnlyValues {
-    /// Horizontal and vertical ground accelerations (m/s²), as many of each; zeros for none.
+    /// Horizontal and vertical ground accelerations (m/s²), equal in number; zeros if there is no record.
     samples: [Vec<f64>; 2],
-    /// Time between two looks of the importer into a step (s).
+    /// Time between two intermediate updates (s).
     interval: f64,
 }
 
@@ -28,7 +28,7 @@ impl Default for Fmi3OnlyValues {
 }
 
 impl Fmi3OnlyValues {
-    /// Whether these are values of this FMU, each within its limits.
+    /// Whether each value is within its limits.
     pub fn are_valid(&self) -> bool {
         let [horizontal, vertical] = &self.samples;
         horizontal.len() == vertical.len()
@@ -42,7 +42,7 @@ impl Fmi3OnlyValues {
         self.samples.iter().flatten().any(|&a| a != 0.0)
     }
 
-    /// The record that the arrays hold, with `time_step` (s) between two samples; the error is one line.
+    /// Returns the record in the arrays, with `time_step` (s) between two samples. An error is one line.
     pub fn ground(&self, time_step: f64) -> Result<Ground, String> {
         let [horizontal, vertical] =
             [Fmi3Only::RecordHorizontalSamples, Fmi3Only::RecordVerticalSamples].map(|fmi3_only| {
@@ -100,22 +100,22 @@ impl Fmi3OnlyValues {
 }
 
 impl Unit {
-    /// Time between two looks of the importer into a step (s).
+    /// Returns the time between two intermediate updates (s).
     pub fn interval(&self) -> f64 {
         self.values.fmi3_only.interval
     }
 
-    /// Number of samples in each of the arrays.
+    /// Returns the number of samples in each array.
     pub fn sample_count(&self) -> usize {
         self.values.fmi3_only.samples[0].len()
     }
 
-    /// How many values a variable has.
+    /// Returns the number of values of a variable.
     pub fn size(&self, fmi3_only: Fmi3Only) -> usize {
         self.values.fmi3_only.of(fmi3_only).len().max(1)
     }
 
-    /// Hands the values of a real variable over to `give`.
+    /// Passes the values of a real variable to `give`.
     pub fn read_fmi3_only(&mut self, fmi3_only: Fmi3Only, give: &mut dyn FnMut(f64)) -> Result<(), Fault> {
         match fmi3_only {
             Fmi3Only::Time => give(self.time()),
@@ -131,15 +131,15 @@ impl Unit {
         Ok(())
     }
 
-    /// An event indicator of Model Exchange; in Co-Simulation the importer has nothing to watch.
-    fn indicator(&mut self, place: usize) -> Result<f64, Fault> {
+    /// Returns an event indicator of Model Exchange; a constant in Co-Simulation, where the importer watches none.
+    fn indicator(&mut self, number: usize) -> Result<f64, Fault> {
         match self.interface() {
             Interface::CoSimulation => Ok(1.0),
-            Interface::ModelExchange => Ok(self.indicators()?[place]),
+            Interface::ModelExchange => Ok(self.indicators()?[number]),
         }
     }
 
-    /// Sets a real parameter, all of its values or none.
+    /// Sets all values of a real parameter, or none if one is refused.
     pub fn set_fmi3_only(&mut self, fmi3_only: Fmi3Only, values: &[f64]) -> Result<(), Fault> {
         let name = fmi3_only.name();
         if self.values.fmi3_only.of(fmi3_only).is_empty() {
@@ -154,7 +154,7 @@ impl Unit {
         Ok(())
     }
 
-    /// Sets the number of samples in each of the arrays, which are zeros then.
+    /// Sets the number of samples in each array, and all samples to zero.
     pub fn resize_samples(&mut self, count: u64) -> Result<(), Fault> {
         Fmi3Only::RecordSamples.admits(count as f64).map_err(Fault::new)?;
         self.values.fmi3_only.resize(count as usize);

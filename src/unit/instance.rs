@@ -1,5 +1,6 @@
-//! Calls of an importer, whatever the version of FMI → a block in motion: all of an instance but its messages.
+//! Calls of an importer, of any version of FMI → a block in motion. Messages are in [`crate::fmi`].
 
+mod access;
 pub mod derivatives;
 pub mod exchange;
 mod rates;
@@ -17,12 +18,11 @@ use crate::simulation::{Energies, Progress, Settings, Simulation, SimulationErro
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
-use crate::unit::outputs::{source, state};
 use crate::unit::substeps::Substep;
-use crate::unit::values::{DerivedSource, PerInput, Values, derived};
-use crate::unit::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
+use crate::unit::values::{PerInput, Values};
+use crate::unit::variables::Input;
 
-/// What is known of the run before it begins.
+/// Settings of the run, known before it begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Experiment {
     tolerance: Option<f64>,
@@ -30,58 +30,59 @@ struct Experiment {
     stop: Option<f64>,
 }
 
-/// Who steps the block.
+/// Interface type of an instance: who steps the block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
-    /// The block itself.
+    /// The FMU's own solver.
     CoSimulation,
-    /// A solver of the importer.
+    /// The importer's solver.
     ModelExchange,
 }
 
-/// An instance as a safe state machine: no pointer, no C, and no messages. A copy of it is a saved state.
+/// An instance as a safe state machine, without pointers and messages. A copy of it is a saved state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unit {
     interface: Interface,
     pub(super) phase: Phase,
     experiment: Experiment,
     pub(super) values: Values,
-    /// Rates of the inputs, and whether they were set since the last step: otherwise the next step holds the inputs.
+    /// Rates of the inputs.
     rates: PerInput,
+    /// Whether rates were set since the last step. Otherwise the next step holds the inputs constant.
     rates_are_new: bool,
-    /// The block in motion; before initialization ends, what it would start as, if that is known.
+    /// The block in motion; before initialization ends, a preview from the present values.
     pub(super) simulation: Option<Simulation>,
-    /// What acts at the present time: the inputs, and the records inside.
+    /// Inputs plus the FMU's own records at the present time.
     inputs: Inputs,
-    /// The part of a step in which the inputs are known beforehand; see [`crate::unit::substeps`].
+    /// A part of a step whose inputs are known in advance; see [`crate::unit::substeps`].
     pub(super) substep: Option<Substep>,
-    /// Where the communication step would have ended that was left early (s).
+    /// Planned end of a communication step that was left early (s).
     pub(super) left: Option<f64>,
-    /// The records inside, once they are read. Shared with saved states; serialized states hold them whole, so that no file
-    /// is needed to resume from one.
+    /// The FMU's own records, once they are read. Saved states share them; serialized states contain them, so that resuming
+    /// needs no file.
     ground: Option<Arc<Ground>>,
-    /// In Model Exchange the continuous states, as they were set or as the last event left them.
+    /// Model Exchange: the continuous states, as set or as the last event left them.
     states: States,
-    /// In Model Exchange the inputs at the end of the last completed step.
+    /// Model Exchange: the inputs at the end of the last completed step.
     last_inputs: PerInput,
-    /// What is seen at the present time, until something changes it.
+    /// Cached observation at the present time.
     #[serde(skip)]
-    seen: Option<(Observation<f64>, Energies)>,
+    observed: Option<(Observation<f64>, Energies)>,
 }
 
 /// Largest error of a master's clock, relative to the greater of step and time.
 const CLOCK_ROUNDING: f64 = 1e-9;
 
-/// Largest part of a communication step that a master's clock may skip.
+/// Largest fraction of a communication step that a master's clock may skip.
 const MOST_SKIPPED: f64 = 1e-3;
 
-/// Largest accepted error (s) of a master's clock near `time` (s) for a communication step of `step` (s).
+/// Returns the largest accepted error (s) of a master's clock near `time` (s), for a communication step of `step` (s).
 fn clock_slack(step: f64, time: f64) -> f64 {
     (CLOCK_ROUNDING * step.max(time.abs())).min(MOST_SKIPPED * step)
 }
 
 impl Unit {
-    /// A new instance, all values at their starts.
+    /// Makes a new instance with start values.
     pub fn new(interface: Interface) -> Unit {
         Unit {
             interface,
@@ -97,26 +98,26 @@ impl Unit {
             ground: None,
             states: States::default(),
             last_inputs: PerInput::default(),
-            seen: None,
+            observed: None,
         }
     }
 
-    /// Who steps the block.
+    /// Returns the interface type.
     pub fn interface(&self) -> Interface {
         self.interface
     }
 
-    /// Where the instance is in its life.
+    /// Returns the state of the instance.
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// A panic was caught: nothing can be trusted any more.
+    /// Makes the instance unusable after a caught panic.
     pub fn fail_fatally(&mut self) {
         self.phase = Phase::Fatal;
     }
 
-    /// Whether this can be the state of an instance of this FMU: what a file says of itself is not enough.
+    /// Whether this can be a state of this FMU. A checksum cannot tell, since anyone can compute one.
     pub fn is_valid(&self) -> bool {
         let times = [self.experiment.start, self.inputs.time, self.left.unwrap_or(0.0)];
         let looked_at = matches!(self.phase, Phase::SettingAhead | Phase::LookingIn);
@@ -141,7 +142,7 @@ impl Unit {
             }
     }
 
-    /// The run as it is planned. Gives the tolerance that is followed where it is not the one that was asked for.
+    /// Sets tolerance, start and stop of the run. Returns the tolerance used if it differs from the requested one.
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
         if !start.is_finite() {
             return Err(Fault::new(format!("startTime = {start:?}; expected a finite time")));
@@ -163,14 +164,15 @@ impl Unit {
         Ok(tolerance.filter(|&tolerance| followed(tolerance) != tolerance).map(followed))
     }
 
-    /// The initialization begins.
+    /// Begins initialization.
     pub fn enter_initialization_mode(&mut self) {
         self.phase = Phase::InitializationMode;
         self.forget();
     }
 
-    /// The values become a block, or the call is refused and they can be corrected. Gives the parameters that were set and
-    /// that nothing reads, each with what it needs.
+    /// Makes a block of the values, or refuses the call so that they can be corrected.
+    ///
+    /// Returns the parameters that were set but are not read, each with the setting that it needs.
     pub fn exit_initialization_mode(&mut self) -> Result<Vec<(&'static str, &'static str)>, Fault> {
         self.preview()?;
         self.phase = match self.interface {
@@ -183,18 +185,19 @@ impl Unit {
         Ok(self.values.unread().collect())
     }
 
-    /// Sizes of the block that were not set but are read, each with the start value in its place.
+    /// Returns the sizes of the block that are read but were not set, each with its start value.
     pub fn unset_sizes(&self) -> Vec<(&'static str, f64)> {
         self.values.unset_sizes().map(|variable| (variable.name(), self.values[variable])).collect()
     }
 
-    /// The run ends.
+    /// Ends the run.
     pub fn terminate(&mut self) {
         self.phase = Phase::Terminated;
     }
 
-    /// Goes on from `time` (s), which is the present one but for a master's rounding, by `step` (s), and reports each event
-    /// as it happens. Allocates no memory unless it fails.
+    /// Advances by `step` (s) from `time` (s), the present time up to a master's rounding, and reports each event.
+    ///
+    /// Allocates no memory unless it fails.
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
         let until = self.begin_step(time, step)?;
         if !self.rates_are_new {
@@ -212,7 +215,7 @@ impl Unit {
         Ok(progress.0)
     }
 
-    /// Refuses a communication step that cannot be done, and takes up the master's rounding; gives the step's end (s).
+    /// Refuses an impossible communication step, adopts the master's time, and returns the step's end (s).
     pub(super) fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
         let Unit { experiment, simulation, left, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
@@ -221,7 +224,7 @@ impl Unit {
             return Err(Fault::new(format!("communicationStepSize = {step:?} at t = {present:?} s; expected > 0 s")));
         }
         let slack = clock_slack(step, present);
-        // A time that is no number is off by no number.
+        // A NaN would pass the comparison with the present time.
         if !time.is_finite() || (time - present).abs() > slack {
             return Err(Fault::new(format!(
                 "currentCommunicationPoint = {time:?} s; the FMU is at t = {present:?} s and takes at most {slack:e} s off"
@@ -237,24 +240,25 @@ impl Unit {
             return Err(Fault::new(format!("communicationStepSize = {step:e} s is lost in t = {time:?} s")));
         }
         simulation.set_time(time);
-        // The rest of a step that was left early ends where that step would have ended, up to the rounding of `time + step`.
+        // The rest of a step left early ends exactly at that step's planned end, if `time + step` is near it.
         let rounding = slack.max(f64::EPSILON * until.abs());
         Ok(left.take().filter(|end| (end - until).abs() <= rounding && *end > time).unwrap_or(until))
     }
 
-    /// Goes on to `until` (s) under these inputs and the records inside, from one of their samples to the next. `advance` does
-    /// one such piece, and says how far it came and whether it stopped there.
+    /// Advances to `until` (s) under these inputs and the FMU's own records, from sample to sample.
+    ///
+    /// `advance` steps over one interval between samples, and returns its progress and whether it stopped there.
     pub(super) fn go_on(
         &mut self,
         until: f64,
         inputs: &Inputs,
         mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<(Progress, bool), SimulationError>,
     ) -> Result<(Progress, bool), Fault> {
-        let Unit { phase, simulation, inputs: acting, ground, seen, .. } = self;
+        let Unit { phase, simulation, inputs: acting, ground, observed, .. } = self;
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
             return Err(Fault::new("there is no block yet"));
         };
-        *seen = None;
+        *observed = None;
         let (progress, stopped) = loop {
             let (sum, stop) = with_ground(inputs, ground, simulation.time());
             *acting = sum;
@@ -269,7 +273,7 @@ impl Unit {
         };
         match progress {
             Progress::Reached if stopped => {}
-            // A record may have a sample here, from which it goes on otherwise.
+            // The record's slope may change here.
             Progress::Reached if !ground.is_empty() => *acting = with_ground(inputs, ground, simulation.time()).0,
             Progress::Reached => {}
             Progress::Ended(..) => *phase = Phase::StepFailed,
@@ -277,111 +281,35 @@ impl Unit {
         Ok((progress, stopped))
     }
 
-    /// The inputs with the records inside at the present time, and until when they act (s).
+    /// Returns inputs plus the FMU's own records at the present time, and the end of their validity (s).
     pub(super) fn acting(&self, inputs: &Inputs) -> (Inputs, f64) {
         self.ground.as_ref().map_or((*inputs, f64::INFINITY), |ground| with_ground(inputs, ground, self.time()))
     }
 
-    /// Applies the event at which a step was left, if one was, under the inputs as they are now.
+    /// Applies the event at which a step was left, if any, under the present inputs.
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
-        let Unit { phase, simulation, inputs: acting, seen, .. } = self;
+        let Unit { phase, simulation, inputs: acting, observed, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
-        *seen = None;
+        *observed = None;
         simulation.settle(acting, observer).map_err(|error| {
             *phase = Phase::Error;
             Fault::new(error.to_string())
         })
     }
 
-    /// Whether the run has come to its end, by itself.
+    /// Whether separation or overturning has ended the run.
     pub fn has_ended(&self) -> bool {
         self.simulation.as_ref().is_some_and(|simulation| simulation.ending().is_some() && !simulation.is_frozen())
     }
 
-    /// The present time (s); before there is a block, that of the planned start.
+    /// Returns the present time (s); before initialization, the planned start.
     pub fn time(&self) -> f64 {
         self.simulation.as_ref().map_or(self.experiment.start, Simulation::time)
     }
 
-    /// Refuses variables that do not exist or are of another type.
-    pub fn check(&self, references: &[u32], kind: Kind) -> Result<(), Fault> {
-        references.iter().try_for_each(|&reference| known(reference, kind).map(|_| ()))
-    }
-
-    /// Sets values of one type, all or none. Values that repeat the present one of a fixed parameter are refused, too.
-    pub fn set<V: Copy>(
-        &mut self,
-        kind: Kind,
-        references: &[u32],
-        values: &[V],
-        real: impl Fn(V) -> f64,
-    ) -> Result<(), Fault> {
-        for (&reference, &value) in references.iter().zip(values) {
-            let metadata = known(reference, kind)?;
-            self.settable(metadata)?;
-            metadata.admits(real(value)).map_err(Fault::new)?;
-        }
-        let mut states = self.states;
-        for (&reference, &value) in references.iter().zip(values) {
-            let Metadata { variable, role, .. } = VARIABLES[reference as usize];
-            if let Role::Output(output) = role {
-                // A continuous state: nothing else that is put out can be set.
-                state(output).into_iter().for_each(|i| states[i] = real(value));
-                continue;
-            }
-            self.values[variable] = real(value);
-            if Values::is_of_ground(variable) {
-                self.ground = None;
-            }
-        }
-        if states != self.states {
-            self.set_states(&states)?;
-        }
-        self.take_up_values();
-        Ok(())
-    }
-
-    fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
-        let Metadata { name, causality, variability, role, .. } = metadata;
-        if let Role::Output(output) = *role
-            && state(output).is_some()
-            && self.phase == Phase::ContinuousTimeMode
-        {
-            return Ok(());
-        }
-        if !metadata.is_settable() {
-            return Err(Fault::new(format!("{name} is {}, which cannot be set", causality.one())));
-        }
-        if self.phase.is_initialized() && *variability == Variability::Fixed {
-            return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));
-        }
-        Ok(())
-    }
-
-    /// Sets texts, all or none.
-    pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Result<(), Fault> {
-        for &reference in references {
-            self.settable(known(reference, Kind::String)?)?;
-        }
-        for (&reference, &text) in references.iter().zip(texts) {
-            if let Role::Text(place) = known(reference, Kind::String)?.role {
-                self.values[place] = text.into();
-            }
-        }
-        self.forget_ground();
-        Ok(())
-    }
-
-    /// The text of a variable.
-    pub fn text(&self, reference: u32) -> Result<&str, Fault> {
-        match known(reference, Kind::String)?.role {
-            Role::Text(text) => Ok(&self.values[text]),
-            Role::Input(_) | Role::Parameter(_) | Role::Derived(_) | Role::Output(_) => Ok(""),
-        }
-    }
-
-    /// Values that were set act from here on: until initialization ends on the whole block, between steps on what is seen. Even
-    /// if only rates of inputs were set, these are rounded in another way then, so that nothing is seen again as it was.
+    /// Applies changed values: before initialization ends to the whole block, later to the observation.
+    ///
+    /// A changed rate alone also invalidates the observation, since it changes the rounding of inputs.
     fn take_up_values(&mut self) {
         if self.phase.is_initialized() {
             let time = self.simulation.as_ref().map_or(self.experiment.start, Simulation::piece_time);
@@ -391,37 +319,9 @@ impl Unit {
             if let Some(simulation) = &mut self.simulation {
                 simulation.change_inputs(&self.inputs);
             }
-            self.seen = None;
+            self.observed = None;
         } else {
             self.forget();
-        }
-    }
-
-    /// The value of a variable of this type; Integers and Booleans (0 or 1) as the real numbers that they are.
-    pub fn get(&mut self, kind: Kind, reference: u32) -> Result<f64, Fault> {
-        let metadata = known(reference, kind)?;
-        match metadata.role {
-            Role::Parameter(_) | Role::Input(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
-            Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
-                (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
-                (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
-                (DerivedSource::Ground(of), _) => Ok(of.value(&*self.ground()?)),
-            },
-            Role::Output(output) => {
-                if let Some(value) = self.state_output(output) {
-                    return Ok(value);
-                }
-                let (seen, energies) = match self.seen {
-                    Some(seen) => seen,
-                    None => {
-                        let (simulation, inputs) = self.preview()?;
-                        let seen = (simulation.observe(&inputs), simulation.energies());
-                        *self.seen.insert(seen)
-                    }
-                };
-                let (simulation, _) = self.preview()?;
-                Ok(source(output).value(&seen, &energies, simulation))
-            }
         }
     }
 
@@ -429,7 +329,7 @@ impl Unit {
         self.values.block().map_err(|error| Fault::new(error.to_string()))
     }
 
-    /// The records, read when they are needed first.
+    /// Returns the records. Files are read at the first call.
     fn ground(&mut self) -> Result<Arc<Ground>, Fault> {
         let ground = match self.ground.take() {
             Some(ground) => ground,
@@ -438,19 +338,19 @@ impl Unit {
         Ok(self.ground.insert(ground).clone())
     }
 
-    /// Forgets the records, of which values have changed.
+    /// Drops the records after a change of their parameters.
     pub(super) fn forget_ground(&mut self) {
         self.ground = None;
         self.take_up_values();
     }
 
-    /// Forgets what followed from values that have changed.
+    /// Drops the preview after a change of values.
     fn forget(&mut self) {
         self.simulation = None;
-        self.seen = None;
+        self.observed = None;
     }
 
-    /// The block in motion and the inputs that act on it; until initialization ends, as the present values would start it.
+    /// Returns the block in motion and its inputs; before initialization ends, a preview from the present values.
     fn preview(&mut self) -> Result<(&Simulation, Inputs), Fault> {
         if self.simulation.is_none() {
             let block = self.block()?;
@@ -477,51 +377,11 @@ impl Unit {
     }
 }
 
-/// The inputs and the piece of the records that acts at `time` (s), and the end of that piece (s).
+/// Returns the inputs plus the records' line at `time` (s), and the end of that line (s).
 fn with_ground(inputs: &Inputs, ground: &Ground, time: f64) -> (Inputs, f64) {
     if ground.is_empty() {
         return (*inputs, f64::INFINITY);
     }
     let (piece, end) = ground.piece_at(time);
     (piece.plus(inputs), end)
-}
-
-/// The variable of this number, if it has this type.
-fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
-    let Some(metadata) = VARIABLES.get(reference as usize) else {
-        let last = VARIABLES.len() - 1;
-        return Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")));
-    };
-    if metadata.kind.base() != kind {
-        let found = metadata.kind;
-        return Err(Fault::new(format!(
-            "{} (value reference {reference}) is of type {found}, not {kind}",
-            metadata.name
-        )));
-    }
-    Ok(metadata)
-}
-
-/// The Real output of this number.
-fn output(reference: u32, what: &str) -> Result<Output, Fault> {
-    let metadata = known(reference, Kind::Real)?;
-    match metadata.role {
-        Role::Output(output) => Ok(output),
-        Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
-            let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is {}; only an output {what}", causality.one())))
-        }
-    }
-}
-
-/// The input of this number.
-fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault> {
-    let metadata = known(reference, Kind::Real)?;
-    match metadata.role {
-        Role::Input(input) => Ok((input, metadata)),
-        Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
-            let Metadata { name, causality, .. } = metadata;
-            Err(Fault::new(format!("{name} is {}; only an input {what}", causality.one())))
-        }
-    }
 }

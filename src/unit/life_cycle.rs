@@ -1,30 +1,33 @@
-//! The states through which an instance goes, of all versions of FMI; which function is legal in which is said there.
+//! The states of an instance, for all versions of FMI.
+//!
+//! The tables of the calls that are legal in each state are in `calls.rs` of each version.
 
 use serde::{Deserialize, Serialize};
 
-/// State of an instance. Steps are synchronous: none is in progress when a function is
-/// called, but where FMI 3.0 lets the importer look in.
+/// State of an instance.
+///
+/// Steps are synchronous: no step is in progress when a function is called, except in the intermediate updates of FMI 3.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// After instantiation or reset.
     Instantiated,
-    /// While sizes of arrays are set.
+    /// Sizes of arrays can be set.
     ConfigurationMode,
-    /// While the values become a block.
+    /// Start values can be set; at its end they define the block.
     InitializationMode,
     /// Ready for a step.
     StepComplete,
-    /// Inside a step, while the importer sets inputs of a time to come.
+    /// Inside a step: the importer sets inputs for a later time.
     SettingAhead,
-    /// Inside a step, while the importer looks at what has been reached.
+    /// Inside a step: the importer reads the outputs at the time reached so far.
     LookingIn,
-    /// The last step was discarded: the run came to its end within it.
+    /// The last step was discarded because the run ended within it.
     StepFailed,
-    /// At the start or at an event, while what it makes of the block is found out.
+    /// At the start or at an event, before its effects are applied.
     EventMode,
     /// Model Exchange: the importer's solver steps the block.
     ContinuousTimeMode,
-    /// The run was ended from outside.
+    /// The importer ended the run.
     Terminated,
     /// The integration failed.
     Error,
@@ -33,7 +36,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// All of them.
+    /// All states.
     pub const ALL: [Phase; 12] = [
         Phase::Instantiated,
         Phase::ConfigurationMode,
@@ -49,12 +52,12 @@ impl Phase {
         Phase::Fatal,
     ];
 
-    /// A bit for sets of phases.
+    /// Returns the bit of this state in a set of states.
     pub const fn bit(self) -> u16 {
         1 << self as u16
     }
 
-    /// Whether the values have become a block.
+    /// Whether initialization has ended.
     pub fn is_initialized(self) -> bool {
         match self {
             Phase::Instantiated | Phase::ConfigurationMode | Phase::InitializationMode => false,

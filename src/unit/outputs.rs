@@ -1,11 +1,11 @@
-//! Outputs of modelDescription.xml → where their values come from, and with them their derivatives.
+//! Outputs of modelDescription.xml → the sources of their values and derivatives.
 
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{AtBeginning, Ending, Energies, Simulation};
 use crate::unit::variables::Output;
 
-/// The place of an output among the continuous states, if it is one.
+/// Returns the index of an output among the continuous states, if it is one.
 pub fn state(output: Output) -> Option<usize> {
     const STATES: [Output; crate::simulation::exchange::STATES] = [
         Output::Theta,
@@ -20,42 +20,42 @@ pub fn state(output: Output) -> Option<usize> {
     STATES.into_iter().position(|state| state == output)
 }
 
-/// Where the value of an output comes from, and with it its derivatives.
+/// The source of an output's value and of its derivatives.
 pub enum Source {
-    /// What is seen at an instant; of rates its rate, of sensitivities its sensitivity.
-    Seen(fn(&Observation<f64>) -> f64),
-    /// The energies, or their rates.
+    /// A quantity of an observation. From an observation of rates it gives the rate, from one of sensitivities the sensitivity.
+    Observed(fn(&Observation<f64>) -> f64),
+    /// An energy, or its rate.
     Energy(fn(&Energies) -> f64),
-    /// The greatest value since the start: it grows with a value that stands at it and grows.
+    /// The largest value since the start. It grows while the present value equals it and grows.
     Peak(Channel),
-    /// What changes at events only.
+    /// A value that changes only at events.
     Discrete(fn(&Observation<f64>, &Simulation) -> f64),
 }
 
-/// Where an output comes from.
+/// Returns the source of an output.
 pub fn source(output: Output) -> Source {
-    use Source::{Discrete, Energy, Peak, Seen};
+    use Source::{Discrete, Energy, Observed, Peak};
     match output {
-        Output::Theta => Seen(|seen| seen.theta),
-        Output::ThetaDot => Seen(|seen| seen.theta_dot),
-        Output::ThetaDdot => Seen(|seen| seen.theta_ddot),
-        Output::V => Seen(|seen| seen.v),
-        Output::VDot => Seen(|seen| seen.v_dot),
-        Output::VDdot => Seen(|seen| seen.v_ddot),
-        Output::U => Seen(|seen| seen.u),
-        Output::UDot => Seen(|seen| seen.u_dot),
-        Output::UDdot => Seen(|seen| seen.u_ddot),
-        Output::NL => Seen(|seen| seen.reaction[0]),
-        Output::NR => Seen(|seen| seen.reaction[1]),
-        Output::H => Seen(|seen| seen.horizontal),
-        Output::MBase => Seen(|seen| seen.base_moment),
-        Output::VL => Seen(|seen| seen.corner[0]),
-        Output::VR => Seen(|seen| seen.corner[1]),
-        Output::UpliftL => Seen(|seen| seen.uplift[0]),
-        Output::UpliftR => Seen(|seen| seen.uplift[1]),
-        Output::FrictionDemand => Seen(|seen| seen.friction_demand),
-        Output::PowerInput => Seen(|seen| seen.power[0]),
-        Output::PowerDashpots => Seen(|seen| seen.power[1]),
+        Output::Theta => Observed(|at| at.theta),
+        Output::ThetaDot => Observed(|at| at.theta_dot),
+        Output::ThetaDdot => Observed(|at| at.theta_ddot),
+        Output::V => Observed(|at| at.v),
+        Output::VDot => Observed(|at| at.v_dot),
+        Output::VDdot => Observed(|at| at.v_ddot),
+        Output::U => Observed(|at| at.u),
+        Output::UDot => Observed(|at| at.u_dot),
+        Output::UDdot => Observed(|at| at.u_ddot),
+        Output::NL => Observed(|at| at.reaction[0]),
+        Output::NR => Observed(|at| at.reaction[1]),
+        Output::H => Observed(|at| at.horizontal),
+        Output::MBase => Observed(|at| at.base_moment),
+        Output::VL => Observed(|at| at.corner[0]),
+        Output::VR => Observed(|at| at.corner[1]),
+        Output::UpliftL => Observed(|at| at.uplift[0]),
+        Output::UpliftR => Observed(|at| at.uplift[1]),
+        Output::FrictionDemand => Observed(|at| at.friction_demand),
+        Output::PowerInput => Observed(|at| at.power[0]),
+        Output::PowerDashpots => Observed(|at| at.power[1]),
         Output::EnergyTotal => Energy(|energies| energies.total),
         Output::EnergyKinetic => Energy(|energies| energies.kinetic),
         Output::EnergyPotential => Energy(|energies| energies.potential),
@@ -69,7 +69,7 @@ pub fn source(output: Output) -> Source {
         Output::PeakH => Peak(Channel::Horizontal),
         Output::PeakUplift => Peak(Channel::Uplift),
         Output::PeakFrictionDemand => Peak(Channel::FrictionDemand),
-        Output::Regime => Discrete(|seen, _| f64::from(seen.regime.number())),
+        Output::Regime => Discrete(|at, _| f64::from(at.regime.number())),
         Output::EventsLastTime => Discrete(|_, simulation| simulation.last_event()),
         Output::EventsImpacts => Discrete(|_, simulation| f64::from(simulation.counts().impacts)),
         Output::EventsLiftoffs => Discrete(|_, simulation| f64::from(simulation.counts().liftoffs)),
@@ -83,42 +83,44 @@ fn ended_by(simulation: &Simulation, is: fn(Ending) -> bool) -> f64 {
 }
 
 impl Source {
-    /// The value.
-    pub fn value(&self, seen: &Observation<f64>, energies: &Energies, simulation: &Simulation) -> f64 {
+    /// Returns the value.
+    pub fn value(&self, observed: &Observation<f64>, energies: &Energies, simulation: &Simulation) -> f64 {
         match self {
-            Source::Seen(of) => of(seen),
+            Source::Observed(of) => of(observed),
             Source::Energy(of) => of(energies),
             Source::Peak(channel) => simulation.peaks().of(*channel),
-            Source::Discrete(of) => of(seen, simulation),
+            Source::Discrete(of) => of(observed, simulation),
         }
     }
 
-    /// Its rate of change, from those of what is seen and of the energies; `now` and `peaks` are what stands at a peak, and
-    /// grows.
-    pub fn rate(&self, rates: &Observation<f64>, energy_rates: &Energies, now: &Channels, peaks: &Peaks) -> f64 {
+    /// Returns the rate of change, from rates of the observation and of the energies.
+    ///
+    /// `channels` has the present values and rates of the quantities with peaks.
+    pub fn rate(&self, rates: &Observation<f64>, energy_rates: &Energies, channels: &Channels, peaks: &Peaks) -> f64 {
         match self {
-            Source::Seen(of) => of(rates),
+            Source::Observed(of) => of(rates),
             Source::Energy(of) => of(energy_rates),
-            Source::Peak(channel) => peaks.rate(*channel, now),
+            Source::Peak(channel) => peaks.rate(*channel, channels),
             Source::Discrete(_) => 0.0,
         }
     }
 
-    /// Its derivative at the beginning in a direction of what the block begins from.
+    /// Returns the derivative at the beginning, in a direction of start values, parameters and inputs.
     pub fn at_beginning(&self, along: &AtBeginning) -> f64 {
         match self {
-            Source::Seen(of) => of(&along.seen),
+            Source::Observed(of) => of(&along.seen),
             Source::Energy(of) => of(&along.energies),
             Source::Peak(channel) => along.peaks.of(*channel),
             Source::Discrete(_) => 0.0,
         }
     }
 
-    /// Its derivative with respect to inputs and states at one instant, from those of what is seen and of the energies. What
-    /// was since the start does not depend on them.
+    /// Returns the derivative with respect to inputs and states at one instant, from those of the observation and of the energies.
+    ///
+    /// Peaks and event counts do not depend on them.
     pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies) -> f64 {
         match self {
-            Source::Seen(of) => of(sensitivities),
+            Source::Observed(of) => of(sensitivities),
             Source::Energy(of) => of(energies),
             Source::Peak(_) | Source::Discrete(_) => 0.0,
         }

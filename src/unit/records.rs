@@ -1,4 +1,4 @@
-//! Files or arrays of samples → the ground motion inside, and the parameters calculated from it.
+//! Files or arrays of samples → the FMU's own ground motion, and the parameters calculated from it.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use crate::unit::values::Values;
 use crate::unit::variables::{Text, Variable};
 use rocking_records::{LARGEST_FILE, ReadOptions, Record, Setting};
 
-/// The variables that say which record is read, and how.
+/// The variables that name a record and its reading options.
 struct RecordSettings {
     path: Text,
     unit: Text,
@@ -15,13 +15,13 @@ struct RecordSettings {
 }
 
 impl Values {
-    /// Returns the records that act inside, from arrays or files; an error is one line.
+    /// Returns the FMU's own records, from arrays or files. An error is one line.
     pub fn ground(&self) -> Result<Ground, String> {
         let ground = self.unscaled_ground()?;
         Ok(ground.scaled(self[Variable::RecordScale]).shifted(self[Variable::RecordStart]))
     }
 
-    /// Returns them neither scaled nor shifted.
+    /// Returns the records without scale and shift.
     pub(super) fn unscaled_ground(&self) -> Result<Ground, String> {
         match (self.fmi3_only.has_record(), self.has_file()) {
             (false, _) => self.ground_of_files(),
@@ -32,12 +32,12 @@ impl Values {
         }
     }
 
-    /// Whether a record acts inside.
+    /// Whether the FMU has a record of its own.
     pub(super) fn has_record(&self) -> bool {
         self.has_file() || self.fmi3_only.has_record()
     }
 
-    /// Whether a file of a record is named.
+    /// Whether a parameter names a record file.
     pub(super) fn has_file(&self) -> bool {
         !(self[Text::RecordHorizontal].is_empty() && self[Text::RecordVertical].is_empty())
     }
@@ -47,7 +47,7 @@ impl Values {
         variable == Variable::G || variable.name().starts_with("record.")
     }
 
-    /// Reads the files that the parameters name; an error is one line, which calls settings by the names of their variables.
+    /// Reads the files that the parameters name. An error is one line and names settings by their variables.
     pub(super) fn ground_of_files(&self) -> Result<Ground, String> {
         let unit = |texts: &[Text]| texts.iter().copied().find(|&text| !self[text].is_empty());
         let horizontal = RecordSettings {
@@ -68,7 +68,7 @@ impl Values {
         if self[path].is_empty() {
             return Ok(None);
         }
-        // To open a pipe without a writer would wait for one, and a device may never end.
+        // Opening a pipe waits for a writer, and a device may never end.
         if std::fs::metadata(&self[path]).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             let (name, found) = (path.variable().name(), &self[path]);
             return Err(format!(
@@ -107,19 +107,19 @@ impl Values {
     }
 }
 
-/// What is calculated from the records.
+/// A parameter calculated from the records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfGround {
-    /// The peak acceleration of the horizontal one.
+    /// Peak acceleration of the horizontal record (m/s²).
     Peak,
-    /// The peak acceleration of the vertical one.
+    /// Peak acceleration of the vertical record (m/s²).
     VerticalPeak,
-    /// The time of the last sample.
+    /// Time of the last sample (s).
     End,
 }
 
 impl OfGround {
-    /// The value.
+    /// Returns its value.
     pub fn value(self, ground: &Ground) -> f64 {
         let greatest = |record: &Option<Record>| record.as_ref().map_or(0.0, |record| record.peak().acceleration.abs());
         match self {

@@ -1,4 +1,4 @@
-//! A saved state ↔ bytes that can be told from any others: magic, version, GUID, length, content, checksum.
+//! A saved state ↔ bytes: magic, version, GUID, length, content, checksum.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::unit::variables::GUID;
 
 const MAGIC: [u8; 8] = *b"rockblk\x1a";
 
-/// Version of the content; to be raised with every change of what [`Unit`] holds.
+/// Version of the content. Raise it with every change of [`Unit`]'s fields.
 pub const VERSION: u32 = 7;
 
 #[derive(Serialize, Deserialize)]
@@ -20,7 +20,7 @@ struct Header {
     checksum: u32,
 }
 
-/// The bytes of a state.
+/// Returns a state as bytes.
 pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
     let internal = |error: postcard::Error| Fault::new(format!("the state cannot be written: {error}"));
     let content = postcard::to_allocvec(unit).map_err(internal)?;
@@ -39,7 +39,7 @@ pub fn serialize(unit: &Unit) -> Result<Vec<u8>, Fault> {
         .map_err(internal)
 }
 
-/// The state that these bytes hold; refuses what is no state of this FMU, is cut, or was altered.
+/// Returns the state in these bytes. Refuses bytes of another program, truncated bytes and altered bytes.
 pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
     let refuse = |message: String| Fault::new(format!("serialized state refused: {message}"));
     let (header, content): (Header, &[u8]) = postcard::take_from_bytes(bytes)
@@ -53,7 +53,7 @@ pub fn deserialize(bytes: &[u8]) -> Result<Unit, Fault> {
     if header.guid != GUID {
         return Err(refuse(format!("GUID {:?}; expected {GUID:?}", header.guid)));
     }
-    // Room after the content is the importer's own.
+    // The importer's buffer may be longer than the content.
     let content = usize::try_from(header.length)
         .ok()
         .and_then(|length| content.get(..length))

@@ -1,8 +1,7 @@
-//! Communication steps that stop at events, and those in whose course the importer sets inputs and looks in: the step is done
-//! in parts, over each of which the inputs are linear in time.
+//! Communication steps in parts: they stop at events, and at intermediate updates, where the importer sets inputs and reads outputs.
 //!
-//! A part goes on across an early return, so that whoever leaves a step at an event and then does the rest of it comes to the same bits as
-//! whoever does it at once.
+//! Inputs are linear in time over each part. A part continues across an early return: a step that is left at an event and then
+//! completed gives the same bits as an uninterrupted step.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +17,7 @@ use crate::unit::variables::Input;
 /// A part of a communication step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Substep {
-    /// Where it ends (s).
+    /// Its end (s).
     end: f64,
     /// The inputs over it.
     over: Inputs,
@@ -27,7 +26,7 @@ pub struct Substep {
 }
 
 impl Substep {
-    /// Whether this can be a part.
+    /// Whether all numbers are finite.
     pub fn is_valid(&self) -> bool {
         let ramps = Input::ALL.into_iter().map(|input| ramp(&self.over, input));
         let ramps = ramps.flat_map(|ramp| [ramp.value, ramp.rate]);
@@ -35,60 +34,62 @@ impl Substep {
     }
 }
 
-/// How far a part came.
+/// Progress of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reached {
-    /// Its end, or that of the step.
+    /// The end of the part, or of the step.
     End,
-    /// An event, of which nothing has come yet.
+    /// An event, not yet applied.
     Event,
     /// The end of the run, at this time (s).
     Ended(Ending, f64),
 }
 
 impl Unit {
-    /// Begins a communication step as [`Unit::advance`] does; gives its end (s). An event that is left from the last one is
-    /// applied first.
+    /// Begins a communication step as [`Unit::advance`] does, and returns its end (s).
+    ///
+    /// An event that the last step left unapplied is applied first.
     pub fn begin_substeps(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<f64, Fault> {
         let end = self.begin_step(time, step)?;
         self.settle(observer)?;
         Ok(end)
     }
 
-    /// The step in which the unit is would have ended at `end` (s) and is left now.
+    /// Leaves the present step, which would have ended at `end` (s).
     pub fn leave_step(&mut self, end: f64) {
         self.left = (self.time() < end).then_some(end);
     }
 
-    /// Whether inputs for a new part have to be known before [`Unit::do_substep`] can go on.
+    /// Whether [`Unit::do_substep`] needs the inputs of a new part.
     pub fn needs_substep(&self) -> bool {
         self.substep.is_none()
     }
 
-    /// Whether nothing moves, and nothing will unless the inputs change.
+    /// Whether the block is at rest and stays so unless the inputs change.
     pub fn rests(&self) -> bool {
         let Some(simulation) = &self.simulation else { return false };
         let (inputs, end) = self.acting(&self.values.inputs(self.time(), &PerInput::default()));
         end == f64::INFINITY && simulation.rests(&inputs)
     }
 
-    /// Begins a part that ends at `end` (s), with the inputs at its end as they are now. They can be set until
-    /// [`Unit::end_asking`].
-    pub fn ask(&mut self, end: f64) {
+    /// Begins a part that ends at `end` (s), with the inputs at its end equal to the present ones.
+    ///
+    /// They can be set by [`Unit::set_ahead`] until [`Unit::end_setting_ahead`].
+    pub fn begin_setting_ahead(&mut self, end: f64) {
         let at_end = self.values.present_inputs();
         self.substep = Some(Substep { end, over: Inputs::default(), at_end });
         self.phase = Phase::SettingAhead;
     }
 
-    /// Sets an input at the end of the part that begins.
+    /// Sets an input at the end of the new part.
     pub fn set_ahead(&mut self, input: Input, value: f64) {
         if let Some(substep) = &mut self.substep {
             substep.at_end[input as usize] = value;
         }
     }
 
-    /// The inputs at the end of the part are set.
-    pub fn end_asking(&mut self) {
+    /// Makes the inputs linear between their present values and those at the end of the part.
+    pub fn end_setting_ahead(&mut self) {
         self.phase = Phase::StepComplete;
         let time = self.time();
         if let Some(substep) = &mut self.substep {
@@ -98,8 +99,9 @@ impl Unit {
         }
     }
 
-    /// Goes on to the end of the part, or to `until` (s), or to the first event later than `after` (s) if there is such a time. Allocates no
-    /// memory unless it fails.
+    /// Advances to the end of the part, to `until` (s), or, if `after` (s) is given, to the first later event.
+    ///
+    /// Allocates no memory unless it fails.
     pub fn do_substep(
         &mut self,
         until: f64,
@@ -133,18 +135,18 @@ impl Unit {
         })
     }
 
-    /// The importer looks in, or is done with it.
-    pub fn look_in(&mut self, looks: bool) {
-        self.phase = if looks { Phase::LookingIn } else { Phase::StepComplete };
+    /// Begins or ends the importer's look at the outputs inside a step.
+    pub fn look_in(&mut self, begins: bool) {
+        self.phase = if begins { Phase::LookingIn } else { Phase::StepComplete };
     }
 
-    /// An event has been handled.
+    /// Continues with steps after an event.
     pub fn enter_step_mode(&mut self) {
         self.phase = Phase::StepComplete;
     }
 
-    /// Sizes of arrays are set, or have been.
-    pub fn configure(&mut self, configures: bool) {
-        self.phase = if configures { Phase::ConfigurationMode } else { Phase::Instantiated };
+    /// Enters or leaves Configuration Mode, where sizes of arrays are set.
+    pub fn configure(&mut self, begins: bool) {
+        self.phase = if begins { Phase::ConfigurationMode } else { Phase::Instantiated };
     }
 }

@@ -1,5 +1,6 @@
-//! Variables ↔ block, initial state, pulse and what is calculated from them; every variable of modelDescription.xml but the outputs is
-//! named here, once.
+//! Values of variables → block, initial state, pulse, settings and calculated parameters.
+//!
+//! Names every variable of modelDescription.xml except the outputs, once.
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
@@ -9,18 +10,17 @@ use crate::unit::fmi3_only::Fmi3OnlyValues;
 use crate::unit::records::OfGround;
 use crate::unit::variables::{Causality, Choice, Derived, Input, Parameter, Text, VARIABLES, Variable, choices};
 
-/// Values of all inputs, in the order of [`Input::ALL`], or what else there is one of for each.
+/// One number for each input, in the order of [`Input::ALL`].
 pub type PerInput = [f64; Input::ALL.len()];
 
-/// Values of all variables that are set from outside.
+/// Values of all variables that the importer sets.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Values {
-    /// Numbers by value reference; those of other variables stay at 0. Integers, enumerations and Booleans (0 or 1) are held
-    /// as the real numbers that they are.
+    /// Numbers by value reference, 0 for other variables. Integers, enumerations and Booleans (0 or 1) are stored as reals.
     numbers: Vec<f64>,
     /// Texts, in the order of [`Text::ALL`].
     texts: [String; Text::ALL.len()],
-    /// What only FMI 3.0 has.
+    /// Values of the variables that exist only in FMI 3.0.
     pub(super) fmi3_only: Fmi3OnlyValues,
 }
 
@@ -59,7 +59,7 @@ impl std::ops::IndexMut<Variable> for Values {
     }
 }
 
-/// The parameters of the block that are read.
+/// The group of block parameters that `parameterization` selects.
 pub(super) enum GivenBlock<T> {
     Dimensionless(Dimensionless<T>),
     Physical(Physical<T>),
@@ -68,7 +68,7 @@ pub(super) enum GivenBlock<T> {
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 
 impl Values {
-    /// Whether these are values of this FMU: one a variable, each within its limits.
+    /// Whether there is one value for each variable, within its limits.
     pub fn are_valid(&self) -> bool {
         self.fmi3_only.are_valid()
             && self.numbers.len() == VARIABLES.len()
@@ -77,7 +77,7 @@ impl Values {
             })
     }
 
-    /// The block that the parameters amount to.
+    /// Makes the block from the parameters.
     pub fn block(&self) -> Result<Block, BlockError> {
         let (given, common) = self.given_block(|variable| self[variable]);
         match given {
@@ -86,7 +86,7 @@ impl Values {
         }
     }
 
-    /// The parameters of the block as they are read, in the numbers that `of` gives for variables.
+    /// Returns the parameters of the block, with the numbers of `of`.
     pub(super) fn given_block<T>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
@@ -114,7 +114,7 @@ impl Values {
         (given, common)
     }
 
-    /// The item of an enumeration.
+    /// Returns the chosen item of an enumeration.
     fn choice<C: Choice>(&self, variable: Variable) -> C {
         C::of(self[variable])
             .unwrap_or_else(|| unreachable!("{} = {} is checked where it is set", variable.name(), self[variable]))
@@ -152,7 +152,7 @@ impl Values {
         sizes.filter(move |&variable| is_unset(variable))
     }
 
-    /// What a parameter needs to be read, if it is not there with the other parameters as they are.
+    /// Returns the setting that a parameter needs to be read, if the others lack it.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
         match parameter {
@@ -193,7 +193,7 @@ impl Values {
         }
     }
 
-    /// Parameters that were given and that nothing reads with the others as they are, each with what it needs.
+    /// Returns the parameters that were set but are not read, each with the setting that it needs.
     pub fn unread(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let lacking = |parameter| self.lacks(parameter).map(|needed| (parameter.variable(), needed));
         let numbers = self.given(Parameter::ALL.into_iter().filter_map(lacking).collect());
@@ -203,11 +203,11 @@ impl Values {
         }))
     }
 
-    /// What a text needs to be read.
+    /// Returns the setting that a text needs to be read, if it is missing.
     fn text_lacks(&self, text: Text) -> Option<&'static str> {
         match text {
             Text::RecordHorizontal | Text::RecordVertical => None,
-            // Of a vertical record too, unless that has a unit of its own.
+            // It is also the unit of a vertical record that has none of its own.
             Text::RecordHorizontalUnit => {
                 let of_vertical = !self[Text::RecordVertical].is_empty() && self[Text::RecordVerticalUnit].is_empty();
                 (self[Text::RecordHorizontal].is_empty() && !of_vertical).then_some("record.horizontal")
@@ -216,7 +216,7 @@ impl Values {
         }
     }
 
-    /// Those of [`Values::unread`], and those of the supports on a rigid base, where only calculated parameters have them.
+    /// Returns [`Values::unread`] and, on a rigid base, the parameters of the supports, which only calculated parameters read.
     pub fn unread_by_motion(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let supports = match (self.foundation(), self.is_physical()) {
             (Foundation::Viscoelastic, _) => vec![],
@@ -226,18 +226,18 @@ impl Values {
         self.unread().chain(self.given(supports.into_iter().map(|variable| (variable, ON_SUPPORTS)).collect()))
     }
 
-    /// Those that do not have their start value, with their names.
+    /// Keeps the variables that differ from their start values, with their names.
     fn given(&self, variables: Vec<(Variable, &'static str)>) -> impl Iterator<Item = (&'static str, &'static str)> {
         let given = |variable: Variable| Some(self[variable]) != VARIABLES[variable as usize].start;
         variables.into_iter().filter(move |(v, _)| given(*v)).map(|(v, needed)| (v.name(), needed))
     }
 
-    /// The beginning.
+    /// Returns the initial state.
     pub fn initial(&self) -> Initial {
         self.initial_of(|variable| self[variable])
     }
 
-    /// The same in the numbers that `of` gives for variables.
+    /// The same with the numbers of `of`.
     pub(super) fn initial_of<T>(&self, of: impl Fn(Variable) -> T) -> Initial<T> {
         let vertical = (of(Variable::InitialV), of(Variable::InitialVDot));
         Initial {
@@ -247,12 +247,12 @@ impl Values {
         }
     }
 
-    /// The pulse.
+    /// Returns the pulse.
     pub fn pulse(&self) -> Pulse {
         self.pulse_of(|variable| self[variable])
     }
 
-    /// The same in the numbers that `of` gives for variables.
+    /// The same with the numbers of `of`.
     pub(super) fn pulse_of<T>(&self, of: impl Fn(Variable) -> T) -> Pulse<T> {
         Pulse {
             shape: match self.choice(Variable::PulseShape) {
@@ -268,7 +268,7 @@ impl Values {
         }
     }
 
-    /// How to run, with this tolerance or the default one.
+    /// Returns the settings of the run, with this tolerance or the default.
     pub fn settings(&self, tolerance: Option<f64>) -> Settings {
         Settings {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
@@ -284,23 +284,23 @@ impl Values {
         }
     }
 
-    /// The present values of the inputs.
+    /// Returns the present values of the inputs.
     pub fn present_inputs(&self) -> PerInput {
         Input::ALL.map(|input| self[input.variable()])
     }
 
-    /// The inputs from `time` on, changing at these rates.
+    /// Returns the inputs from `time` (s) on, with these rates.
     pub fn inputs(&self, time: f64, rates: &PerInput) -> Inputs {
         inputs(time, self.present_inputs(), rates)
     }
 }
 
-/// Inputs from their values and rates.
+/// Returns inputs with these values and rates at `time` (s).
 pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
     inputs_of(time, |input| Ramp { value: values[input as usize], rate: rates[input as usize] })
 }
 
-/// Inputs with their reference at `time` (s).
+/// Returns inputs with reference time `time` (s).
 pub(super) fn inputs_of<T>(time: T, of: impl Fn(Input) -> Ramp<T>) -> Inputs<T> {
     Inputs {
         time,
@@ -312,7 +312,7 @@ pub(super) fn inputs_of<T>(time: T, of: impl Fn(Input) -> Ramp<T>) -> Inputs<T> 
     }
 }
 
-/// One of the inputs.
+/// Returns one of the inputs.
 pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
     match input {
         Input::AGx => inputs.a_gx,
@@ -323,7 +323,7 @@ pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
     }
 }
 
-/// Where the value of a calculated parameter comes from.
+/// The source of a calculated parameter's value.
 pub enum DerivedSource<T = f64> {
     /// The block.
     Block(fn(&Block<T>) -> T),
@@ -331,7 +331,7 @@ pub enum DerivedSource<T = f64> {
     Ground(OfGround),
 }
 
-/// Where a calculated parameter comes from.
+/// Returns the source of a calculated parameter.
 pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
     use DerivedSource::Block as OfBlock;
     match parameter {
@@ -357,7 +357,7 @@ pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
 }
 
 impl Variable {
-    /// Its name in modelDescription.xml.
+    /// Returns its name in modelDescription.xml.
     pub fn name(self) -> &'static str {
         VARIABLES[self as usize].name
     }

@@ -1,6 +1,6 @@
-//! What modelDescription.xml says of each variable, as the build read it.
+//! Attributes of the variables in modelDescription.xml, as read by the build script.
 
-/// Base type of a variable. What is an enumeration in modelDescription.xml is an Integer in FMI 2.0.
+/// Base type of a variable. An enumeration of modelDescription.xml is an Integer in FMI 2.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A real number.
@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind by whose functions it is read and set.
+    /// Returns the type whose functions read and set the variable.
     pub fn base(self) -> Kind {
         match self {
             Kind::Enumeration => Kind::Integer,
@@ -36,16 +36,16 @@ impl std::fmt::Display for Kind {
     }
 }
 
-/// What a variable is for.
+/// Causality of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
-    /// Set from outside at any time.
+    /// Set by the importer at any time.
     Input,
-    /// Set from outside before initialization ends.
+    /// Set by the importer before initialization ends.
     Parameter,
-    /// Follows from parameters.
+    /// Calculated from parameters.
     CalculatedParameter,
-    /// Put out.
+    /// A result.
     Output,
 }
 
@@ -61,7 +61,7 @@ impl std::fmt::Display for Causality {
 }
 
 impl Causality {
-    /// One of its variables, in a sentence.
+    /// Returns the words for one such variable in a sentence.
     pub fn one(self) -> &'static str {
         match self {
             Causality::Input => "an input",
@@ -72,18 +72,18 @@ impl Causality {
     }
 }
 
-/// The part to which a variable belongs. Who handles a part handles each of its variables, or does not compile.
+/// The group of a variable. Code that handles a group handles each of its variables, or does not compile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Set from outside at any time.
+    /// Set by the importer at any time.
     Input(Input),
-    /// A number, set from outside before initialization ends.
+    /// A number, set by the importer before initialization ends.
     Parameter(Parameter),
-    /// A text, set from outside before initialization ends.
+    /// A text, set by the importer before initialization ends.
     Text(Text),
-    /// Follows from parameters.
+    /// Calculated from parameters.
     Derived(Derived),
-    /// Put out.
+    /// A result.
     Output(Output),
 }
 
@@ -92,27 +92,27 @@ pub trait Choice: Copy + 'static {
     /// All items.
     const ALL: &'static [Self];
 
-    /// The number of an item.
+    /// Returns the number of an item.
     fn number(self) -> i32;
 
-    /// The item of a number, if it has one.
+    /// Returns the item with this number, if there is one.
     fn of(value: f64) -> Option<Self> {
         Self::ALL.iter().copied().find(|item| f64::from(item.number()) == value)
     }
 }
 
-/// When a variable changes.
+/// Variability of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
-    /// At all times.
+    /// Changes at all times.
     Continuous,
-    /// At events.
+    /// Changes at events.
     Discrete,
-    /// Not after initialization.
+    /// Does not change after initialization.
     Fixed,
 }
 
-/// What modelDescription.xml says of a variable.
+/// Attributes of a variable in modelDescription.xml.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metadata {
     /// The variable.
@@ -121,31 +121,31 @@ pub struct Metadata {
     pub name: &'static str,
     /// Its type.
     pub kind: Kind,
-    /// What it is for.
+    /// Its causality.
     pub causality: Causality,
-    /// The same, with the variable among those of its part.
+    /// Its group, and the variable in it.
     pub role: Role,
-    /// When it changes.
+    /// Its variability.
     pub variability: Variability,
     /// Its unit, if it is Real.
     pub unit: Option<&'static str>,
-    /// Its start value, with 0 and 1 for false and true.
+    /// Its start value; 0 and 1 for false and true.
     pub start: Option<f64>,
-    /// Its least value.
+    /// Its minimum.
     pub min: Option<f64>,
-    /// Its greatest value.
+    /// Its maximum.
     pub max: Option<f64>,
     /// The choices of an enumeration: values and names.
     pub items: &'static [(i32, &'static str)],
 }
 
 impl Metadata {
-    /// Whether it can be set from outside at all.
+    /// Whether the importer can set it.
     pub fn is_settable(&self) -> bool {
         matches!(self.causality, Causality::Input | Causality::Parameter)
     }
 
-    /// Refuses values that are not finite or outside the limits, with a sentence that names them.
+    /// Refuses a value that is not finite or outside the limits; the error names the limits.
     pub fn admits(&self, value: f64) -> Result<(), String> {
         let (name, min, max) = (self.name, self.min, self.max);
         if self.kind == Kind::Enumeration {
@@ -159,12 +159,12 @@ impl Metadata {
     }
 }
 
-/// Refuses values that are not finite or outside the limits, with a sentence that names them.
+/// Refuses a value that is not finite or outside the limits; the error names the limits.
 fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> Result<(), String> {
     if value.is_finite() && min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max) {
         return Ok(());
     }
-    // All digits of 1e300 are no help.
+    // A long decimal such as that of 1e300 would not help.
     let plain = value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite();
     let value = if plain { format!("{value}") } else { format!("{value:e}") };
     Err(match (min, max) {
@@ -176,7 +176,7 @@ fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> 
 }
 
 impl Fmi3Only {
-    /// Refuses values that are not finite or outside the limits, with a sentence that names them.
+    /// Refuses a value that is not finite or outside the limits; the error names the limits.
     pub fn admits(self, value: f64) -> Result<(), String> {
         within_limits(self.name(), value, self.min(), self.max())
     }

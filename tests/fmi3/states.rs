@@ -15,12 +15,15 @@ const STATES: [(char, &str); 6] = [
     ('T', "Terminated"),
 ];
 
-/// A function, the states in which it is taken, and a call that is fine but for the state. No letter: never, for what it belongs to is
-/// not there; a dash: it belongs to Co-Simulation.
+/// A function, the states in which it is legal, and a call that is valid except for the state.
+///
+/// No letter: never legal, since the FMU lacks the feature. A dash: a function of Co-Simulation.
 type Row = (&'static str, &'static str, fn(&Instance) -> Status);
 
-/// As the standard has it, but for what does no harm: values are read, and states and indicators counted, in every state, and the time is
-/// set in Event Mode, too, as importers do before the first step.
+/// The standard's table, with some harmless additions.
+///
+/// Values and the numbers of states and indicators can be read in every state. The time can also be set in Event Mode, as
+/// importers do before the first step.
 const TABLE: &[Row] = &[
     ("fmi3SetDebugLogging", "ICMEKT", |b| call!(b, set_debug_logging, true, 0, null())),
     ("fmi3EnterConfigurationMode", "I", |b| call!(b, enter_configuration_mode)),

@@ -1,4 +1,4 @@
-//! FMI 2.0: instantiation, and the importer's logger. What all versions share is in [`crate::fmi::boundary`].
+//! FMI 2.0: instantiation and the importer's logger. The rest of the boundary is in [`crate::fmi::boundary`].
 
 use std::ffi::{CStr, CString};
 
@@ -16,20 +16,20 @@ use crate::unit::variables::GUID;
 
 pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 
-/// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
+/// Runs a call on an instance, as [`boundary::call`] does.
 ///
 /// # Safety
-/// `component` is null or comes from [`instantiate`] and was not freed.
+/// `component` is null or comes from [`instantiate`] and has not been freed.
 pub unsafe fn call(component: fmi2Component, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi2Status {
     // SAFETY: by contract.
     unsafe { boundary::call::<Fmi2>(component, call, act) }.code()
 }
 
-/// `fmi2Instantiate`: null, with a reason logged where there is a logger, if the request is not for this FMU.
+/// `fmi2Instantiate`: makes an instance. Returns null and logs the reason if the request is not for this FMU.
 ///
 /// # Safety
-/// Texts are null or end with 0; `functions` is null or points to the importer's callbacks, whose logger may be called as
-/// long as the instance lives (standard, 2.1.5).
+/// Strings are null or end with 0; `functions` is null or points to the importer's callbacks, whose logger may be called
+/// during the life of the instance (standard, 2.1.5).
 pub unsafe fn instantiate(
     name: fmi2String,
     kind: fmi2Type,
@@ -37,12 +37,12 @@ pub unsafe fn instantiate(
     functions: *const fmi2CallbackFunctions,
     logging: fmi2Boolean,
 ) -> fmi2Component {
-    // SAFETY: null or, by contract, the importer's structure with all its members set (standard, 2.1.5).
+    // SAFETY: null or, by contract, the importer's structure with all members set (standard, 2.1.5).
     let Some(&callbacks) = (unsafe { functions.as_ref() }) else { return std::ptr::null_mut() };
-    // SAFETY: by contract the logger that the standard describes (2.1.5), to be called as long as the instance lives.
+    // SAFETY: by contract the logger of the standard (2.1.5), which may be called during the life of the instance.
     let messenger = unsafe { Messenger::new(callbacks) };
     boundary::create(|| {
-        // SAFETY: by contract null or a text that ends with 0 (standard, 2.1.2) and stays during this call.
+        // SAFETY: by contract null or a string that ends with 0 (standard, 2.1.2) and does not change during this call.
         let (name, guid) = unsafe { (text(name), text(guid)) };
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
         let log = Log::new(messenger, CString::from(shown), is_true(logging));
@@ -76,31 +76,33 @@ fn fit(name: Option<&CStr>, kind: fmi2Type, guid: Option<&CStr>) -> Result<Inter
     }
 }
 
-/// `fmi2FreeInstance`: nothing for null, and nothing from within a call on the instance, which goes on using it.
+/// `fmi2FreeInstance`: does nothing for null or from within a call on the instance.
 ///
 /// # Safety
-/// As for [`call`]; unless a call is under way the instance is gone afterwards.
+/// As for [`call`]; unless a call is in progress, the handle is invalid afterwards.
 pub unsafe fn free_instance(component: fmi2Component) {
     // SAFETY: by contract.
     unsafe { boundary::free::<Fmi2>(component) }
 }
 
-/// The importer's logger, and what it wants to be handed back.
+/// The importer's logger and its environment.
 #[derive(Debug)]
 pub struct Messenger(fmi2CallbackFunctions);
 
 impl Messenger {
     /// # Safety
-    /// The logger, if there is one, is a function as the standard (2.1.5) describes it, and may be called with
-    /// `environment` as long as this lives.
+    /// The logger, if any, is a function of the standard's type (2.1.5), and may be called with `environment` during the life of
+    /// this value.
     unsafe fn new(callbacks: fmi2CallbackFunctions) -> Messenger {
         Messenger(callbacks)
     }
 }
 
 impl log::Messenger for Messenger {
-    /// With `logging` those listed, or all; without it warnings and errors, of which the importer has to know: what FMI 2.0
-    /// switches is debug logging (standard, 2.1.5), and only discarded steps are shown in debug mode alone (2.1.3).
+    /// With `logging`, the listed categories, or all; otherwise warnings and errors.
+    ///
+    /// The switch of FMI 2.0 is for debug logging (standard, 2.1.5), and only discarded steps are messages of the debug mode
+    /// (2.1.3).
     fn wanted(_: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
         Category::ALL.map(|category| match (logging, listed) {
             (true, None) => true,
@@ -109,14 +111,14 @@ impl log::Messenger for Messenger {
         })
     }
 
-    /// The message is the argument of the format `%s`, never a format.
+    /// Passes the message as argument of the format `%s`, never as a format.
     fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr) {
         let Messenger(fmi2CallbackFunctions { logger, environment, .. }) = *self;
         if let Some(logger) = logger {
             let (instance, category, message) = (instance.as_ptr(), category.as_ptr(), message.as_ptr());
-            // SAFETY: by the contract of `new` the importer's logger, which takes these arguments and one text for `%s`
-            // (standard, 2.1.5); all texts end with 0 and outlive the call. The instance is in use meanwhile, but
-            // whatever the logger calls on it is refused before it is touched; see [`boundary`].
+            // SAFETY: by the contract of `new` the importer's logger, which takes these arguments and one string for `%s`
+            // (standard, 2.1.5); all strings end with 0 and outlive the call. The instance is in use meanwhile, but calls of
+            // the logger on it are refused before they access it; see [`boundary`].
             unsafe { logger(environment, instance, status.code(), category, c"%s".as_ptr(), message) };
         }
     }
@@ -134,13 +136,13 @@ mod tests {
     use crate::fmi::fmi2::types::fmi2CallbackLogger;
     use crate::unit::fault::Fault;
 
-    /// Of a host that shares this library's Rust runtime; others are tests/abi/callbacks.rs's.
+    /// Tests a host that shares this library's Rust runtime. tests/abi/callbacks.rs tests other hosts.
     #[test]
     fn a_panic_of_the_logger_is_caught() {
         unsafe extern "C-unwind" fn panicking() {
             panic!("broken logger");
         }
-        // SAFETY: a function that looks at no argument can be called with any.
+        // SAFETY: a function that reads no argument can be called with any.
         let logger: fmi2CallbackLogger = unsafe { std::mem::transmute(panicking as *const ()) };
         let callbacks = fmi2CallbackFunctions {
             logger: Some(logger),

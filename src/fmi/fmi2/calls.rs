@@ -1,6 +1,6 @@
-//! Which call is legal in which state: the tables of 3.2.3 and 4.2.4 of the standard (2.0.5), in one place.
+//! The states in which each call is legal: the tables of 3.2.3 and 4.2.4 of the standard (2.0.5).
 //!
-//! One call more is taken: `fmi2SetTime` in Event Mode, where the standard has it for FMUs without continuous states only; several
+//! In addition `fmi2SetTime` is legal in Event Mode, which the standard allows only for FMUs without continuous states: several
 //! importers set the time there before the first step.
 
 use crate::fmi;
@@ -35,7 +35,7 @@ macro_rules! calls {
         }
 
         impl Call {
-            /// Name of the function.
+            /// Returns the name of the function.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Call::$call => $name,)*
@@ -94,7 +94,7 @@ calls! {
     GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates" INSTANTIATED | EXCHANGED;
 }
 
-/// Phases of an instance for Co-Simulation alone, and of one for Model Exchange.
+/// States only of Co-Simulation, and only of Model Exchange.
 const OF_CO_SIMULATION: u16 = COMPLETE | FAILED;
 const OF_MODEL_EXCHANGE: u16 = EVENT | CONTINUOUS;
 
@@ -135,7 +135,7 @@ impl fmi::Call for Call {
 }
 
 impl Call {
-    /// The interface to which the call belongs, if it is not of both.
+    /// Returns the only interface type that has the call, or `None` if both have it.
     fn interface(self) -> Option<Interface> {
         match self {
             Call::DoStep
@@ -182,13 +182,13 @@ impl Call {
     }
 }
 
-/// What the standard calls a state.
+/// Returns the standard's name of a state.
 fn name(phase: Phase) -> &'static str {
     match phase {
         Phase::Instantiated => "instantiated",
         Phase::InitializationMode => "initializationMode",
         Phase::StepComplete => "stepComplete",
-        // Of FMI 3.0: no instance of FMI 2.0 comes there.
+        // States of FMI 3.0, which no instance of FMI 2.0 reaches.
         Phase::ConfigurationMode => "configurationMode",
         Phase::SettingAhead | Phase::LookingIn => "intermediateUpdateMode",
         Phase::StepFailed => "stepFailed",

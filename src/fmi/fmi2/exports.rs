@@ -1,7 +1,7 @@
 //! The 44 functions of the standard's headers (fmi2Functions.h, 2.0.4), and nothing else.
 //!
-//! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
-//! and hands on to [`Instance`]. The names are exported where the crate in `crates/fmu2` compiles this file, as the FMU's library.
+//! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
+//! The crate `crates/fmu2` compiles this file as the FMU's library and exports the names.
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
@@ -20,19 +20,19 @@ use crate::unit::instance::Unit;
 use crate::unit::snapshot;
 use crate::unit::variables::Kind;
 
-/// The platform of the types: "default".
+/// Returns the platform of the types: "default".
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
     c"default".as_ptr()
 }
 
-/// The version of the interface: "2.0".
+/// Returns the version of the interface: "2.0".
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// A new instance, or null. The resource location is not needed and not judged.
+/// Makes a new instance, or returns null. The resource location is not used.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2Instantiate(
     instance_name: fmi2String,
@@ -43,19 +43,19 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: fmi2Boolean,
     logging_on: fmi2Boolean,
 ) -> fmi2Component {
-    // SAFETY: the texts are null or end with 0, `functions` is null or the importer's callbacks, and its logger may be
+    // SAFETY: the strings are null or end with 0, `functions` is null or the importer's callbacks, and its logger may be
     // called until the instance is freed (standard, 2.1.5).
     unsafe { boundary::instantiate(instance_name, fmu_type, guid, functions, logging_on) }
 }
 
-/// Frees an instance; nothing for null.
+/// Frees an instance. Does nothing for null.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
-    // SAFETY: `component` is null or an instance that lives, and is not used after this (standard, 2.1.5).
+    // SAFETY: `component` is null or a live instance, and is not used after this (standard, 2.1.5).
     unsafe { boundary::free_instance(component) }
 }
 
-/// Which messages are logged.
+/// Chooses the categories that are logged.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     component: fmi2Component,
@@ -63,8 +63,8 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     count: size_t,
     categories: *const fmi2String,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `categories` are `count`
-    // texts that end with 0 (standard, 2.1.5).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `categories` are `count`
+    // strings that end with 0 (standard, 2.1.5).
     unsafe {
         call(component, Call::SetDebugLogging, |instance| {
             instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     }
 }
 
-/// Tolerance, start and stop of the run.
+/// Sets tolerance, start and stop of the run.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetupExperiment(
     component: fmi2Component,
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     stop_time_defined: fmi2Boolean,
     stop_time: fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe {
         call(component, Call::SetupExperiment, |instance| {
             let tolerance = is_true(tolerance_defined).then_some(tolerance);
@@ -91,31 +91,31 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     }
 }
 
-/// Begins the initialization.
+/// Begins initialization.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::EnterInitializationMode, Instance::enter_initialization_mode) }
 }
 
-/// Ends the initialization: the parameters become a block.
+/// Ends initialization and makes the block.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::ExitInitializationMode, Instance::exit_initialization_mode) }
 }
 
 /// Ends the run.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::Terminate, Instance::terminate) }
 }
 
-/// Back to where instantiation left the instance.
+/// Returns to the state after instantiation.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::Reset, Instance::reset) }
 }
 
@@ -127,8 +127,8 @@ pub unsafe extern "C" fn fmi2GetReal(
     count: size_t,
     values: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
-    // references, and room for as many values, which is only written (standard, 2.1.7).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
+    // references, and memory for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetReal, |instance| {
             let mut values = room("value", values, count)?;
@@ -146,8 +146,8 @@ pub unsafe extern "C" fn fmi2GetInteger(
     count: size_t,
     values: *mut fmi2Integer,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
-    // references, and room for as many values, which is only written (standard, 2.1.7).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
+    // references, and memory for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetInteger, |instance| {
             let mut values = room("value", values, count)?;
@@ -165,8 +165,8 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     count: size_t,
     values: *mut fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
-    // references, and room for as many values, which is only written (standard, 2.1.7).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
+    // references, and memory for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetBoolean, |instance| {
             let mut values = room("value", values, count)?;
@@ -176,7 +176,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     }
 }
 
-/// Reads String variables; what the results point to lasts until the next call.
+/// Reads String variables. The results are valid until the next call.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetString(
     component: fmi2Component,
@@ -184,8 +184,8 @@ pub unsafe extern "C" fn fmi2GetString(
     count: size_t,
     values: *mut fmi2String,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
-    // references, and room for as many values, which is only written (standard, 2.1.7).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
+    // references, and memory for as many values, which is only written (standard, 2.1.7).
     unsafe {
         call(component, Call::GetString, |instance| {
             let mut values = room("value", values, count)?;
@@ -204,7 +204,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     count: size_t,
     values: *const fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
     // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetReal, |instance| {
@@ -222,7 +222,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     count: size_t,
     values: *const fmi2Integer,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
     // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetInteger, |instance| {
@@ -240,7 +240,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     count: size_t,
     values: *const fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
     // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetBoolean, |instance| {
@@ -258,7 +258,7 @@ pub unsafe extern "C" fn fmi2SetString(
     count: size_t,
     values: *const fmi2String,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
     // references and as many values (standard, 2.1.7).
     unsafe {
         call(component, Call::SetString, |instance| {
@@ -271,15 +271,15 @@ pub unsafe extern "C" fn fmi2SetString(
 /// Saves the state.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` points to null or to
-    // a state that this function gave and that was not freed (standard, 2.1.8).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` points to null or to
+    // a state returned by this function and not freed (standard, 2.1.8).
     unsafe { call(component, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
 }
 
-/// Goes back to a saved state.
+/// Restores a saved state.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was given by
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` comes from
     // `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and not freed (standard, 2.1.8).
     unsafe { call(component, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
 }
@@ -287,19 +287,19 @@ pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FM
 /// Frees a saved state.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` is null, or points to
-    // null or to a state that was not freed (standard, 2.1.8).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` is null, or points to
+    // null or to a state that has not been freed (standard, 2.1.8).
     unsafe { call(component, Call::FreeFmuState, |_| boundary::free_state(state)) }
 }
 
-/// Bytes that a saved state takes.
+/// Returns the size of a saved state in bytes.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     component: fmi2Component,
     state: fmi2FMUstate,
     size: *mut size_t,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was not freed, and
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` has not been freed, and
     // `size` is a place for the size, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::SerializedFmuStateSize, |_| {
@@ -309,7 +309,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     }
 }
 
-/// A saved state as bytes.
+/// Writes a saved state as bytes.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(
     component: fmi2Component,
@@ -317,8 +317,8 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     bytes: *mut fmi2Byte,
     size: size_t,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `state` was not freed, and
-    // there is room for `size` bytes, which is only written (standard, 2.1.8).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` has not been freed, and
+    // there is memory for `size` bytes, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::SerializeFmuState, |_| {
             let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
@@ -328,7 +328,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     }
 }
 
-/// A saved state from bytes.
+/// Makes a saved state from bytes.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     component: fmi2Component,
@@ -336,7 +336,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: size_t,
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `size` bytes, and
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `size` bytes, and
     // `state` is a place for the new state, which is only written (standard, 2.1.8).
     unsafe {
         call(component, Call::DeSerializeFmuState, |instance| {
@@ -347,7 +347,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     }
 }
 
-/// Derivatives of outputs, while initializing of calculated parameters too, in a direction of inputs, states or parameters.
+/// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     component: fmi2Component,
@@ -358,8 +358,8 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     direction: *const fmi2Real,
     sensitivity: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); the arrays hold as many
-    // elements as their counts say (standard, 2.1.9). The sensitivities are only written, and may share memory with the
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); the arrays have the given
+    // numbers of elements (standard, 2.1.9). The sensitivities are only written, and may share memory with the
     // others.
     unsafe {
         call(component, Call::GetDirectionalDerivative, |instance| {
@@ -372,7 +372,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     }
 }
 
-/// How inputs change in the next step.
+/// Sets the time derivatives of inputs over the next step.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     component: fmi2Component,
@@ -381,7 +381,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     orders: *const fmi2Integer,
     values: *const fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
     // references, orders and values (standard, 4.2.1).
     unsafe {
         call(component, Call::SetRealInputDerivatives, |instance| {
@@ -391,7 +391,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     }
 }
 
-/// How outputs change now.
+/// Returns the time derivatives of outputs.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     component: fmi2Component,
@@ -400,8 +400,8 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     orders: *const fmi2Integer,
     values: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count`
-    // references and orders, and room for as many values, which is only written (standard, 4.2.1).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
+    // references and orders, and memory for as many values, which is only written (standard, 4.2.1).
     unsafe {
         call(component, Call::GetRealOutputDerivatives, |instance| {
             let mut values = room("value", values, count)?;
@@ -412,7 +412,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     }
 }
 
-/// Goes on by a communication step.
+/// Does a communication step.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2DoStep(
     component: fmi2Component,
@@ -420,25 +420,25 @@ pub unsafe extern "C" fn fmi2DoStep(
     step: fmi2Real,
     _no_set_state_prior: fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::DoStep, |instance| instance.do_step(time, step)) }
 }
 
-/// Refused: steps are synchronous.
+/// Always refused, since steps are synchronous.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::CancelStep, refused) }
 }
 
-/// Status of the last step.
+/// Returns the status of the last step.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
     value: *mut fmi2Status,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is a place for the
     // status, which is only written (standard, 4.2.3).
     unsafe {
         call(component, Call::GetStatus, |instance| {
@@ -448,14 +448,14 @@ pub unsafe extern "C" fn fmi2GetStatus(
     }
 }
 
-/// The time up to which the last step came.
+/// Returns the time that the last step reached.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetRealStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is a place for the
     // time, which is only written (standard, 4.2.3).
     unsafe {
         call(component, Call::GetRealStatus, |instance| {
@@ -465,14 +465,14 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     }
 }
 
-/// There is no such status.
+/// Always refused, since no status is an integer.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetIntegerStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
     _value: *mut fmi2Integer,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is not used.
     unsafe {
         call(component, Call::GetIntegerStatus, |_| {
             Err(Fault::new(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
@@ -480,14 +480,14 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     }
 }
 
-/// Whether the run came to its end.
+/// Returns whether the run has ended.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is a place for the
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is a place for the
     // answer, which is only written (standard, 4.2.3).
     unsafe {
         call(component, Call::GetBooleanStatus, |instance| {
@@ -497,14 +497,14 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     }
 }
 
-/// There is no such status, since no step is ever pending.
+/// Always refused, since no step is ever pending.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2GetStringStatus(
     component: fmi2Component,
     kind: fmi2StatusKind,
     _value: *mut fmi2String,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `value` is not used.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is not used.
     unsafe {
         call(component, Call::GetStringStatus, |instance| {
             let kind = status_kind(kind)?;
@@ -521,22 +521,22 @@ fn status_kind(kind: fmi2StatusKind) -> Result<StatusKind, Fault> {
     StatusKind::from_code(kind).ok_or_else(|| Fault::new(format!("status kind {kind} does not exist; expected 0 to 3")))
 }
 
-/// Never reached: the table of calls refuses before.
+/// Never called, since the table of calls refuses the call before.
 fn refused(_: &mut Instance) -> Result<Status, Fault> {
     Err(Fault::new("not offered"))
 }
 
-/// Model Exchange: an event is due.
+/// Model Exchange: enters Event Mode.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::EnterEventMode, Instance::enter_event_mode) }
 }
 
-/// Model Exchange: what an event makes of the block.
+/// Model Exchange: applies an event.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, event_info: *mut fmi2EventInfo) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); `event_info` is a place for the
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `event_info` is a place for the
     // information, which is only written (standard, 3.2.2).
     unsafe {
         call(component, Call::NewDiscreteStates, |instance| {
@@ -555,14 +555,14 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, event_i
     }
 }
 
-/// Model Exchange: the motion goes on.
+/// Model Exchange: enters Continuous-Time Mode.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::EnterContinuousTimeMode, Instance::enter_continuous_time_mode) }
 }
 
-/// Model Exchange: a step of the importer's solver was accepted.
+/// Model Exchange: takes in an accepted step of the importer's solver.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     component: fmi2Component,
@@ -570,7 +570,7 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     enter_event_mode: *mut fmi2Boolean,
     terminate: *mut fmi2Boolean,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); the others are places for answers, which
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); the others are places for answers, which
     // are only written (standard, 3.2.2).
     unsafe {
         call(component, Call::CompletedIntegratorStep, |instance| {
@@ -584,21 +584,21 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     }
 }
 
-/// Model Exchange: the importer's clock.
+/// Model Exchange: sets the time.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is no other pointer.
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
     unsafe { call(component, Call::SetTime, |instance| instance.set_time(time)) }
 }
 
-/// Model Exchange: the continuous states.
+/// Model Exchange: sets the continuous states.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi2SetContinuousStates(
     component: fmi2Component,
     states: *const fmi2Real,
     count: size_t,
 ) -> fmi2Status {
-    // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there are `count` states (standard, 3.2.1).
+    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count` states (standard, 3.2.1).
     unsafe {
         call(component, Call::SetContinuousStates, |instance| instance.set_continuous_states(read("x", states, count)?))
     }
@@ -609,7 +609,7 @@ macro_rules! exchanged {
         $(#[$doc])*
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(component: fmi2Component, values: *mut fmi2Real, count: size_t) -> fmi2Status {
-            // SAFETY: `component` is null or an instance that lives (standard, 2.1.5); there is room for `count` values,
+            // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is memory for `count` values,
             // which is only written (standard, 3.2.1).
             unsafe {
                 call(component, Call::$call, |instance| {
@@ -621,12 +621,12 @@ macro_rules! exchanged {
 }
 
 exchanged! {
-    /// Model Exchange: derivatives of the continuous states.
+    /// Model Exchange: returns the derivatives of the continuous states.
     fmi2GetDerivatives GetDerivatives "derivatives" Unit::derivatives;
-    /// Model Exchange: event indicators.
+    /// Model Exchange: returns the event indicators.
     fmi2GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
-    /// Model Exchange: the continuous states.
+    /// Model Exchange: returns the continuous states.
     fmi2GetContinuousStates GetContinuousStates "x" Unit::states;
-    /// Model Exchange: sizes that the continuous states typically have.
+    /// Model Exchange: returns the nominal values of the continuous states.
     fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates "x_nominal" Unit::nominals;
 }

@@ -1,4 +1,4 @@
-//! An instance behind FMI 2.0: what [`crate::fmi::instance`] leaves to this version. No pointer, no C.
+//! An instance of FMI 2.0: the part of [`crate::fmi::instance`] that depends on the version.
 
 use crate::fmi;
 use crate::fmi::fmi2::boundary::Messenger;
@@ -11,7 +11,7 @@ use crate::unit::life_cycle::Phase;
 
 pub use crate::fmi::instance::{Answer, write};
 
-/// FMI 2.0, whose instances have nothing of their own.
+/// FMI 2.0, which adds no fields to an instance.
 #[derive(Debug)]
 pub struct Fmi2;
 
@@ -51,7 +51,7 @@ impl Instance {
         }
     }
 
-    /// `fmi2Get…Status` of a Real.
+    /// `fmi2GetRealStatus`.
     pub fn real_status(&self, kind: StatusKind) -> Result<f64, Fault> {
         match kind {
             StatusKind::LastSuccessfulTime => Ok(self.unit.time()),
@@ -61,7 +61,7 @@ impl Instance {
         }
     }
 
-    /// `fmi2Get…Status` of a Boolean.
+    /// `fmi2GetBooleanStatus`.
     pub fn boolean_status(&self, kind: StatusKind) -> Result<bool, Fault> {
         match kind {
             StatusKind::Terminated => Ok(self.unit.phase() == Phase::StepFailed),
@@ -71,7 +71,7 @@ impl Instance {
         }
     }
 
-    /// `fmi2GetStatus`: steps are synchronous, so this is what the last step answered.
+    /// `fmi2GetStatus`: the status of the last step, since steps are synchronous.
     pub fn step_status(&self, kind: StatusKind) -> Result<Status, Fault> {
         match (kind, self.unit.phase()) {
             (StatusKind::DoStepStatus, Phase::StepFailed) => Ok(Status::Discard),

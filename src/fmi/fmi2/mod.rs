@@ -1,8 +1,8 @@
-//! The solver behind the C interface of FMI 2.0 Co-Simulation.
+//! The C interface of FMI 2.0: Co-Simulation and Model Exchange.
 //!
-//! [`exports`] has the 44 functions; [`boundary`] turns their pointers into references and [`instance`] what a
-//! [`crate::unit::instance::Unit`] answers into statuses and messages, both over what [`crate::fmi`] has for all versions;
-//! [`calls`] is the table of what is legal when.
+//! [`exports`] has the 44 functions. [`boundary`] turns their pointers into references; [`instance`] turns the results of a
+//! [`crate::unit::instance::Unit`] into statuses and messages. Both build on [`crate::fmi`]. [`calls`] is the table of the calls that
+//! are legal in each state.
 
 pub mod boundary;
 pub mod calls;

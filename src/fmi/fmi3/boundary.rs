@@ -1,4 +1,4 @@
-//! FMI 3.0: instantiation, the importer's callbacks. What all versions share is in [`crate::fmi::boundary`].
+//! FMI 3.0: instantiation and the importer's callbacks. The rest of the boundary is in [`crate::fmi::boundary`].
 
 use std::ffi::{CStr, CString};
 
@@ -15,17 +15,18 @@ use crate::unit::variables::TOKEN;
 
 pub use crate::fmi::boundary::{free_state, get_state, give_state, state};
 
-/// Runs a call on an instance: null check, its turn, state check, and whatever goes wrong told and turned into a status.
+/// Runs a call on an instance, as [`boundary::call`] does.
 ///
 /// # Safety
-/// `instance` is null or comes from [`instantiate`] and was not freed.
+/// `instance` is null or comes from [`instantiate`] and has not been freed.
 pub unsafe fn call(instance: fmi3Instance, call: Call, act: impl FnOnce(&mut Instance) -> Answer) -> fmi3Status {
     // SAFETY: by contract.
     unsafe { boundary::call::<Fmi3>(instance, call, act) }.code()
 }
 
-/// `fmi3DoStep`: in pieces, between which the importer may look in. `ready` may refuse the step before it begins; `done` gets its
-/// result.
+/// `fmi3DoStep`: runs a step in pieces, with intermediate updates between them.
+///
+/// `ready` may refuse the step before it begins; `done` receives its result.
 ///
 /// # Safety
 /// As for [`call`].
@@ -46,7 +47,7 @@ pub unsafe fn do_step(
     unsafe { boundary::call_in_pieces::<Fmi3, _, _>(instance, Call::DoStep, piece, Updater::show) }.code()
 }
 
-/// What an importer asks for, of any interface.
+/// Arguments of an instantiation, for any interface type.
 pub struct Request {
     /// `instanceName`.
     pub name: fmi3String,
@@ -60,7 +61,7 @@ pub struct Request {
     pub logger: Option<fmi3LogMessageCallback>,
 }
 
-/// What an importer asks for beside that for Co-Simulation.
+/// Additional arguments of an instantiation for Co-Simulation.
 pub struct Stepping {
     /// `eventModeUsed`.
     pub event_mode: fmi3Boolean,
@@ -74,16 +75,17 @@ pub struct Stepping {
     pub update: Option<fmi3IntermediateUpdateCallback>,
 }
 
-/// A new instance, for Co-Simulation if `stepping` is there, for Model Exchange otherwise: null, with a reason logged where there is
-/// a logger, if the request is not for this FMU. `function` is what the importer called.
+/// Makes an instance: for Co-Simulation with `stepping`, otherwise for Model Exchange.
+///
+/// Returns null and logs the reason if the request is not for this FMU. `function` is the name of the importer's call.
 ///
 /// # Safety
-/// Texts are null or end with 0, there are as many required variables as their number says; the callbacks may be called with
-/// the environment as long as the instance lives (standard, 2.3.1).
+/// Strings are null or end with 0, there are `required_count` required variables, and the callbacks may be called with the
+/// environment during the life of the instance (standard, 2.3.1).
 pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<Stepping>) -> fmi3Instance {
     let &Request { name, token, logging, environment, logger } = request;
     boundary::create(|| {
-        // SAFETY: by contract null or texts that end with 0 (standard, 2.2.1) and stay during this call.
+        // SAFETY: by contract null or strings that end with 0 (standard, 2.2.1) and do not change during this call.
         let (name, token) = unsafe { (text(name), text(token)) };
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
         let log = Log::new(Messenger { logger, environment }, CString::from(shown), is_true(logging));
@@ -91,7 +93,7 @@ pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<St
         let how = match stepping {
             None => Ok(Fmi3::exchanged()),
             Some(Stepping { event_mode, early_return, required, required_count, update }) => {
-                // SAFETY: by contract an array of as many references (standard, 2.3.1).
+                // SAFETY: by contract an array of `required_count` references (standard, 2.3.1).
                 let required = unsafe { read("requiredIntermediateVariables", required, required_count) };
                 let updater = update.map(|callback| Updater { callback, environment });
                 required
@@ -120,7 +122,7 @@ fn fit(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
     }
 }
 
-/// Answers a request for Scheduled Execution: null, and a reason for the logger.
+/// Answers a request for Scheduled Execution: returns null and logs the reason.
 ///
 /// # Safety
 /// As for [`instantiate`].
@@ -133,17 +135,18 @@ pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
     })
 }
 
-/// `fmi3FreeInstance`: nothing for null, and nothing from within a call on the instance, which goes on using it.
+/// `fmi3FreeInstance`: does nothing for null or from within a call on the instance.
 ///
 /// # Safety
-/// As for [`call`]; unless a call is under way the instance is gone afterwards.
+/// As for [`call`]; unless a call is in progress, the handle is invalid afterwards.
 pub unsafe fn free_instance(instance: fmi3Instance) {
     // SAFETY: by contract.
     unsafe { boundary::free::<Fmi3>(instance) }
 }
 
-/// The importer's logger, and what it wants to be handed back: made by [`instantiate`] and [`refuse`] only, by whose contract it may be
-/// called.
+/// The importer's logger and its environment.
+///
+/// Made only by [`instantiate`] and [`refuse`], by whose contract it may be called.
 #[derive(Debug)]
 pub struct Messenger {
     logger: Option<fmi3LogMessageCallback>,
@@ -151,7 +154,7 @@ pub struct Messenger {
 }
 
 impl log::Messenger for Messenger {
-    /// Each category is switched by itself; with none enabled the logger is never called, not even for a failed instantiation
+    /// Switches each category by itself. With none enabled the logger is never called, not even for a failed instantiation
     /// (standard, 2.3.1).
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
         Category::ALL.map(|category| match listed {
@@ -162,16 +165,17 @@ impl log::Messenger for Messenger {
 
     fn send(&self, _: &CStr, status: Status, category: &CStr, message: &CStr) {
         if let Some(logger) = self.logger {
-            // SAFETY: the importer's logger, which may be called as long as the instance lives (standard, 2.3.1); both texts
-            // end with 0 and outlive the call. The instance is in use meanwhile, but whatever the logger calls on it is
-            // refused before it is touched; see [`boundary`].
+            // SAFETY: the importer's logger, which may be called during the life of the instance (standard, 2.3.1); both
+            // strings end with 0 and outlive the call. The instance is in use meanwhile, but calls of the logger on it are
+            // refused before they access it; see [`boundary`].
             unsafe { logger(self.environment, status.code(), category.as_ptr(), message.as_ptr()) };
         }
     }
 }
 
-/// The importer's look into a step, and what it wants to be handed back: made by [`instantiate`] only, by whose contract it may be
-/// called.
+/// The importer's callback for intermediate updates and its environment.
+///
+/// Made only by [`instantiate`], by whose contract it may be called.
 #[derive(Clone, Copy, Debug)]
 pub struct Updater {
     callback: fmi3IntermediateUpdateCallback,
@@ -179,13 +183,13 @@ pub struct Updater {
 }
 
 impl Updater {
-    /// Lets the importer look in.
+    /// Calls the importer's `intermediateUpdate`.
     fn show(look: Look) -> Given {
         let Look { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
         let (mut requested, mut return_time) = (FMI3_FALSE, time);
-        // SAFETY: the importer's function, which may be called with its environment as long as the instance lives (standard,
-        // 2.3.1); both places are written before they are read. Calls on the instance are taken meanwhile, and no
-        // reference to it is there; see `boundary::call_in_pieces`.
+        // SAFETY: the importer's function, which may be called with its environment during the life of the instance (standard,
+        // 2.3.1); both places are written before they are read. Calls on the instance are admitted meanwhile, and there is no
+        // reference to it; see `boundary::call_in_pieces`.
         unsafe {
             callback(
                 environment,

@@ -1,7 +1,7 @@
-//! Which call is legal in which state: the state machines of the standard (3.0.2, 2.3, 3.2 and 4.2), in one place.
+//! The states in which each call is legal: the state machines of the standard (3.0.2, 2.3, 3.2 and 4.2).
 //!
-//! Some calls more are taken, which do no harm: values and the numbers of states and indicators can be read in every state, and
-//! `fmi3SetTime` is allowed in Event Mode, where several importers set the time before the first step.
+//! In addition some harmless calls are legal: values and the numbers of states and indicators can be read in every state, and
+//! `fmi3SetTime` can be called in Event Mode, where several importers set the time before the first step.
 
 use crate::fmi;
 use crate::unit::instance::Interface;
@@ -26,7 +26,7 @@ const READABLE: u16 = ANY | LOOKING;
 const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | EVENT | STEP;
 const EXCHANGED: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR;
 
-/// Phases of an instance for Co-Simulation alone, and of one for Model Exchange.
+/// States only of Co-Simulation, and only of Model Exchange.
 const OF_CO_SIMULATION: u16 = STEP | AHEAD | LOOKING | ENDED;
 const OF_MODEL_EXCHANGE: u16 = CONTINUOUS;
 
@@ -40,7 +40,7 @@ macro_rules! calls {
         }
 
         impl Call {
-            /// Name of the function.
+            /// Returns the name of the function.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Call::$call => $name,)*
@@ -165,7 +165,7 @@ impl fmi::Call for Call {
 }
 
 impl Call {
-    /// The interface to which the call belongs, if it is not of both.
+    /// Returns the only interface type that has the call, or `None` if both have it.
     fn interface(self) -> Option<Interface> {
         match self {
             Call::DoStep | Call::EnterStepMode | Call::GetOutputDerivatives => Some(Interface::CoSimulation),
@@ -183,7 +183,7 @@ impl Call {
         }
     }
 
-    /// Why a function is never allowed.
+    /// Returns the reason why a function is never legal.
     fn missing(self) -> &'static str {
         match self {
             Call::EvaluateDiscreteStates => "providesEvaluateDiscreteStates is false",
@@ -195,7 +195,7 @@ impl Call {
     }
 }
 
-/// What the standard calls a state.
+/// Returns the standard's name of a state.
 fn name(phase: Phase) -> &'static str {
     match phase {
         Phase::Instantiated => "Instantiated",

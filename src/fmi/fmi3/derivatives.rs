@@ -1,4 +1,4 @@
-//! Derivatives in a direction, and of a weighted sum.
+//! Directional and adjoint derivatives.
 
 use std::mem::MaybeUninit;
 
@@ -38,10 +38,9 @@ impl Instance {
         write(self.unit.derivative_at_beginning(unknowns, &direction)?, sensitivities)
     }
 
-    /// `fmi3GetAdjointDerivative`: the derivatives of a sum of unknowns, each times its seed, with respect to each known.
+    /// `fmi3GetAdjointDerivative`: the derivatives of the weighted sum of the unknowns with respect to each known.
     ///
-    /// There are few directions but for the samples of a record, each of which takes no longer: a reverse mode would not be worth
-    /// it.
+    /// Evaluates one direction per known. There are few, except for samples of a record, so a reverse mode would not pay.
     pub fn adjoint_derivative(
         &mut self,
         unknowns: &[u32],
@@ -80,7 +79,7 @@ impl Instance {
         Ok(Status::Ok)
     }
 
-    /// How many values a variable has.
+    /// Returns the number of values of a variable.
     fn size(&self, reference: &u32) -> usize {
         fmi3_only(*reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only))
     }
@@ -94,7 +93,7 @@ fn is_time(reference: &u32) -> bool {
     fmi3_only(*reference) == Some(Fmi3Only::Time)
 }
 
-/// Refuses as unknowns what only FMI 3.0 has: nothing of it is an output.
+/// Refuses variables that exist only in FMI 3.0 as unknowns, since none is an output.
 fn check_unknowns(references: &[u32]) -> Result<(), Fault> {
     references.iter().find_map(|&reference| fmi3_only(reference)).map_or(Ok(()), |fmi3_only| {
         Err(Fault::new(format!(
@@ -104,7 +103,7 @@ fn check_unknowns(references: &[u32]) -> Result<(), Fault> {
     })
 }
 
-/// Goes in the direction of values of a variable, from the value with the number `first` on.
+/// Adds components of a variable to the direction, from the value with index `first` on.
 fn add(direction: &mut Direction, reference: u32, first: usize, components: &[f64]) -> Result<(), Fault> {
     match fmi3_only(reference) {
         Some(fmi3_only) if known(reference)?.1 == FLOAT64 => direction.add_fmi3_only(fmi3_only, first, components),

@@ -1,10 +1,10 @@
 //! The functions of the standard's headers (fmi3Functions.h, 3.0.1), and nothing else.
 //!
-//! Each turns its pointers into references through [`boundary`], which says what is asked of the importer and what is not,
-//! and hands on to [`Instance`]. The names are exported where the crate in `crates/fmu3` compiles this file, as the FMU's library.
+//! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
+//! The crate `crates/fmu3` compiles this file as the FMU's library and exports the names.
 //!
-//! In each the instance is null or one that lives (standard, 2.3.1), arrays hold as many elements as their counts say (2.2.6),
-//! texts end with 0 (2.2.1), and places for results are only written.
+//! For all functions the instance is null or live (standard, 2.3.1), arrays have the given number of elements (2.2.6), strings
+//! end with 0 (2.2.1), and places for results are only written.
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
@@ -26,13 +26,13 @@ use crate::unit::instance::Unit;
 use crate::unit::snapshot;
 use crate::unit::variables::Kind;
 
-/// The version of the interface: "3.0".
+/// Returns the version of the interface: "3.0".
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
-/// A new instance for Co-Simulation, or null. The path of the resources is not needed and not judged.
+/// Makes a new instance for Co-Simulation, or returns null. The path of the resources is not used.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     instance_name: fmi3String,
@@ -62,12 +62,12 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         required_count,
         update: intermediate_update,
     };
-    // SAFETY: texts are null or end with 0, there are `required_count` references, and the callbacks may be called until the
+    // SAFETY: strings are null or end with 0, there are `required_count` references, and the callbacks may be called until the
     // instance is freed (standard, 2.3.1).
     unsafe { boundary::instantiate("fmi3InstantiateCoSimulation", &request, Some(stepping)) }
 }
 
-/// A new instance for Model Exchange, or null. The path of the resources is not needed and not judged.
+/// Makes a new instance for Model Exchange, or returns null. The path of the resources is not used.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     instance_name: fmi3String,
@@ -85,11 +85,11 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
         environment: instance_environment,
         logger: log_message,
     };
-    // SAFETY: texts are null or end with 0, and the logger may be called until the instance is freed (standard, 2.3.1).
+    // SAFETY: strings are null or end with 0, and the logger may be called until the instance is freed (standard, 2.3.1).
     unsafe { boundary::instantiate("fmi3InstantiateModelExchange", &request, None) }
 }
 
-/// Null: Scheduled Execution is not offered.
+/// Returns null: Scheduled Execution is not supported.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     instance_name: fmi3String,
@@ -115,14 +115,14 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     unsafe { boundary::refuse(&request, reason) }
 }
 
-/// Frees an instance; nothing for null.
+/// Frees an instance. Does nothing for null.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
-    // SAFETY: `instance` is null or an instance that lives, and is not used after this (standard, 2.3.1).
+    // SAFETY: `instance` is null or a live instance, and is not used after this (standard, 2.3.1).
     unsafe { boundary::free_instance(instance) }
 }
 
-/// Which messages are logged.
+/// Chooses the categories that are logged.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetDebugLogging(
     instance: fmi3Instance,
@@ -130,7 +130,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     count: size_t,
     categories: *const fmi3String,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; `categories` are `count` texts (standard, 2.3.1).
+    // SAFETY: the instance is live; `categories` are `count` strings (standard, 2.3.1).
     unsafe {
         call(instance, Call::SetDebugLogging, |instance| {
             instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     }
 }
 
-/// Begins the initialization, with tolerance, start and stop of the run.
+/// Begins initialization, with tolerance, start and stop of the run.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3EnterInitializationMode(
     instance: fmi3Instance,
@@ -148,7 +148,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     stop_time_defined: fmi3Boolean,
     stop_time: fmi3Float64,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there is no other pointer.
+    // SAFETY: the instance is live; there is no other pointer.
     unsafe {
         call(instance, Call::EnterInitializationMode, |instance| {
             let tolerance = is_true(tolerance_defined).then_some(tolerance);
@@ -163,28 +163,28 @@ macro_rules! transitions {
         $(#[$doc])*
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance) -> fmi3Status {
-            // SAFETY: the instance lives; there is no other pointer.
+            // SAFETY: the instance is live; there is no other pointer.
             unsafe { call(instance, Call::$call, $act) }
         }
     )*};
 }
 
 transitions! {
-    /// Ends the initialization: the parameters become a block.
+    /// Ends initialization and makes the block.
     fmi3ExitInitializationMode ExitInitializationMode Instance::leave_initialization_mode;
-    /// Begins to handle an event.
+    /// Enters Event Mode.
     fmi3EnterEventMode EnterEventMode Instance::begin_event;
-    /// Ends the handling of an event.
+    /// Enters Step Mode.
     fmi3EnterStepMode EnterStepMode Instance::enter_step_mode;
-    /// Model Exchange: the motion goes on.
+    /// Model Exchange: enters Continuous-Time Mode.
     fmi3EnterContinuousTimeMode EnterContinuousTimeMode Instance::enter_continuous_time_mode;
     /// Ends the run.
     fmi3Terminate Terminate Instance::terminate;
-    /// Back to where instantiation left the instance.
+    /// Returns to the state after instantiation.
     fmi3Reset Reset Instance::reset;
-    /// Sizes of arrays may be set from here on.
+    /// Enters Configuration Mode, where sizes of arrays can be set.
     fmi3EnterConfigurationMode EnterConfigurationMode |instance| instance.configure(true);
-    /// Sizes of arrays are set.
+    /// Leaves Configuration Mode.
     fmi3ExitConfigurationMode ExitConfigurationMode |instance| instance.configure(false);
 }
 
@@ -199,7 +199,7 @@ macro_rules! getters {
             values: *mut $type,
             value_count: size_t,
         ) -> fmi3Status {
-            // SAFETY: the instance lives; there are `count` references, and room for `value_count` values.
+            // SAFETY: the instance is live; there are `count` references, and memory for `value_count` values.
             unsafe {
                 call(instance, Call::$call, |instance| {
                     let mut values = room("values", values, value_count)?;
@@ -227,7 +227,7 @@ getters! {
     fmi3GetBoolean GetBoolean fmi3Boolean, |instance, references, values| {
         instance.get_scalars(Kind::Boolean, references, values, |value| fmi3Boolean::from(value != 0.0))
     };
-    /// Reads String variables; what the results point to lasts until the next call.
+    /// Reads String variables. The results are valid until the next call.
     fmi3GetString GetString fmi3String, |instance, references, values| {
         instance.check_texts(references, values.len())?;
         write(instance.get_texts(references)?.iter().map(|text| Ok(text.as_ptr())), values)
@@ -259,7 +259,7 @@ macro_rules! setters {
             values: *const $type,
             value_count: size_t,
         ) -> fmi3Status {
-            // SAFETY: the instance lives; there are `count` references and `value_count` values.
+            // SAFETY: the instance is live; there are `count` references and `value_count` values.
             unsafe {
                 call(instance, Call::$call, |instance| {
                     let set: fn(&mut Instance, &[u32], &[$type]) -> _ = $set;
@@ -310,7 +310,7 @@ pub unsafe extern "C" fn fmi3SetString(
     values: *const fmi3String,
     value_count: size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there are `count` references and `value_count` texts.
+    // SAFETY: the instance is live; there are `count` references and `value_count` strings.
     unsafe {
         call(instance, Call::SetString, |instance| {
             let references = read("valueReferences", references, count)?;
@@ -331,7 +331,7 @@ pub unsafe extern "C" fn fmi3GetBinary(
     _values: *mut fmi3Binary,
     _value_count: size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there are `count` references.
+    // SAFETY: the instance is live; there are `count` references.
     unsafe { call(instance, Call::GetBinary, |_| of_no_type(read("valueReferences", references, count)?, "Binary")) }
 }
 
@@ -345,39 +345,39 @@ pub unsafe extern "C" fn fmi3SetBinary(
     _values: *const fmi3Binary,
     _value_count: size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there are `count` references.
+    // SAFETY: the instance is live; there are `count` references.
     unsafe { call(instance, Call::SetBinary, |_| of_no_type(read("valueReferences", references, count)?, "Binary")) }
 }
 
 /// Saves the state.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3GetFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
-    // SAFETY: the instance lives; `state` points to null or to a state that was not freed (standard, 2.2.7).
+    // SAFETY: the instance is live; `state` points to null or to a state that has not been freed (standard, 2.2.7).
     unsafe { call(instance, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
 }
 
-/// Goes back to a saved state.
+/// Restores a saved state.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetFMUState(instance: fmi3Instance, state: fmi3FMUState) -> fmi3Status {
-    // SAFETY: the instance lives; `state` is one that was not freed (standard, 2.2.7).
+    // SAFETY: the instance is live; `state` is one that has not been freed (standard, 2.2.7).
     unsafe { call(instance, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
 }
 
 /// Frees a saved state.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3FreeFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
-    // SAFETY: the instance lives; `state` is null, or points to null or to a state that was not freed (standard, 2.2.7).
+    // SAFETY: the instance is live; `state` is null, or points to null or to a state that has not been freed (standard, 2.2.7).
     unsafe { call(instance, Call::FreeFmuState, |_| boundary::free_state(state)) }
 }
 
-/// Bytes that a saved state takes.
+/// Returns the size of a saved state in bytes.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     instance: fmi3Instance,
     state: fmi3FMUState,
     size: *mut size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; `state` was not freed, and `size` is a place for the size (standard, 2.2.7).
+    // SAFETY: the instance is live; `state` has not been freed, and `size` is a place for the size (standard, 2.2.7).
     unsafe {
         call(instance, Call::SerializedFmuStateSize, |_| {
             place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
@@ -386,7 +386,7 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     }
 }
 
-/// A saved state as bytes.
+/// Writes a saved state as bytes.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SerializeFMUState(
     instance: fmi3Instance,
@@ -394,7 +394,7 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     bytes: *mut fmi3Byte,
     size: size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; `state` was not freed, and there is room for `size` bytes (standard, 2.2.7).
+    // SAFETY: the instance is live; `state` has not been freed, and there is memory for `size` bytes (standard, 2.2.7).
     unsafe {
         call(instance, Call::SerializeFmuState, |_| {
             let mut room = room("serializedState", bytes, size)?;
@@ -404,7 +404,7 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     }
 }
 
-/// A saved state from bytes.
+/// Makes a saved state from bytes.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3DeserializeFMUState(
     instance: fmi3Instance,
@@ -412,7 +412,7 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
     size: size_t,
     state: *mut fmi3FMUState,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there are `size` bytes, and `state` is a place for the new state (standard, 2.2.7).
+    // SAFETY: the instance is live; there are `size` bytes, and `state` is a place for the new state (standard, 2.2.7).
     unsafe {
         call(instance, Call::DeserializeFmuState, |instance| {
             let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
@@ -437,7 +437,7 @@ macro_rules! derivatives {
             sensitivity: *mut fmi3Float64,
             sensitivity_count: size_t,
         ) -> fmi3Status {
-            // SAFETY: the instance lives; the arrays hold as many elements as their counts say (standard, 2.2.11). The
+            // SAFETY: the instance is live; the arrays have the given numbers of elements (standard, 2.2.11). The
             // sensitivities may share memory with the others.
             unsafe {
                 call(instance, Call::$call, |instance| {
@@ -453,13 +453,13 @@ macro_rules! derivatives {
 }
 
 derivatives! {
-    /// Derivatives of outputs, while initializing of calculated parameters too, in a direction of inputs, states or parameters.
+    /// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
     fmi3GetDirectionalDerivative GetDirectionalDerivative Instance::directional;
-    /// Derivatives of a weighted sum of these.
+    /// Returns the derivatives of a weighted sum of these.
     fmi3GetAdjointDerivative GetAdjointDerivative Instance::adjoint_derivative;
 }
 
-/// How outputs change now.
+/// Returns the time derivatives of outputs.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     instance: fmi3Instance,
@@ -469,7 +469,7 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     values: *mut fmi3Float64,
     value_count: size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there are `count` references and orders, and room for `value_count` values (standard, 4.2).
+    // SAFETY: the instance is live; there are `count` references and orders, and memory for `value_count` values (standard, 4.2).
     unsafe {
         call(instance, Call::GetOutputDerivatives, |instance| {
             let mut values = room("values", values, value_count)?;
@@ -491,7 +491,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     next_event_time_defined: *mut fmi3Boolean,
     next_event_time: *mut fmi3Float64,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; the others are places for results (standard, 2.3.5).
+    // SAFETY: the instance is live; the others are places for results (standard, 2.3.5).
     unsafe {
         call(instance, Call::UpdateDiscreteStates, |instance| {
             let need_update = place("discreteStatesNeedUpdate", discrete_states_need_update)?;
@@ -512,7 +512,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     }
 }
 
-/// Goes on by a communication step, or to an event in it.
+/// Does a communication step, or a part of it up to an event.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: fmi3Instance,
@@ -524,7 +524,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     early_return: *mut fmi3Boolean,
     last_successful_time: *mut fmi3Float64,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; the others are places for results (standard, 4.2).
+    // SAFETY: the instance is live; the others are places for results (standard, 4.2).
     unsafe {
         let places = || {
             Ok((
@@ -550,7 +550,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// Model Exchange: a step of the importer's solver was accepted.
+/// Model Exchange: takes in an accepted step of the importer's solver.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     instance: fmi3Instance,
@@ -558,7 +558,7 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     enter_event_mode: *mut fmi3Boolean,
     terminate_simulation: *mut fmi3Boolean,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; the others are places for results (standard, 3.2).
+    // SAFETY: the instance is live; the others are places for results (standard, 3.2).
     unsafe {
         call(instance, Call::CompletedIntegratorStep, |instance| {
             let enter = place("enterEventMode", enter_event_mode)?;
@@ -571,21 +571,21 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     }
 }
 
-/// Model Exchange: the importer's clock.
+/// Model Exchange: sets the time.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status {
-    // SAFETY: the instance lives; there is no other pointer.
+    // SAFETY: the instance is live; there is no other pointer.
     unsafe { call(instance, Call::SetTime, |instance| instance.set_time(time)) }
 }
 
-/// Model Exchange: the continuous states.
+/// Model Exchange: sets the continuous states.
 #[cfg_attr(feature = "exports", unsafe(no_mangle))]
 pub unsafe extern "C" fn fmi3SetContinuousStates(
     instance: fmi3Instance,
     states: *const fmi3Float64,
     count: size_t,
 ) -> fmi3Status {
-    // SAFETY: the instance lives; there are `count` states (standard, 3.2).
+    // SAFETY: the instance is live; there are `count` states (standard, 3.2).
     unsafe {
         call(instance, Call::SetContinuousStates, |instance| {
             instance.set_continuous_states(read("continuousStates", states, count)?)
@@ -602,7 +602,7 @@ macro_rules! exchanged {
             values: *mut fmi3Float64,
             count: size_t,
         ) -> fmi3Status {
-            // SAFETY: the instance lives; there is room for `count` values (standard, 3.2).
+            // SAFETY: the instance is live; there is memory for `count` values (standard, 3.2).
             unsafe {
                 call(instance, Call::$call, |instance| instance.get_all($of, room($array, values, count)?.places()))
             }
@@ -611,13 +611,13 @@ macro_rules! exchanged {
 }
 
 exchanged! {
-    /// Model Exchange: the derivatives of the continuous states.
+    /// Model Exchange: returns the derivatives of the continuous states.
     fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives "derivatives" Unit::derivatives;
-    /// Model Exchange: the event indicators.
+    /// Model Exchange: returns the event indicators.
     fmi3GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
-    /// Model Exchange: the continuous states.
+    /// Model Exchange: returns the continuous states.
     fmi3GetContinuousStates GetContinuousStates "continuousStates" Unit::states;
-    /// Model Exchange: what the continuous states typically are.
+    /// Model Exchange: returns the nominal values of the continuous states.
     fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates "nominals" Unit::nominals;
 }
 
@@ -626,7 +626,7 @@ macro_rules! counts {
         $(#[$doc])*
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance, count: *mut size_t) -> fmi3Status {
-            // SAFETY: the instance lives; `count` is a place for the result (standard, 3.2).
+            // SAFETY: the instance is live; `count` is a place for the result (standard, 3.2).
             unsafe {
                 call(instance, Call::$call, |_| {
                     place($place, count)?.put($count);
@@ -638,23 +638,23 @@ macro_rules! counts {
 }
 
 counts! {
-    /// Model Exchange: how many event indicators there are.
+    /// Model Exchange: returns the number of event indicators.
     fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators "nEventIndicators" INDICATORS;
-    /// Model Exchange: how many continuous states there are.
+    /// Model Exchange: returns the number of continuous states.
     fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates "nContinuousStates" STATES;
 }
 
-/// Never reached: the table of calls refuses before.
+/// Never called, since the table of calls refuses the call before.
 fn refused(_: &mut Instance) -> Result<Status, Fault> {
     Err(Fault::new("not offered"))
 }
 
 macro_rules! missing {
     ($($name:ident $call:ident ($($argument:ident: $type:ty),*);)*) => {$(
-        /// Not offered: refused with a message.
+        /// Not supported: refused with a message.
         #[cfg_attr(feature = "exports", unsafe(no_mangle))]
         pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
-            // SAFETY: the instance lives; no other pointer is used.
+            // SAFETY: the instance is live; no other pointer is used.
             unsafe { call(instance, Call::$call, refused) }
         }
     )*};

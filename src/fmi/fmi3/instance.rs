@@ -1,4 +1,4 @@
-//! An instance behind FMI 3.0: what [`crate::fmi::instance`] leaves to this version. No pointer, no C.
+//! An instance of FMI 3.0: the part of [`crate::fmi::instance`] that depends on the version.
 
 use crate::fmi;
 use crate::fmi::fmi3::boundary::{Messenger, Updater};
@@ -12,16 +12,16 @@ use crate::unit::variables::{Causality, VARIABLES, Variability};
 
 pub use crate::fmi::instance::{Answer, write};
 
-/// How the importer wants to use an instance.
+/// The importer's choices at instantiation.
 #[derive(Debug)]
 pub struct Fmi3 {
-    /// Whether it handles events in Event Mode.
+    /// Whether the importer handles events in Event Mode.
     pub event_mode: bool,
     /// Whether a step may be left early.
     pub early_return: bool,
-    /// Its look into steps.
+    /// The importer's callback for intermediate updates.
     pub updater: Option<Updater>,
-    /// The variables that it sets and reads there.
+    /// The variables that the importer sets and reads there.
     required: Vec<u32>,
     /// Whether inputs are among them.
     pub sets_inputs: bool,
@@ -36,12 +36,12 @@ impl fmi::Version for Fmi3 {
 pub type Instance = fmi::instance::Instance<Fmi3>;
 
 impl Fmi3 {
-    /// Of Model Exchange.
+    /// Returns the choices of Model Exchange.
     pub fn exchanged() -> Fmi3 {
         Fmi3 { event_mode: true, early_return: false, updater: None, required: Vec::new(), sets_inputs: false }
     }
 
-    /// How an importer wants to use an instance for Co-Simulation; refuses variables that cannot be set or read inside a step.
+    /// Returns the choices for Co-Simulation. Refuses variables that cannot be set or read inside a step.
     pub fn stepped(
         event_mode: bool,
         early_return: bool,
@@ -61,7 +61,7 @@ impl Fmi3 {
         Ok(Fmi3 { event_mode, early_return, updater, required: required.to_vec(), sets_inputs })
     }
 
-    /// Refuses variables that the importer did not say it would set or read inside a step.
+    /// Refuses variables that were not requested for intermediate updates.
     pub fn check_required(&self, references: &[u32]) -> Result<(), Fault> {
         match references.iter().find(|&reference| !self.required.contains(reference)) {
             None => Ok(()),
@@ -80,7 +80,7 @@ impl Instance {
         Ok(status)
     }
 
-    /// `fmi3ExitInitializationMode`: on to Event Mode if that is used, to Step Mode otherwise.
+    /// `fmi3ExitInitializationMode`: enters Event Mode if that is used, otherwise Step Mode.
     pub fn leave_initialization_mode(&mut self) -> Answer {
         let status = self.exit_initialization_mode()?;
         if self.version.event_mode {
@@ -97,7 +97,7 @@ impl Instance {
         self.enter_event_mode()
     }
 
-    /// `fmi3UpdateDiscreteStates`: what an event makes of the block.
+    /// `fmi3UpdateDiscreteStates`: applies an event.
     pub fn update_discrete_states(&mut self) -> Result<AfterEvent, Fault> {
         if self.unit.interface() == Interface::ModelExchange {
             return self.new_discrete_states();
@@ -107,7 +107,7 @@ impl Instance {
         Ok(AfterEvent { ended: self.unit.has_ended(), ..AfterEvent::default() })
     }
 
-    /// `fmi3EnterStepMode`. An event that was not applied is.
+    /// `fmi3EnterStepMode`: applies an event that is not yet applied, and enters Step Mode.
     pub fn enter_step_mode(&mut self) -> Answer {
         self.update_discrete_states()?;
         self.unit.enter_step_mode();
@@ -115,8 +115,8 @@ impl Instance {
     }
 
     /// `fmi3EnterConfigurationMode` and `fmi3ExitConfigurationMode`.
-    pub fn configure(&mut self, configures: bool) -> Answer {
-        self.unit.configure(configures);
+    pub fn configure(&mut self, begins: bool) -> Answer {
+        self.unit.configure(begins);
         Ok(Status::Ok)
     }
 }

@@ -1,9 +1,9 @@
-//! The solver behind the C interface of FMI 3.0: Co-Simulation with Event Mode, early return and intermediate
-//! update, and Model Exchange.
+//! The C interface of FMI 3.0: Co-Simulation with Event Mode, early return and intermediate updates, and Model Exchange.
 //!
-//! [`exports`] has the functions; [`boundary`] turns their pointers into references and [`instance`] what a
-//! [`crate::unit::instance::Unit`] answers into statuses and messages, both over what [`crate::fmi`] has for all versions; [`step`] is
-//! a communication step, [`values`] are variables by the types of FMI 3.0, `derivatives` those in a direction; [`calls`] is the table of what is legal when.
+//! [`exports`] has the functions. [`boundary`] turns their pointers into references; [`instance`] turns the results of a
+//! [`crate::unit::instance::Unit`] into statuses and messages. Both build on [`crate::fmi`]. [`step`] does a communication step,
+//! [`values`] reads and sets variables by the types of FMI 3.0, `derivatives` has the directional and adjoint derivatives, and
+//! [`calls`] is the table of the calls that are legal in each state.
 
 pub mod boundary;
 pub mod calls;

@@ -1,4 +1,4 @@
-//! `fmi3DoStep`: a communication step, left early at events if the importer wants that, with looks of the importer inside.
+//! `fmi3DoStep`: a communication step with intermediate updates, left early at events if the importer wishes.
 
 use std::ops::ControlFlow;
 
@@ -10,54 +10,55 @@ use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
 use crate::unit::substeps::Reached;
 
-/// By how much the last interval between two looks may be longer than the others, as a part of them: no part is as short as a
-/// rounding error of the clock.
+/// Fraction by which the last interval between two looks may be longer than the others.
+///
+/// It prevents a last part as short as a rounding error of the clock.
 const ROUNDING: f64 = 1e-6;
 
-/// Most intervals between looks in one step: in a longer step the intervals are longer, too.
+/// Maximum number of intervals between looks in one step. In a longer step the intervals are longer.
 const MOST_LOOKS: f64 = 1e6;
 
-/// The time of the next look (s): an `interval` (s) after `time`, or as soon as the clock resolves, or `until` if that is near.
+/// Returns the time of the next look (s): an `interval` (s) after `time`, at least one ulp later, or `until` if that is near.
 fn next_look(time: f64, interval: f64, until: f64) -> f64 {
     let next = (time + interval).max(time.next_up());
     if next + ROUNDING * interval < until { next } else { until }
 }
 
-/// A step under way, and in the end what it came to.
+/// A step in progress, and its result.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Where it begins (s).
+    /// Its beginning (s).
     time: f64,
-    /// How long it was to be (s).
+    /// Its requested length (s).
     size: f64,
-    /// Where it was to end (s); nothing before it has begun.
+    /// Its planned end (s); `None` before it has begun.
     end: Option<f64>,
-    /// Until when it is done (s): the end, or where the importer wants to leave it.
+    /// Its actual end (s): the planned one, or the time at which the importer leaves it.
     until: f64,
-    /// Whether an event waits to be handled.
+    /// Whether an event is to be handled.
     pub event: bool,
     /// Whether the run has ended.
     pub terminates: bool,
-    /// Whether it was left before its end.
+    /// Whether the step was left before its planned end.
     pub early: bool,
     /// The time that was reached (s).
     pub reached: f64,
 }
 
-/// A look of the importer into a step.
+/// A look of the importer into a step: an intermediate update.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Whose look it is.
+    /// The importer's callback.
     pub updater: Updater,
-    /// At which time (s).
+    /// Its time (s).
     pub time: f64,
-    /// Whether inputs of that time are asked for; otherwise it has been reached, and outputs can be read.
+    /// Whether inputs at this time are requested. Otherwise the time has been reached, and outputs can be read.
     pub asks: bool,
     /// Whether the step may be left.
     pub can_return_early: bool,
 }
 
-/// What the importer answered.
+/// The importer's answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Given {
     /// The time at which it wants to leave the step (s).
@@ -65,7 +66,7 @@ pub struct Given {
 }
 
 impl Step {
-    /// A step that has not begun.
+    /// Makes a step that has not begun.
     pub fn new(time: f64, size: f64) -> Step {
         Step {
             time,
@@ -81,7 +82,7 @@ impl Step {
 }
 
 impl Instance {
-    /// Goes on with a step until it is done, or the importer is to look in. Allocates no memory unless it fails.
+    /// Advances a step to its end or to the next look of the importer. Allocates no memory unless it fails.
     pub fn step_on(
         &mut self,
         step: &mut Step,
@@ -97,7 +98,7 @@ impl Instance {
         done(step).map(ControlFlow::Break)
     }
 
-    /// Goes on until the importer is to look in; nothing if the step is done.
+    /// Advances a step to the next look of the importer, or returns `None` if the step is done.
     fn take_substeps(&mut self, step: &mut Step, given: Option<Given>) -> Result<Option<Look>, Fault> {
         let Instance { log, unit, version, .. } = self;
         let mut tell = |event: &_| log.tell(Status::Ok, Category::Events, format_args!("{event}"));
@@ -114,7 +115,7 @@ impl Instance {
             }
         };
         match (unit.phase(), given) {
-            (Phase::SettingAhead, _) => unit.end_asking(),
+            (Phase::SettingAhead, _) => unit.end_setting_ahead(),
             (Phase::LookingIn, given) => {
                 unit.look_in(false);
                 let early_return = given.and_then(|given| given.early_return);
@@ -129,11 +130,11 @@ impl Instance {
                     true => next_look(unit.time(), unit.interval().max(step.size / MOST_LOOKS), step.until),
                     false => step.until,
                 };
-                unit.ask(time);
+                unit.begin_setting_ahead(time);
                 if version.sets_inputs {
                     return Ok(Some(Look { updater, time, asks: true, can_return_early: version.early_return }));
                 }
-                unit.end_asking();
+                unit.end_setting_ahead();
             }
             match unit.do_substep(step.until, after, &mut tell)? {
                 Reached::End => {

@@ -6,13 +6,13 @@ use libc::{c_char, c_int, c_void};
 
 pub use crate::fmi::Status;
 
-/// An instance, as the importer sees it.
+/// The importer's handle of an instance.
 pub type fmi3Instance = *mut c_void;
-/// What the importer gets back with each callback.
+/// The importer's own pointer, passed back with each callback.
 pub type fmi3InstanceEnvironment = *mut c_void;
-/// A saved state, as the importer sees it.
+/// The importer's handle of a saved state.
 pub type fmi3FMUState = *mut c_void;
-/// Number of a variable.
+/// Value reference of a variable.
 pub type fmi3ValueReference = u32;
 /// A real number.
 pub type fmi3Float64 = f64;
@@ -34,13 +34,13 @@ pub type fmi3UInt32 = u32;
 pub type fmi3Int64 = i64;
 /// The size of an array.
 pub type fmi3UInt64 = u64;
-/// `bool` of C, which has one byte. What comes in from C may hold any byte, so it is none in Rust: 0 is false.
+/// `bool` of C, one byte. Any byte may come in, so it is not a `bool` in Rust; 0 is false.
 pub type fmi3Boolean = u8;
-/// A tick of a clock; there is none here.
+/// A tick of a clock; no variable here has this type.
 pub type fmi3Clock = u8;
 /// A character.
 pub type fmi3Char = c_char;
-/// A text that ends with 0.
+/// A string that ends with 0.
 pub type fmi3String = *const fmi3Char;
 /// A byte of a serialized state.
 pub type fmi3Byte = u8;
@@ -61,8 +61,7 @@ pub const FMI3_FALSE: fmi3Boolean = 0;
 /// `fmi3Dependent` of `fmi3DependencyKind`.
 pub const FMI3_DEPENDENT: fmi3DependencyKind = 5;
 
-/// The importer's logger. It should not unwind, but what does so must not be undefined behaviour; see
-/// [`crate::fmi::boundary`].
+/// The importer's logger. It should not unwind, but unwinding is not undefined behaviour; see [`crate::fmi::boundary`].
 pub type fmi3LogMessageCallback = unsafe extern "C-unwind" fn(
     environment: fmi3InstanceEnvironment,
     status: fmi3Status,
@@ -70,7 +69,7 @@ pub type fmi3LogMessageCallback = unsafe extern "C-unwind" fn(
     message: fmi3String,
 );
 
-/// Lets the importer look into a step; see the standard, 4.2.2 (Intermediate Update Mode).
+/// The importer's intermediate update; see the standard, 4.2.2 (Intermediate Update Mode).
 pub type fmi3IntermediateUpdateCallback = unsafe extern "C-unwind" fn(
     environment: fmi3InstanceEnvironment,
     time: fmi3Float64,

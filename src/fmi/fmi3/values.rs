@@ -1,4 +1,4 @@
-//! Variables by the types of FMI 3.0, with their value references.
+//! Reading and setting variables by the types of FMI 3.0.
 
 use std::mem::MaybeUninit;
 
@@ -10,7 +10,7 @@ use crate::unit::variables::{Fmi3Only, Kind, Role, VARIABLES};
 
 pub(super) const FLOAT64: &str = "Float64";
 
-/// What FMI 3.0 calls the type of a variable.
+/// Returns the name of a type in FMI 3.0.
 fn type_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Real => FLOAT64,
@@ -21,12 +21,12 @@ fn type_name(kind: Kind) -> &'static str {
     }
 }
 
-/// The variable of this number that only FMI 3.0 has.
+/// Returns the variable with this value reference if it exists only in FMI 3.0.
 pub(super) fn fmi3_only(reference: u32) -> Option<Fmi3Only> {
     Fmi3Only::ALL.get((reference as usize).checked_sub(VARIABLES.len())?).copied()
 }
 
-/// Name and type of a variable.
+/// Returns name and type of a variable.
 pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Fault> {
     if let Some(metadata) = VARIABLES.get(reference as usize) {
         return Ok((metadata.name, type_name(metadata.kind)));
@@ -41,7 +41,7 @@ pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Faul
     }
 }
 
-/// Refuses variables that do not exist or are of another type than this, and the first one if none of them is right.
+/// Refuses any variable, since none has the type `wanted`.
 pub fn of_no_type(references: &[u32], wanted: &str) -> Answer {
     let Some(&reference) = references.first() else { return Ok(Status::Ok) };
     Err(mismatch(reference, wanted))
@@ -56,13 +56,13 @@ pub(super) fn mismatch(reference: u32, wanted: &str) -> Fault {
     }
 }
 
-/// Refuses variables that are not exactly of this kind.
+/// Refuses variables of another kind.
 pub(super) fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
     let wrong = |&&reference: &&u32| VARIABLES.get(reference as usize).is_none_or(|metadata| metadata.kind != kind);
     references.iter().find(wrong).map_or(Ok(()), |&reference| Err(mismatch(reference, type_name(kind))))
 }
 
-/// Refuses variables that are no sizes of arrays.
+/// Refuses variables that are not sizes of arrays.
 fn check_sizes(references: &[u32]) -> Result<(), Fault> {
     let wrong = references.iter().find(|&&reference| fmi3_only(reference) != Some(Fmi3Only::RecordSamples));
     wrong.map_or(Ok(()), |&reference| Err(mismatch(reference, "UInt64")))
@@ -128,7 +128,7 @@ impl Instance {
         if lost { Ok(self.answer_without_numbers("a value")) } else { Ok(Status::Ok) }
     }
 
-    /// `fmi3SetFloat64`, all or none; while inputs are asked for, those of a time to come.
+    /// `fmi3SetFloat64`, all or none. In an intermediate update, sets inputs of a later time.
     pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Answer {
         if self.unit.phase() != Phase::SettingAhead {
             return if references.iter().all(|&reference| fmi3_only(reference).is_none()) {
@@ -156,7 +156,7 @@ impl Instance {
         Ok(Status::Ok)
     }
 
-    /// Sets Float64 variables among which are some that only FMI 3.0 has, all or none.
+    /// Sets Float64 variables, some of them only of FMI 3.0, all or none.
     fn set_arrays(&mut self, references: &[u32], values: &[f64]) -> Answer {
         let size = |&reference: &u32| fmi3_only(reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only));
         fits(references.iter().map(size).sum(), values.len())?;
@@ -186,7 +186,7 @@ impl Instance {
         write(references.iter().map(|_| Ok(count)), values)
     }
 
-    /// `fmi3SetUInt64`: the arrays are zeros then.
+    /// `fmi3SetUInt64`: sets sizes of arrays, whose elements become zero.
     pub fn set_sizes(&mut self, references: &[u32], values: &[u64]) -> Answer {
         check_sizes(references)?;
         fits(references.len(), values.len())?;
@@ -196,12 +196,12 @@ impl Instance {
         Ok(Status::Ok)
     }
 
-    /// Refuses to show inside a step what the importer did not say it would read there.
+    /// Refuses to read a variable inside a step that was not requested for intermediate updates.
     fn may_read(&self, references: &[u32]) -> Result<(), Fault> {
         if self.unit.phase() == Phase::LookingIn { self.version.check_required(references) } else { Ok(()) }
     }
 
-    /// `fmi3GetString`: nothing but a check, before the texts are read.
+    /// `fmi3GetString`: checks the arguments before the strings are read.
     pub fn check_texts(&self, references: &[u32], count: usize) -> Result<(), Fault> {
         check(references, Kind::String)?;
         fits(references.len(), count)?;

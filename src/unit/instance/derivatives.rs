@@ -1,5 +1,4 @@
-//! Exact derivatives in a direction: of outputs at the present time, and, while the values become a block, of all that is
-//! calculated from them.
+//! Exact directional derivatives: of outputs at the present time and, in Initialization Mode, also of calculated parameters.
 
 use std::collections::BTreeMap;
 
@@ -11,21 +10,22 @@ use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
 use crate::simulation::{AtBeginning, Energies, Start};
 use crate::unit::fault::Fault;
-use crate::unit::instance::{Unit, input, known, output};
+use crate::unit::instance::Unit;
+use crate::unit::instance::access::{input, known, output};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
 use crate::unit::values::{DerivedSource, GivenBlock, PerInput, Values, derived, inputs, inputs_of};
 use crate::unit::variables::{Fmi3Only, Input, Kind, Output, Role, VARIABLES, Variable};
 use rocking_records::{Record, Unit as RecordUnit};
 
-/// A direction of what a block begins from: inputs, parameters, and what only FMI 3.0 has.
+/// A direction in Initialization Mode: components of inputs, parameters and start time.
 #[derive(Clone, Debug)]
 pub struct Direction {
     /// Components by value reference.
     numbers: [f64; VARIABLES.len()],
-    /// Those of the samples of the horizontal and the vertical record in arrays, by their numbers, where they are not zero.
+    /// Nonzero components of the samples of the horizontal and the vertical record in arrays, by their indices.
     samples: [BTreeMap<usize, f64>; 2],
-    /// That of the time at which the block begins.
+    /// Component of the start time.
     time: f64,
 }
 
@@ -36,7 +36,7 @@ impl Default for Direction {
 }
 
 impl Direction {
-    /// Goes by `component` in the direction of an input or a Real parameter, too.
+    /// Adds a component of an input or a Real parameter.
     pub fn add(&mut self, reference: u32, component: f64) -> Result<(), Fault> {
         let metadata = known(reference, Kind::Real)?;
         match metadata.role {
@@ -52,7 +52,7 @@ impl Direction {
         Ok(())
     }
 
-    /// The same for values of a variable that only FMI 3.0 has, from the value with the number `first` on.
+    /// Adds components of a variable that exists only in FMI 3.0, from the value with index `first` on.
     pub fn add_fmi3_only(&mut self, fmi3_only: Fmi3Only, first: usize, components: &[f64]) -> Result<(), Fault> {
         let name = fmi3_only.name();
         components.iter().try_for_each(|&component| finite(name, component).map(|_| ()))?;
@@ -60,7 +60,7 @@ impl Direction {
             Fmi3Only::Time => self.time += components.iter().sum::<f64>(),
             Fmi3Only::RecordHorizontalSamples => add(&mut self.samples[0], first, components),
             Fmi3Only::RecordVerticalSamples => add(&mut self.samples[1], first, components),
-            // Nothing of a beginning depends on when the importer looks into steps.
+            // The initial state does not depend on intermediate updates.
             Fmi3Only::IntermediateInterval => {}
             Fmi3Only::RecordSamples
             | Fmi3Only::IndicatorL
@@ -75,7 +75,7 @@ impl Direction {
         Ok(())
     }
 
-    /// The value of a variable with its component.
+    /// Returns the value of a variable with its component.
     fn along(&self, values: &Values, variable: Variable) -> Dual64 {
         Dual64::new(values[variable], self.numbers[variable as usize])
     }
@@ -98,29 +98,29 @@ fn finite(name: &str, component: f64) -> Result<f64, Fault> {
     Err(Fault::new(format!("direction {component} of {name}; expected a finite number")))
 }
 
-/// Derivatives of all that is put out or calculated, in one direction.
+/// Derivatives of all outputs and calculated parameters, in one direction.
 #[expect(clippy::large_enum_variant, reason = "between steps nothing is allocated")]
 enum Derivatives {
-    /// Of outputs, at the present time.
+    /// Derivatives of outputs, at the present time.
     Now(Observation<f64>, Energies),
-    /// Of outputs and calculated parameters, while the values become a block.
+    /// Derivatives of outputs and calculated parameters, in Initialization Mode.
     AtBeginning(Box<Beginning>),
 }
 
 struct Beginning {
     along: AtBeginning,
     block: Block<Dual64>,
-    /// The start of the run.
+    /// Component of the start time.
     time: f64,
-    /// What is calculated from the records, in the order of [`OfGround`](crate::unit::records::OfGround).
+    /// Derivatives of the records' parameters, in the order of [`OfGround`](crate::unit::records::OfGround).
     ground: [f64; 3],
 }
 
 impl Derivatives {
     fn of(&self, reference: u32) -> Result<f64, Fault> {
         match self {
-            Derivatives::Now(seen, energies) => {
-                Ok(source(output(reference, "can be differentiated")?).sensitivity(seen, energies))
+            Derivatives::Now(observed, energies) => {
+                Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies))
             }
             Derivatives::AtBeginning(beginning) => match unknown(reference)? {
                 Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
@@ -132,7 +132,7 @@ impl Derivatives {
     }
 }
 
-/// What has derivatives while the values become a block.
+/// A variable with derivatives in Initialization Mode.
 enum Unknown {
     Output(Output),
     Derived(DerivedSource<Dual64>),
@@ -153,8 +153,10 @@ fn unknown(reference: u32) -> Result<Unknown, Fault> {
 }
 
 impl Unit {
-    /// Exact derivatives of Real variables in a direction: while initializing those of outputs and calculated parameters with
-    /// respect to inputs and parameters, then those of outputs with respect to inputs, states and `time`, at the present time.
+    /// Returns exact directional derivatives of Real variables.
+    ///
+    /// In Initialization Mode: of outputs and calculated parameters, with respect to inputs and parameters. Later: of outputs
+    /// at the present time, with respect to inputs, states and `time`.
     pub fn directional_derivative<'a>(
         &mut self,
         unknowns: &'a [u32],
@@ -172,7 +174,7 @@ impl Unit {
         Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
     }
 
-    /// The same while initializing, in a direction of which only FMI 3.0 has some components.
+    /// Returns exact derivatives in Initialization Mode, in a direction that may have components of FMI 3.0 only.
     pub fn derivative_at_beginning<'a>(
         &mut self,
         unknowns: &'a [u32],
@@ -204,15 +206,15 @@ impl Unit {
         components[Input::AGz as usize] += time * records.a_gz.rate;
         let along = inputs(0.0, components, &PerInput::default());
         let (simulation, at) = self.preview()?;
-        let (seen, energies) = match states {
+        let (observed, energies) = match states {
             None => (simulation.observe_direction(&at, &along, time), Energies::default()),
             Some(states) => simulation.directional(&at, &states, &along, time),
         };
-        let mut seen = seen.map(|x| x.eps);
+        let mut observed = observed.map(|x| x.eps);
         if let Some([theta, theta_dot, v, v_dot, u, u_dot, ..]) = states {
-            seen = Observation { theta, theta_dot, v, v_dot, u, u_dot, ..seen };
+            observed = Observation { theta, theta_dot, v, v_dot, u, u_dot, ..observed };
         }
-        Ok(Derivatives::Now(seen, energies))
+        Ok(Derivatives::Now(observed, energies))
     }
 
     fn derivatives_at_beginning(&mut self, unknowns: &[u32], direction: &Direction) -> Result<Derivatives, Fault> {
@@ -264,15 +266,16 @@ impl Unit {
         Ok(Derivatives::AtBeginning(Box::new(Beginning { along, block, time: direction.time, ground })))
     }
 
-    /// The records before they were scaled, where a factor of zero has left nothing of them and a direction asks for it.
+    /// Returns the records without scale if the scale is zero and the direction contains it.
     fn unscaled(&self, direction: &Direction) -> Result<Option<Ground>, Fault> {
         let lost = self.values[Variable::RecordScale] == 0.0 && direction.of(Variable::RecordScale) != 0.0;
         if lost { self.values.unscaled_ground().map(Some).map_err(Fault) } else { Ok(None) }
     }
 }
 
-/// The pulse, if it acts at `time`. One sine begins and ends at zero: whether it acts right there is decided by the direction, as
-/// for the motion that goes on from there.
+/// Returns the pulse if it acts at `time`.
+///
+/// One sine begins and ends at zero; the direction decides whether it acts at these times.
 fn acting_pulse(pulse: Pulse<Dual64>, time: Dual64) -> Option<Pulse<Dual64>> {
     let since = time - pulse.start;
     let left = pulse.period - since;
@@ -292,7 +295,7 @@ fn acting_pulse(pulse: Pulse<Dual64>, time: Dual64) -> Option<Pulse<Dual64>> {
     acts.then_some(pulse)
 }
 
-/// A record as it acts, with its derivatives.
+/// Returns a record with its derivatives.
 fn varied<'a>(
     values: &Values,
     direction: &'a Direction,
@@ -302,7 +305,7 @@ fn varied<'a>(
 ) -> Varied<'a, impl Fn(usize) -> f64 + use<'a>> {
     let (scale, gravity) = (values[Variable::RecordScale], values[Variable::G]);
     let scaled = direction.of(Variable::RecordScale);
-    // Only what a file has in parts of g changes with g.
+    // Only samples in units of g change with g.
     let heavier = if record.unit == RecordUnit::G { direction.of(Variable::G) / gravity } else { 0.0 };
     let sample = move |i: usize| {
         let acceleration = record.acceleration[i];
@@ -311,7 +314,7 @@ fn varied<'a>(
         let moved = direction.samples[place].get(&i).map_or(0.0, |component| component * scale);
         factor + acceleration * heavier + moved
     };
-    // Where the file has a time step of its own, none can be given but that.
+    // A file's own time step is not a parameter.
     let given = values[Variable::RecordDt] != 0.0;
     Varied {
         record,

@@ -1,4 +1,4 @@
-//! Model Exchange: an importer's solver steps the block.
+//! Model Exchange: the importer's solver steps the block.
 
 use crate::simulation::exchange::{INDICATORS, STATES, States, nominals};
 use crate::system::events::Event;
@@ -9,26 +9,28 @@ use crate::unit::outputs::state;
 use crate::unit::values::inputs;
 use crate::unit::variables::Output;
 
-/// What an importer has to know after an event.
+/// Information for the importer after an event.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AfterEvent {
     /// Whether the run ended.
     pub ended: bool,
-    /// Whether states may differ from those before. In Model Exchange each event says so: the derivatives are others, those states that
-    /// follow from the rest are set to what follows, and some importers restart their solver only then.
+    /// Whether states may have changed.
+    ///
+    /// True at each event of Model Exchange: derivatives change, redundant states are projected, and some importers restart
+    /// their solver only then.
     pub states_changed: bool,
-    /// When the excitation has its next kink or the next event is foreseen (s), if either is.
+    /// Time of the next kink of the excitation or of the next predicted event (s), whichever is earlier.
     pub next_time: Option<f64>,
 }
 
 impl Unit {
-    /// An event is due, or the beginning. The motion up to here was that under the inputs as they are now.
+    /// Enters Event Mode. The motion up to here was under the present inputs.
     pub fn enter_event_mode(&mut self) {
         self.complete_step();
         self.phase = Phase::EventMode;
     }
 
-    /// What becomes of the block at the present time: a new piece of the excitation, transitions, and what follows.
+    /// Applies the events of the present time: kinks of the excitation and transitions.
     pub fn pass_events(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<AfterEvent, Fault> {
         self.preview()?;
         let (Some(simulation), Some(ground)) = (&mut self.simulation, &self.ground) else {
@@ -36,13 +38,13 @@ impl Unit {
         };
         let time = simulation.time();
         let (sum, end) = with_ground(&self.values.inputs(time, &self.rates), ground, time);
-        (self.inputs, self.seen) = (sum, None);
+        (self.inputs, self.observed) = (sum, None);
         simulation.pass_events(&self.inputs, end, observer).map_err(|error| {
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
         let [theta, theta_dot, v, v_dot, u, u_dot, ..] = simulation.states(&self.inputs);
-        // No event changes the works.
+        // Events do not change the works.
         let [.., input, dashpots] = self.states;
         self.states = [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots];
         self.last_inputs = self.values.present_inputs();
@@ -54,12 +56,12 @@ impl Unit {
         })
     }
 
-    /// The motion goes on.
+    /// Continues the motion.
     pub fn enter_continuous_time_mode(&mut self) {
         self.phase = Phase::ContinuousTimeMode;
     }
 
-    /// The importer's clock.
+    /// Sets the time (s).
     pub fn set_time(&mut self, time: f64) -> Result<(), Fault> {
         if !time.is_finite() {
             return Err(Fault::new(format!("time = {time}; expected a finite time")));
@@ -69,7 +71,7 @@ impl Unit {
         Ok(())
     }
 
-    /// The continuous states.
+    /// Sets the continuous states.
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), Fault> {
         let states: States = counted(states.len(), STATES, "states").map(|()| std::array::from_fn(|i| states[i]))?;
         if let Some(i) = states.iter().position(|state| !state.is_finite()) {
@@ -85,10 +87,10 @@ impl Unit {
         if let Some(simulation) = &mut self.simulation {
             simulation.set_states(time, &states);
         }
-        self.seen = None;
+        self.observed = None;
     }
 
-    /// The continuous states, as they were set or as the last event left them.
+    /// Returns the continuous states, as set or as the last event left them.
     pub fn states(&mut self) -> Result<States, Fault> {
         if self.phase.is_initialized() {
             return Ok(self.states);
@@ -97,7 +99,7 @@ impl Unit {
         Ok(simulation.states(&inputs))
     }
 
-    /// Their derivatives. Those of displacements are the rates among the states.
+    /// Returns the derivatives of the states. Those of displacements are the rates among the states.
     pub fn derivatives(&mut self) -> Result<States, Fault> {
         let states = self.states()?;
         let (simulation, inputs) = self.preview()?;
@@ -106,8 +108,7 @@ impl Unit {
         Ok(derivatives)
     }
 
-    /// Returns the value of an output that is known without the equations of motion: a continuous state of the importer's solver, and
-    /// the rotation.
+    /// Returns the value of an output that needs no equations of motion: a continuous state in Model Exchange, or the rotation.
     pub(super) fn state_output(&self, output: Output) -> Option<f64> {
         match self.interface {
             Interface::ModelExchange => state(output).filter(|_| self.phase.is_initialized()).map(|i| self.states[i]),
@@ -116,7 +117,7 @@ impl Unit {
         }
     }
 
-    /// The sizes that they typically have.
+    /// Returns the nominal values of the states.
     pub fn nominals(&mut self) -> Result<States, Fault> {
         match &self.simulation {
             Some(simulation) => Ok(nominals(simulation.block())),
@@ -124,13 +125,13 @@ impl Unit {
         }
     }
 
-    /// The event indicators.
+    /// Returns the event indicators.
     pub fn indicators(&mut self) -> Result<[f64; INDICATORS], Fault> {
         let (simulation, inputs) = self.preview()?;
         Ok(simulation.indicators(&inputs))
     }
 
-    /// A step of the importer's solver was accepted. Inputs count as linear in time over it.
+    /// Takes in an accepted step of the importer's solver. Inputs count as linear in time over it.
     pub fn complete_step(&mut self) {
         let Some(simulation) = self.simulation.as_mut().filter(|_| self.interface == Interface::ModelExchange) else {
             return;
@@ -146,12 +147,12 @@ impl Unit {
             };
             simulation.complete_step(&over);
             self.last_inputs = now;
-            self.seen = None;
+            self.observed = None;
         }
     }
 }
 
-/// Refuses an array of another length than the model has.
+/// Refuses an array of the wrong length.
 pub fn counted(found: usize, expected: usize, what: &str) -> Result<(), Fault> {
     if found == expected {
         return Ok(());

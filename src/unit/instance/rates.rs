@@ -1,14 +1,15 @@
-//! Derivatives in time: of inputs over the next step, of outputs now.
+//! Derivatives in time: of inputs over the next step, of outputs at the present time.
 
 use crate::simulation::peaks;
 use crate::unit::fault::Fault;
-use crate::unit::instance::{Unit, input, known, output};
+use crate::unit::instance::Unit;
+use crate::unit::instance::access::{input, known, output};
 use crate::unit::outputs::source;
 use crate::unit::values::PerInput;
 use crate::unit::variables::{Kind, Metadata};
 
 impl Unit {
-    /// How inputs change in the next step, by derivatives of order 1.
+    /// Sets the time derivatives of inputs over the next step. The order is 1.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Fault> {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let (_, metadata) = input(reference, "has set derivatives")?;
@@ -29,7 +30,7 @@ impl Unit {
         Ok(())
     }
 
-    /// How outputs change now, by derivatives of order 1: exact, from the equations of motion.
+    /// Returns the exact time derivatives of outputs, from the equations of motion. The order is 1.
     pub fn output_derivatives<'a>(
         &mut self,
         references: &'a [u32],
@@ -41,8 +42,8 @@ impl Unit {
             first_order(known(reference, Kind::Real)?, order)?;
         }
         let (simulation, inputs) = self.preview()?;
-        let seen = simulation.observe_rates(&inputs);
-        let (rates, channels) = (seen.map(|x| x.eps), peaks::channels(&seen));
+        let observed = simulation.observe_rates(&inputs);
+        let (rates, channels) = (observed.map(|x| x.eps), peaks::channels(&observed));
         let (energy_rates, peaks) = (simulation.energy_rates(&inputs), simulation.peaks());
         let rate = move |output| source(output).rate(&rates, &energy_rates, &channels, &peaks);
         Ok(references.iter().map(move |&reference| output(reference).map(&rate)))

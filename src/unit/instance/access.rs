@@ -1,0 +1,157 @@
+//! Reading and setting variables by value reference.
+
+use crate::unit::fault::Fault;
+use crate::unit::instance::Unit;
+use crate::unit::life_cycle::Phase;
+use crate::unit::outputs::{source, state};
+use crate::unit::values::{DerivedSource, Values, derived};
+use crate::unit::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
+
+impl Unit {
+    /// Refuses references to unknown variables or variables of another type.
+    pub fn check(&self, references: &[u32], kind: Kind) -> Result<(), Fault> {
+        references.iter().try_for_each(|&reference| known(reference, kind).map(|_| ()))
+    }
+
+    /// Sets values of one type, all or none.
+    ///
+    /// Setting a fixed parameter after initialization is refused even if the value is the present one.
+    pub fn set<V: Copy>(
+        &mut self,
+        kind: Kind,
+        references: &[u32],
+        values: &[V],
+        real: impl Fn(V) -> f64,
+    ) -> Result<(), Fault> {
+        for (&reference, &value) in references.iter().zip(values) {
+            let metadata = known(reference, kind)?;
+            self.settable(metadata)?;
+            metadata.admits(real(value)).map_err(Fault::new)?;
+        }
+        let mut states = self.states;
+        for (&reference, &value) in references.iter().zip(values) {
+            let Metadata { variable, role, .. } = VARIABLES[reference as usize];
+            if let Role::Output(output) = role {
+                // Continuous states are the only outputs that can be set.
+                state(output).into_iter().for_each(|i| states[i] = real(value));
+                continue;
+            }
+            self.values[variable] = real(value);
+            if Values::is_of_ground(variable) {
+                self.ground = None;
+            }
+        }
+        if states != self.states {
+            self.set_states(&states)?;
+        }
+        self.take_up_values();
+        Ok(())
+    }
+
+    fn settable(&self, metadata: &Metadata) -> Result<(), Fault> {
+        let Metadata { name, causality, variability, role, .. } = metadata;
+        if let Role::Output(output) = *role
+            && state(output).is_some()
+            && self.phase == Phase::ContinuousTimeMode
+        {
+            return Ok(());
+        }
+        if !metadata.is_settable() {
+            return Err(Fault::new(format!("{name} is {}, which cannot be set", causality.one())));
+        }
+        if self.phase.is_initialized() && *variability == Variability::Fixed {
+            return Err(Fault::new(format!("{name} is a fixed parameter; it can be set until initialization ends")));
+        }
+        Ok(())
+    }
+
+    /// Sets texts, all or none.
+    pub fn set_texts(&mut self, references: &[u32], texts: &[&str]) -> Result<(), Fault> {
+        for &reference in references {
+            self.settable(known(reference, Kind::String)?)?;
+        }
+        for (&reference, &text) in references.iter().zip(texts) {
+            if let Role::Text(place) = known(reference, Kind::String)?.role {
+                self.values[place] = text.into();
+            }
+        }
+        self.forget_ground();
+        Ok(())
+    }
+
+    /// Returns the text of a variable.
+    pub fn text(&self, reference: u32) -> Result<&str, Fault> {
+        match known(reference, Kind::String)?.role {
+            Role::Text(text) => Ok(&self.values[text]),
+            Role::Input(_) | Role::Parameter(_) | Role::Derived(_) | Role::Output(_) => Ok(""),
+        }
+    }
+
+    /// Returns the value of a variable of this type; Integers and Booleans (0 or 1) as real numbers.
+    pub fn get(&mut self, kind: Kind, reference: u32) -> Result<f64, Fault> {
+        let metadata = known(reference, kind)?;
+        match metadata.role {
+            Role::Parameter(_) | Role::Input(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
+            Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
+                (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
+                (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
+                (DerivedSource::Ground(of), _) => Ok(of.value(&*self.ground()?)),
+            },
+            Role::Output(output) => {
+                if let Some(value) = self.state_output(output) {
+                    return Ok(value);
+                }
+                let (observed, energies) = match self.observed {
+                    Some(observed) => observed,
+                    None => {
+                        let (simulation, inputs) = self.preview()?;
+                        let observed = (simulation.observe(&inputs), simulation.energies());
+                        *self.observed.insert(observed)
+                    }
+                };
+                let (simulation, _) = self.preview()?;
+                Ok(source(output).value(&observed, &energies, simulation))
+            }
+        }
+    }
+}
+
+/// Returns the variable with this value reference, if it has this type.
+pub(super) fn known(reference: u32, kind: Kind) -> Result<&'static Metadata, Fault> {
+    let Some(metadata) = VARIABLES.get(reference as usize) else {
+        let last = VARIABLES.len() - 1;
+        return Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")));
+    };
+    if metadata.kind.base() != kind {
+        let found = metadata.kind;
+        return Err(Fault::new(format!(
+            "{} (value reference {reference}) is of type {found}, not {kind}",
+            metadata.name
+        )));
+    }
+    Ok(metadata)
+}
+
+/// Returns the Real output with this value reference. `what` completes "only an output …".
+pub(super) fn output(reference: u32, what: &str) -> Result<Output, Fault> {
+    let metadata = known(reference, Kind::Real)?;
+    match metadata.role {
+        Role::Output(output) => Ok(output),
+        Role::Input(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
+            let Metadata { name, causality, .. } = metadata;
+            Err(Fault::new(format!("{name} is {}; only an output {what}", causality.one())))
+        }
+    }
+}
+
+/// Returns the input with this value reference. `what` completes "only an input …".
+pub(super) fn input(reference: u32, what: &str) -> Result<(Input, &'static Metadata), Fault> {
+    let metadata = known(reference, Kind::Real)?;
+    match metadata.role {
+        Role::Input(input) => Ok((input, metadata)),
+        Role::Output(_) | Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => {
+            let Metadata { name, causality, .. } = metadata;
+            Err(Fault::new(format!("{name} is {}; only an input {what}", causality.one())))
+        }
+    }
+}
