@@ -10,6 +10,7 @@
 //! | `line_style` | points → lines that differ without colours |
 //! | `chart` | curves, areas and marks → charts with axes |
 //! | `page` | heading, legend and charts → pages |
+//! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`spectrum`], [`record_spectra`] | spectra under one and under several records → pages |
 //! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
@@ -28,6 +29,8 @@ mod line_style;
 mod chart;
 
 mod page;
+
+pub mod sketch;
 
 pub mod history;
 

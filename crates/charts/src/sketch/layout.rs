@@ -1,0 +1,162 @@
+//! Block and ties → a scale, and the places of body, supports and dimensions in units of the drawing.
+
+use super::{COLUMN, Sketch};
+use crate::sketch::symbols::{End, Point};
+use rocking_block::block::Foundation;
+
+/// Height of a support.
+pub const SUPPORT: f64 = 1600.0;
+/// Distance from the middle of a support to the wall of its recess in the ground.
+pub const RECESS: f64 = 1050.0;
+/// Height of the dimension above the body.
+pub const ABOVE: f64 = 500.0;
+/// Greatest height of the drawing.
+const HEIGHT: f64 = 12_600.0;
+/// Left and right margin of the drawing, and its space at the top and at the bottom.
+const MARGIN: f64 = 700.0;
+const HEAD: f64 = 400.0;
+const FOOT: f64 = 350.0;
+/// Space beside the body for labels, and beside that for a dimension.
+const LABELS: f64 = 3050.0;
+const SIDE: f64 = 650.0;
+/// Space around the anchor of a tie.
+const ANCHOR: f64 = 600.0;
+/// Heights of the ground and of the dimension under it.
+const GROUND: f64 = 550.0;
+const ROW: f64 = 750.0;
+/// Least distance of the middles of two supports.
+const APART: f64 = 2300.0;
+
+/// A tie as it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnTie {
+    /// Its end on the block.
+    pub block: Point,
+    /// Its anchor, or the point at which its line is broken off.
+    pub end: Point,
+    /// What is drawn there.
+    pub kind: End,
+}
+
+/// Places in units from the upper left corner of the drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// Left and right side of the body.
+    pub left: f64,
+    pub right: f64,
+    /// Upper and lower side of the body.
+    pub top: f64,
+    pub base: f64,
+    /// Centre of mass.
+    pub centre: Point,
+    /// Middles of the supports.
+    pub supports: [f64; 2],
+    /// Ends of the ground.
+    pub edges: [f64; 2],
+    /// Where labels at the left end, and those at the right begin.
+    pub label_edges: [f64; 2],
+    /// Abscissas of the vertical dimensions.
+    pub sides: [f64; 2],
+    /// Lower end of the foundation.
+    pub below: f64,
+    /// Ordinate of the dimension under the foundation.
+    pub row: f64,
+    /// The ties.
+    pub ties: Vec<DrawnTie>,
+    /// Lower end of the drawing.
+    pub end: f64,
+}
+
+impl Layout {
+    /// Places a sketch, as large as it can be.
+    pub fn new(sketch: &Sketch) -> Layout {
+        let b = sketch.block.b;
+        let body = sketch.height.unwrap_or(2.0 * sketch.block.h);
+        let ends: Vec<([f64; 2], bool)> = sketch.ties.iter().map(|tie| reach(tie.block, tie.ground, b, body)).collect();
+        let furthest = |of: fn([f64; 2]) -> f64| ends.iter().map(|(end, _)| of(*end)).fold(0.0, f64::max);
+        // How far ties reach beyond the body (m), by 0 if they do not.
+        let reaches = [furthest(|[x, _]| -x), furthest(|[x, _]| x)].map(|x| (x - b).max(0.0));
+        let (up, down) = ((furthest(|[_, z]| z) - body).max(0.0), furthest(|[_, z]| -z));
+        let on_supports = sketch.block.foundation == Foundation::Viscoelastic;
+        let under = GROUND + if on_supports { SUPPORT } else { 0.0 };
+        let above = HEAD + if sketch.eccentricity == 0.0 { 0.0 } else { ABOVE + 450.0 };
+
+        let beside = |scale: f64| reaches.map(|x| if x > 0.0 { (scale * x + ANCHOR).max(LABELS) } else { LABELS });
+        let deep = |scale: f64| if down > 0.0 { under + scale * down } else { under };
+        let fits = |scale: f64| {
+            let [left, right] = beside(scale);
+            let wide = 2.0 * MARGIN + left + 2.0 * scale * b + right + 2.0 * SIDE;
+            let high = above + scale * (up + body) + deep(scale) + ROW + FOOT;
+            wide <= COLUMN[0] && high <= HEIGHT
+        };
+        // The largest scale that fits, in units per metre: everything grows with it.
+        let (mut scale, mut too_large) = (0.0, HEIGHT / body);
+        for _ in 0..60 {
+            let middle = 0.5 * (scale + too_large);
+            if fits(middle) { scale = middle } else { too_large = middle }
+        }
+
+        let [beside_left, beside_right] = beside(scale);
+        let wide = 2.0 * SIDE + beside_left + 2.0 * scale * b + beside_right;
+        let start = 0.5 * (COLUMN[0] - wide);
+        let left = start + SIDE + beside_left;
+        let right = left + 2.0 * scale * b;
+        let top = above + scale * up;
+        let base = top + scale * body;
+        // Under a block on supports the ground begins below these.
+        let lower = |z: f64| if z < 0.0 && on_supports { SUPPORT } else { 0.0 };
+        let at = |[x, z]: [f64; 2]| (0.5 * (left + right) + scale * x, base - scale * z + lower(z));
+        let outward = if on_supports { (0.5 * (APART - (right - left))).max(0.0) } else { 0.0 };
+        let supports = [left - outward, right + outward];
+        let room = if on_supports { RECESS + 500.0 } else { 900.0 };
+        let edges = match sketch.ties.is_empty() {
+            true => [supports[0] - room, supports[1] + room],
+            false => [left - beside_left, right + beside_right],
+        };
+        let below = base + under;
+        Layout {
+            left,
+            right,
+            top,
+            base,
+            centre: at([sketch.eccentricity, sketch.block.h]),
+            supports,
+            edges,
+            label_edges: [left - 420.0, right + 420.0],
+            sides: [start + 0.5 * SIDE, start + wide - 0.5 * SIDE],
+            below: below + 60.0,
+            row: base + deep(scale) + ROW - 150.0,
+            end: base + deep(scale) + ROW + FOOT,
+            ties: sketch
+                .ties
+                .iter()
+                .zip(&ends)
+                .map(|(tie, &(end, is_anchor))| DrawnTie {
+                    block: at(tie.block),
+                    end: at(end),
+                    kind: match is_anchor {
+                        true if end[1] == 0.0 => End::OnGround,
+                        true => End::Anchor,
+                        false => End::Broken,
+                    },
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Returns the anchor of a tie, or the point where its line leaves the surroundings of the body, and whether it is the anchor.
+fn reach(block: [f64; 2], ground: [f64; 2], b: f64, body: f64) -> ([f64; 2], bool) {
+    let around = (2.0 * b).max(body);
+    let limits = [[-b - 0.9 * around, b + 0.9 * around], [-0.4 * around, body + 0.4 * around]];
+    let mut part: f64 = 1.0;
+    for axis in [0, 1] {
+        let way = ground[axis] - block[axis];
+        let limit = limits[axis][usize::from(way > 0.0)];
+        if way != 0.0 {
+            part = part.min(((limit - block[axis]) / way).max(0.0));
+        }
+    }
+    let at = |axis: usize| block[axis] + part * (ground[axis] - block[axis]);
+    ([at(0), at(1)], part == 1.0)
+}

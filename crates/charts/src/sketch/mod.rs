@@ -1,0 +1,284 @@
+//! A block, its ties → a sketch with dimensions, so that a user sees whether the input means what was meant.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `symbols` | points → springs, dashpots, ground, anchors, dimensions |
+//! | `layout` | block and ties → a scale and the places of the dimensions |
+
+mod layout;
+mod symbols;
+
+use plotters::style::text_anchor::{HPos, VPos};
+
+use crate::canvas::{Area, Drawn, TEXT, anchored, grey};
+use crate::formula::formula;
+use crate::numerals::significant;
+use crate::page::{page, wrapped};
+use crate::picture::PictureError;
+use layout::{Layout, RECESS, SUPPORT};
+use rocking_block::block::{Block, Foundation};
+use symbols::{
+    OUTLINE, angle, axis, centre_of_mass, extension, fill_polygon, hatched, horizontal_dimension, leader, stroke,
+    support, tie, vertical_dimension, write,
+};
+
+/// Left edge of the column of values, and its width.
+const COLUMN: [f64; 2] = [16_400.0, 7200.0];
+/// Distance of the lines of that column, and of its paragraphs.
+const LINES: [f64; 2] = [520.0, 760.0];
+
+/// A block as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sketch {
+    /// The block, with the width of its base and the height of its centre of mass.
+    pub block: Block,
+    /// Height of the body (m), if known; the sides of a body of unknown height fade out above its centre of mass.
+    pub height: Option<f64>,
+    /// Distance of the centre of mass from the middle of the base (m), positive to the right.
+    pub eccentricity: f64,
+    /// Coulomb's coefficient of friction (1); 0 if friction has no limit.
+    pub friction: f64,
+    /// Ties between block and ground.
+    pub ties: Vec<Tie>,
+}
+
+/// A tie between a point of the block and one of the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tie {
+    /// Its end on the block: x to the right, z upwards from the middle of the base at rest (m).
+    pub block: [f64; 2],
+    /// Its end on the ground, likewise (m).
+    pub ground: [f64; 2],
+    /// Stiffness (N/m).
+    pub stiffness: f64,
+    /// Pretension (N).
+    pub pretension: f64,
+    /// Slack (m).
+    pub slack: f64,
+    /// Damping (N.s/m).
+    pub damping: f64,
+    /// Strength (N); 0 if it never breaks.
+    pub strength: f64,
+}
+
+impl Sketch {
+    /// Returns the sketch of a symmetric block twice as high as its centre of mass, without ties.
+    pub fn of(block: &Block) -> Sketch {
+        Sketch { block: *block, height: Some(2.0 * block.h), eccentricity: 0.0, friction: 0.0, ties: Vec::new() }
+    }
+
+    /// Draws the sketch as SVG.
+    pub fn svg(&self) -> Result<String, PictureError> {
+        let base = match self.block.foundation {
+            Foundation::Viscoelastic => "viscoelastic supports",
+            Foundation::Rigid => "a rigid base",
+        };
+        let height = self.height.map(|height| format!(", {} m high", significant(height, 4))).unwrap_or_default();
+        let title = format!("Block {} m wide{height}, on {base}", significant(2.0 * self.block.b, 4));
+        let (layout, values) = (Layout::new(self), self.values());
+        let column = values.iter().map(|(_, y)| *y).fold(0.0, f64::max) + LINES[1];
+        page(&[title], &[], layout.end.max(column).ceil() as u32, |_, body| {
+            self.draw(body, &layout)?;
+            let style = anchored(TEXT, HPos::Left, VPos::Center);
+            values.iter().try_for_each(|(line, y)| {
+                Ok(body.draw_text(&line.replace('\u{A0}', " "), &style, symbols::unit((COLUMN[0], *y)))?)
+            })
+        })
+    }
+
+    fn draw(&self, area: &Area, layout: &Layout) -> Drawn {
+        self.draw_body(area, layout)?;
+        self.draw_dimensions(area, layout)?;
+        self.draw_foundation(area, layout)?;
+        self.draw_angles(area, layout)?;
+        for (number, (_, end)) in (1..).zip(self.ties.iter().zip(&layout.ties)) {
+            tie(area, end.block, end.end, end.kind, number, layout.centre)?;
+        }
+        centre_of_mass(area, layout.centre)
+    }
+
+    fn draw_body(&self, area: &Area, layout: &Layout) -> Drawn {
+        let Layout { left, right, top, base, centre, .. } = *layout;
+        fill_polygon(area, &[(left, base), (left, top), (right, top), (right, base)], grey(238))?;
+        if self.height.is_some() {
+            return stroke(area, &[(left, base), (left, top), (right, top), (right, base), (left, base)], OUTLINE);
+        }
+        stroke(area, &[(left, centre.1), (left, base), (right, base), (right, centre.1)], OUTLINE)?;
+        axis(area, &[(left, centre.1), (left, top)])?;
+        axis(area, &[(right, centre.1), (right, top)])
+    }
+
+    fn draw_foundation(&self, area: &Area, layout: &Layout) -> Drawn {
+        let Layout { left, right, base, edges, .. } = *layout;
+        match self.block.foundation {
+            Foundation::Rigid => hatched(area, (edges[0], base), (edges[1], base), OUTLINE),
+            Foundation::Viscoelastic => {
+                let ground = base + SUPPORT;
+                for (corner, middle) in [left, right].into_iter().zip(layout.supports) {
+                    support(area, middle, corner, [base, ground])?;
+                }
+                write(area, "K", (layout.supports[0] - 560.0, base + 0.55 * SUPPORT), HPos::Right, VPos::Center)?;
+                write(area, "C", (layout.supports[1] + 560.0, base + 0.55 * SUPPORT), HPos::Left, VPos::Center)?;
+                if self.ties.is_empty() {
+                    return hatched(area, (edges[0], ground), (edges[1], ground), OUTLINE);
+                }
+                // The ground around the block is at the height of its base, from which anchors are measured.
+                let [from, to] = [layout.supports[0] - RECESS, layout.supports[1] + RECESS];
+                let corners =
+                    [(edges[0], base), (from, base), (from, ground), (to, ground), (to, base), (edges[1], base)];
+                corners.windows(2).try_for_each(|side| hatched(area, side[0], side[1], OUTLINE))
+            }
+        }
+    }
+
+    /// Draws the lines from the corners to the centre of mass, with their angles from the vertical.
+    fn draw_angles(&self, area: &Area, layout: &Layout) -> Drawn {
+        let Layout { left, right, base, centre, label_edges, .. } = *layout;
+        const UP: f64 = std::f64::consts::FRAC_PI_2;
+        for corner in [left, right] {
+            axis(area, &[(corner, base), centre])?;
+        }
+        let is_symmetric = self.eccentricity == 0.0;
+        let [alpha_l, alpha_r] = self.angles();
+        let reach = |corner: f64| (centre.0 - corner).hypot(centre.1 - base);
+        let at = |corner: f64, part: f64, turned: f64| {
+            let (sin, cos) = libm::sincos(UP - turned);
+            (corner + part * reach(corner) * cos, base - part * reach(corner) * sin)
+        };
+        let label = |value: f64, name: &str| format!("{name} = {}°", significant(value.to_degrees(), 4));
+        let [left_edge, right_edge] = label_edges;
+        const PART: f64 = 0.5;
+        // A leader at a slope does not hide the arc of a small angle.
+        const LOWER: f64 = 330.0;
+        let name = if is_symmetric { "α" } else { "α_R" };
+        angle(area, (right, base), PART * reach(right), UP, UP + alpha_r)?;
+        let middle = at(right, PART, -0.5 * alpha_r);
+        // The line of the dimension h is above it.
+        let height = (middle.1 + LOWER).max(centre.1 + 400.0);
+        leader(area, (right_edge - 80.0, height), middle)?;
+        write(area, &label(alpha_r, name), (right_edge, height), HPos::Left, VPos::Center)?;
+        if is_symmetric {
+            let middle = at(left, 0.72, alpha_l);
+            leader(area, (left_edge + 80.0, middle.1), middle)?;
+            let radius = format!("R0 = {} m", significant(self.block.r0, 4));
+            return write(area, &radius, (left_edge, middle.1), HPos::Right, VPos::Center);
+        }
+        angle(area, (left, base), PART * reach(left), UP - alpha_l, UP)?;
+        let middle = at(left, PART, 0.5 * alpha_l);
+        let height = middle.1 + LOWER;
+        leader(area, (left_edge + 80.0, height), middle)?;
+        write(area, &label(alpha_l, "α_L"), (left_edge, height), HPos::Right, VPos::Center)
+    }
+
+    fn draw_dimensions(&self, area: &Area, layout: &Layout) -> Drawn {
+        let Layout { left, right, top, base, centre, sides, row, .. } = *layout;
+        let metres = |name: &str, value: f64| format!("{name} = {} m", significant(value, 4));
+        let Block { b, h, .. } = self.block;
+        const GAP: f64 = 120.0;
+        const PAST: f64 = 150.0;
+        if let Some(height) = self.height {
+            extension(area, (left - GAP, top), (sides[0] - PAST, top))?;
+            extension(area, (left - GAP, base), (sides[0] - PAST, base))?;
+            let label = if height == 2.0 * h { metres("2h", height) } else { metres("height", height) };
+            vertical_dimension(area, sides[0], [top, base], &label, HPos::Left)?;
+        }
+        extension(area, (centre.0 + 2.0 * GAP, centre.1), (sides[1] + PAST, centre.1))?;
+        extension(area, (right + GAP, base), (sides[1] + PAST, base))?;
+        vertical_dimension(area, sides[1], [centre.1, base], &metres("h", h), HPos::Right)?;
+        for corner in [left, right] {
+            extension(area, (corner, layout.below), (corner, row + PAST))?;
+        }
+        horizontal_dimension(area, [left, right], row, &metres("2b", 2.0 * b))?;
+        if self.eccentricity == 0.0 {
+            return Ok(());
+        }
+        let middle = 0.5 * (left + right);
+        let above = top - layout::ABOVE;
+        axis(area, &[(middle, base), (middle, above - PAST)])?;
+        axis(area, &[(centre.0, base), (centre.0, above - PAST)])?;
+        let ends = [middle.min(centre.0), middle.max(centre.0)];
+        horizontal_dimension(area, ends, above, &metres("e_x", self.eccentricity))
+    }
+
+    /// Returns the angles of the lines from the corners to the centre of mass from the vertical (rad), left first.
+    fn angles(&self) -> [f64; 2] {
+        let Block { b, h, .. } = self.block;
+        [b + self.eccentricity, b - self.eccentricity].map(|side| libm::atan2(side, h))
+    }
+
+    /// Returns the lines of the column of values, with their ordinates.
+    fn values(&self) -> Vec<(String, f64)> {
+        let mut y = 700.0;
+        let mut lines = Vec::new();
+        for paragraph in self.paragraphs() {
+            for line in paragraph.iter().flat_map(|line| wrapped(&formula(line), TEXT, COLUMN[1])) {
+                lines.push((line, y));
+                y += LINES[0];
+            }
+            y += LINES[1] - LINES[0];
+        }
+        lines
+    }
+
+    /// Returns the values in words: body, foundation, ties.
+    fn paragraphs(&self) -> Vec<Vec<String>> {
+        let Block { p, r0, mass, gamma, xi_v, epsilon, stiffness, damping, .. } = self.block;
+        let short = |value: f64| significant(value, 4);
+        let angle = |name: &str, value: f64| format!("{name} = {} rad = {}°", short(value), short(value.to_degrees()));
+        let [alpha_l, alpha_r] = self.angles();
+        let mut body = match self.eccentricity == 0.0 {
+            true => vec![angle("α", alpha_r)],
+            false => vec![angle("α_L", alpha_l), angle("α_R", alpha_r)],
+        };
+        body.push(format!("R0 = {} m", short(r0)));
+        body.push(format!("p = {} rad/s, γ = {}", short(p), short(gamma)));
+        body.push(format!("M = {} kg", short(mass)));
+        let mut base = match self.block.foundation {
+            Foundation::Viscoelastic => vec![
+                "each support:".into(),
+                format!("K = {}, C = {}", engineering(stiffness, "N/m"), engineering(damping, "N s/m")),
+                format!("η = {}, ξ_v = {}, ε = {}", short(self.block.eta()), short(xi_v), short(epsilon)),
+            ],
+            Foundation::Rigid => vec![format!("rigid base, e = {}", short(self.block.restitution()))],
+        };
+        if self.friction > 0.0 {
+            base.push(format!("friction μ = {}", short(self.friction)));
+        }
+        let ties = (1..).zip(&self.ties).map(|(number, tie)| tie.values(number));
+        [body, base].into_iter().chain(ties).collect()
+    }
+}
+
+impl Tie {
+    /// Returns the values of the tie in words.
+    fn values(&self, number: usize) -> Vec<String> {
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *self;
+        let point = |[x, z]: [f64; 2]| format!("({},\u{A0}{})", significant(x, 4), significant(z, 4));
+        let mut law = format!("k = {}", engineering(stiffness, "N/m"));
+        for (name, value, unit) in
+            [("pretension", pretension, "N"), ("damping", damping, "N s/m"), ("strength", strength, "N")]
+        {
+            if value != 0.0 {
+                law += &format!(", {name} {}", engineering(value, unit).replace(' ', "\u{A0}"));
+            }
+        }
+        if slack != 0.0 {
+            law += &format!(", slack {}\u{A0}m", significant(slack, 4));
+        }
+        vec![format!("tie {number}: {} to {} m", point(block), point(ground)), law]
+    }
+}
+
+/// Formats a value with four digits and a prefix of its unit.
+fn engineering(value: f64, unit: &str) -> String {
+    let (factor, prefix) = match value.abs() {
+        x if x >= 1e9 => (1e9, "G"),
+        x if x >= 1e6 => (1e6, "M"),
+        x if x >= 1e3 => (1e3, "k"),
+        _ => (1.0, ""),
+    };
+    format!("{} {prefix}{unit}", significant(value / factor, 4))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,111 @@
+use super::*;
+use crate::glyphs;
+use resvg::usvg::{Options, Tree};
+use rocking_block::block::{Common, Physical};
+use roxmltree::{Document, Node};
+
+/// Returns a block of this size.
+fn block(width: f64, height: f64, foundation: Foundation) -> Block {
+    let physical = Physical { width, height, stiffness: 1.234e7, damping: 4.321e4 };
+    Block::from_physical(&physical, &Common { foundation, ..Common::default() }).unwrap()
+}
+
+/// Returns a tie with all of its values.
+fn cable(block: [f64; 2], ground: [f64; 2]) -> Tie {
+    Tie { block, ground, stiffness: 2.5e6, pretension: 12e3, slack: 0.005, damping: 1e3, strength: 4e4 }
+}
+
+/// Returns sketches of all kinds.
+fn sketches() -> Vec<Sketch> {
+    let mut sketches = Vec::new();
+    for (width, height) in [(0.3, 6.0), (0.612_345, 3.212_345), (1.2, 2.0), (2.0, 2.0), (3.0, 1.2), (4.0, 1.0)] {
+        for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+            let plain = Sketch::of(&block(width, height, foundation));
+            let [b, h] = [0.5 * width, 0.5 * height];
+            let guys = vec![cable([-b, 0.9 * height], [-b - h, 0.0]), cable([b, 0.9 * height], [b + 1.2 * h, 0.0])];
+            let walls = vec![cable([b, 0.8 * height], [b + 0.3, 0.8 * height]), cable([0.0, height], [0.0, -20.0])];
+            let far = vec![cable([-b, height], [-20.0, 0.0]), cable([0.0, height], [0.0, -0.2 * height])];
+            sketches.extend([
+                Sketch { ties: guys, friction: 0.45, ..plain.clone() },
+                Sketch { ties: walls, eccentricity: -0.2 * b, ..plain.clone() },
+                Sketch { ties: far, eccentricity: 0.01 * b, ..plain.clone() },
+                Sketch { eccentricity: 0.7 * b, height: None, ..plain.clone() },
+                Sketch { eccentricity: -0.9 * b, height: Some(3.0 * h), ..plain.clone() },
+                plain,
+            ]);
+        }
+    }
+    sketches
+}
+
+/// Returns left, top, right and bottom of a text of a drawing.
+fn bounds(svg: &str, text: Node) -> [f32; 4] {
+    let alone = format!("{}{}</svg>", &svg[..=svg.find('>').unwrap()], &svg[text.range()]);
+    let tree = Tree::from_str(&glyphs::outlined(&alone).unwrap(), &Options::default()).unwrap();
+    let bounds = tree.root().abs_bounding_box();
+    [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
+}
+
+/// Texts are inside the picture, and none covers another one.
+#[test]
+fn texts_do_not_overlap() {
+    for sketch in sketches() {
+        let svg = sketch.svg().unwrap();
+        let document = Document::parse(&svg).unwrap();
+        let number = |name: &str| document.root_element().attribute(name).unwrap().parse::<f32>().unwrap();
+        let texts: Vec<_> = document.descendants().filter(|node| node.has_tag_name("text")).collect();
+        let boxes: Vec<_> = texts.iter().map(|&text| bounds(&svg, text)).collect();
+        let words = |i: usize| texts[i].descendants().filter_map(|node| node.text()).collect::<String>();
+        assert!(texts.len() > 8, "{sketch:?}");
+        for (i, a) in boxes.iter().enumerate() {
+            let inside = a[0] > 0.0 && a[1] > 0.0 && a[2] < number("width") && a[3] < number("height");
+            assert!(inside, "{} at {a:?} in {sketch:?}", words(i));
+            for (j, b) in boxes.iter().enumerate().skip(i + 1) {
+                let apart = a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1];
+                assert!(apart, "{} covers {} in {sketch:?}", words(i), words(j));
+            }
+        }
+    }
+}
+
+/// The body, the centre of mass and the ties are to one scale, and the lines to the corners have the angles of the labels.
+#[test]
+fn sketches_are_to_scale() {
+    for sketch in sketches() {
+        let Layout { left, right, top, base, centre, ties, .. } = Layout::new(&sketch);
+        let Block { b, h, .. } = sketch.block;
+        let scale = (right - left) / (2.0 * b);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b.abs());
+        assert!(close(base - centre.1, scale * h) && close(base - top, scale * sketch.height.unwrap_or(2.0 * h)));
+        assert!(close(centre.0 - 0.5 * (left + right), scale * sketch.eccentricity), "{sketch:?}");
+        for (angle, side) in sketch.angles().into_iter().zip([centre.0 - left, right - centre.0]) {
+            assert!(close(angle.tan(), side / (base - centre.1)), "{sketch:?}");
+        }
+        for (tie, drawn) in sketch.ties.iter().zip(ties) {
+            assert!(close(drawn.block.0 - 0.5 * (left + right), scale * tie.block[0]));
+            assert!(close(base - drawn.block.1, scale * tie.block[1]));
+            let is_far = tie.ground[0].abs().max(tie.ground[1].abs()) > 10.0;
+            assert_eq!(drawn.kind == symbols::End::Broken, is_far, "{tie:?} of {sketch:?}");
+            if tie.ground[1] == 0.0 && !is_far {
+                assert!(close(drawn.end.0 - 0.5 * (left + right), scale * tie.ground[0]) && close(drawn.end.1, base));
+            }
+        }
+    }
+}
+
+/// Pictures are as large as page or column allow, whatever the unit of length.
+#[test]
+fn the_size_of_the_block_does_not_matter() {
+    let of = |factor: f64| Layout::new(&Sketch::of(&block(0.8 * factor, 3.2 * factor, Foundation::Rigid)));
+    let (metres, others) = (of(1.0), of(1e-3));
+    for (a, b) in [(metres.left, others.left), (metres.top, others.top), (metres.end, others.end)] {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+}
+
+/// Numbers carry the prefix of their unit.
+#[test]
+fn values_have_prefixes() {
+    let numbers = [12.345, 999.0, 4.05e6, 9000.0, 3.2e10, 0.0].map(|value| engineering(value, "N/m"));
+    assert_eq!(numbers, ["12.35 N/m", "999 N/m", "4.05 MN/m", "9 kN/m", "32 GN/m", "0 N/m"]);
+}
