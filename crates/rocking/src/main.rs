@@ -15,6 +15,7 @@
 //! | [`run_options`] | options shared by commands → settings, a table of many runs |
 //! | [`block_options`] | options of a single block → a block |
 //! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
+//! | [`sketch`] | options → a block → its sketch and its values |
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
 //! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
@@ -52,6 +53,8 @@ mod block_options;
 mod summary;
 
 mod simulate;
+
+mod sketch;
 
 mod spectrum;
 
@@ -93,6 +96,8 @@ struct Arguments {
 enum Command {
     /// Simulate one block: a table, a picture and a summary
     Simulate(Box<simulate::Options>),
+    /// Draw a block with its foundation and dimensions
+    Sketch(Box<sketch::Options>),
     /// Compute peak rotations of blocks of all sizes on several foundations
     Spectrum(Box<spectrum::Options>),
     /// Vary any parameters, records and their strengths: a table of runs for fragility curves
@@ -182,6 +187,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
     let explicit = ExplicitOptions::of(matches);
     match Arguments::from_arg_matches(matches)?.command {
         Some(Command::Simulate(options)) => simulate::run(&options, &explicit),
+        Some(Command::Sketch(options)) => sketch::run(&options, &explicit),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),

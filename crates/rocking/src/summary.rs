@@ -31,8 +31,9 @@ pub struct Summary<'a> {
     steps: Steps,
 }
 
+/// Parameters of a block.
 #[derive(Serialize)]
-struct Parameters {
+pub struct Parameters {
     foundation: &'static str,
     alpha: f64,
     p: f64,
@@ -151,7 +152,8 @@ impl<'a> Summary<'a> {
 }
 
 impl Parameters {
-    fn of(block: &Block) -> Parameters {
+    /// Returns the parameters of a block.
+    pub fn of(block: &Block) -> Parameters {
         let (eta, xi_v, e) = match block.foundation {
             Foundation::Viscoelastic => (Some(block.eta()), Some(block.xi_v), None),
             Foundation::Rigid => (None, None, Some(block.restitution())),

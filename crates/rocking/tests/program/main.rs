@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `inputs` | options, study files and records: values, choices, refusals |
 //! | `simulate` | single runs: table, picture and summary |
+//! | `sketch` | pictures of a block and its values |
 //! | `studies` | spectra, sweeps, searches, fragility curves, figures |
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
 
@@ -12,6 +13,7 @@ mod inputs;
 mod outputs;
 mod program;
 mod simulate;
+mod sketch;
 #[path = "../../../../tests/common/skipped.rs"]
 mod skipped;
 mod studies;

@@ -7,8 +7,8 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 9] =
-    ["simulate", "spectrum", "sweep", "record", "search", "figures", "fragility", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["simulate", "sketch", "spectrum", "sweep", "record", "search", "figures", "fragility", "completions", "man"];
 
 /// Returns whether a tool exists; reports a partly skipped test otherwise.
 fn have(program: &str) -> bool {
