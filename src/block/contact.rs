@@ -158,7 +158,7 @@ impl Contacts {
     pub fn top(&self, corner: Corner, block: &Block, time: f64) -> Sample {
         match self.of(corner) {
             Contact::Bearing => Sample::default(),
-            Contact::Held(creep) | Contact::Lifted(creep) => creep.top(block, time),
+            Contact::Held(creep) | Contact::Lifted(creep) => creep.top(corner, block, time),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Block;
+use crate::block::{Block, Corner};
 use crate::numerics::roots::Sample;
 
 /// The ground under the block.
@@ -28,18 +28,18 @@ pub struct Creep {
 
 impl Creep {
     /// Height of the support's top above its place under the block at rest (m), and its rate (m/s).
-    pub fn top(&self, block: &Block, time: f64) -> Sample {
+    pub fn top(&self, corner: Corner, block: &Block, time: f64) -> Sample {
         match block.foundation {
             Foundation::Rigid => Sample::default(),
             Foundation::Viscoelastic => {
                 let rate = block.creep_rate();
                 // Without damping it is back at once.
                 if self.depth == 0.0 || rate.is_infinite() {
-                    return Sample { value: block.static_deflection(), rate: 0.0 };
+                    return Sample { value: block.free_height(corner), rate: 0.0 };
                 }
                 // A clock that is set back by its rounding may show a time before lift-off.
                 let sunk = self.depth * libm::exp(-(rate * (time - self.since).max(0.0)));
-                Sample { value: block.static_deflection() - sunk, rate: rate * sunk }
+                Sample { value: block.free_height(corner) - sunk, rate: rate * sunk }
             }
         }
     }

@@ -71,18 +71,33 @@ pub struct Lever<T> {
 }
 
 impl<P: Scalar> Block<P> {
-    /// Horizontal distance of the centre of mass from a corner of the upright block (m), positive to the right of the corner: b
-    /// from L, −b from R.
+    /// Horizontal distance of the middle of the base from a corner (m), positive to the right of the corner: b from L, −b from R.
+    #[inline(always)]
+    pub fn half_base(&self, corner: Corner) -> P {
+        self.b * corner.sign()
+    }
+
+    /// Horizontal distance of the centre of mass from a corner of the upright block (m), positive to the right of the corner: `b +
+    /// e_x` from L, `e_x − b` from R.
     #[inline(always)]
     pub fn offset(&self, corner: Corner) -> P {
-        self.b * corner.sign()
+        self.half_base(corner) + self.eccentricity
+    }
+
+    /// The same from the foot: e_x from the middle of the base.
+    #[inline(always)]
+    pub fn offset_from(&self, foot: Foot) -> P {
+        match foot {
+            Foot::Middle => self.eccentricity,
+            Foot::Corner(corner) => self.offset(corner),
+        }
     }
 
     /// Horizontal distance of a corner from the foot of the upright block (m), positive to the right; `None` for the foot itself.
     #[inline(always)]
     pub fn from_foot(&self, corner: Corner, foot: Foot) -> Option<P> {
         match foot {
-            Foot::Middle => Some(-self.offset(corner)),
+            Foot::Middle => Some(-self.half_base(corner)),
             Foot::Corner(standing) if standing == corner => None,
             Foot::Corner(standing) => Some(self.b * (2.0 * standing.sign())),
         }
@@ -91,12 +106,7 @@ impl<P: Scalar> Block<P> {
     /// The centre of mass as seen from the foot, at a rotation with this sine and cosine.
     #[inline(always)]
     pub fn lever<T: Beside<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
-        match foot {
-            Foot::Middle => Lever { x: sin * self.h, q: cos * self.h },
-            Foot::Corner(corner) => {
-                let offset = self.offset(corner);
-                Lever { x: sin * self.h + cos * offset, q: cos * self.h - sin * offset }
-            }
-        }
+        let offset = self.offset_from(foot);
+        Lever { x: sin * self.h + cos * offset, q: cos * self.h - sin * offset }
     }
 }

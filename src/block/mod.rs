@@ -58,6 +58,12 @@ pub struct Block<T = f64> {
     pub damping: T,
     /// I0/M (m²).
     pub i0: T,
+    /// Distance e_x of the centre of mass from the middle of the base (m), positive to the right.
+    pub eccentricity: T,
+    /// The shares of the weight that L and R bear at rest (1), ½ each without eccentricity.
+    pub share: [T; 2],
+    /// Coulomb's μ (1); 0 means no limit.
+    pub friction: T,
 }
 
 impl Block {
@@ -78,6 +84,9 @@ impl Block {
         positive("height", physical.height)?;
         positive("K", physical.stiffness)?;
         not_negative("C", physical.damping)?;
+        if let Some(inertia) = physical.inertia {
+            positive("inertia", inertia)?;
+        }
         Block::of_physical(physical, common).checked()
     }
 
@@ -104,10 +113,19 @@ impl Block {
         if !self.damping.is_finite() || !self.xi_v.is_finite() {
             return Err(BlockError::OutOfRange { name: "C", value: self.damping, expected: "a finite damping" });
         }
+        let eccentricity = self.eccentricity;
+        // Not a number either.
+        if !(eccentricity.abs() < self.b) || self.share.iter().any(|&share| share <= 0.0) {
+            return Err(BlockError::Eccentricity { eccentricity, half_width: self.b });
+        }
+        if self.foundation == Foundation::Rigid && self.friction >= self.jamming_friction() {
+            return Err(BlockError::Jams { friction: self.friction, limit: self.jamming_friction() });
+        }
         // A factor of at most 1 is fine whatever rounding made of an e near 1.
-        if self.restitution_factor > 1.0 && self.restitution() > 1.0 {
+        let [left, right] = Corner::each(|corner| self.housner_restitution(corner));
+        let (factor, housner) = (self.restitution_factor, if right > left { right } else { left });
+        if self.foundation == Foundation::Rigid && factor > 1.0 && housner * factor > 1.0 {
             const ROUNDING: f64 = 1e-12;
-            let (factor, housner) = (self.restitution_factor, self.housner_restitution());
             if factor * housner > 1.0 + ROUNDING {
                 return Err(BlockError::Restitution { factor, housner });
             }
@@ -141,7 +159,7 @@ impl<T: Elementary> Block<T> {
             xi_v: d.xi_v,
             stiffness: common.mass * 0.5 * omega_v * omega_v,
             damping: d.xi_v * common.mass * omega_v,
-            ..Block::unfinished(common, r0)
+            ..Block::unfinished(common, r0 * sin, r0, common.gamma)
         }
     }
 
@@ -150,29 +168,34 @@ impl<T: Elementary> Block<T> {
         let (b, h) = (physical.width * 0.5, physical.height * 0.5);
         let r0 = b.hypot(h);
         let omega_v = (physical.stiffness * 2.0 / common.mass).sqrt();
+        let gamma = physical.inertia.map_or(common.gamma, |inertia| common.mass * r0 * r0 / inertia);
         Block {
             alpha: b.atan2(h),
             b,
             h,
-            p: (common.gamma / (common.gamma + 1.0) * common.gravity / r0).sqrt(),
+            p: (gamma / (gamma + 1.0) * common.gravity / r0).sqrt(),
             omega_v,
             xi_v: physical.damping / (common.mass * omega_v),
             stiffness: physical.stiffness,
             damping: physical.damping,
-            ..Block::unfinished(common, r0)
+            ..Block::unfinished(common, b, r0, gamma)
         }
     }
 
-    fn unfinished(common: &Common<T>, r0: T) -> Block<T> {
-        let zero = T::from(0.0);
+    fn unfinished(common: &Common<T>, b: T, r0: T, gamma: T) -> Block<T> {
+        let (zero, half) = (T::from(0.0), T::from(0.5));
+        let uneven = common.eccentricity * 0.5 / b;
         Block {
             mass: common.mass,
             gravity: common.gravity,
-            gamma: common.gamma,
+            gamma,
             epsilon: common.epsilon,
             foundation: common.foundation,
             restitution_factor: common.restitution_factor,
-            i0: r0 * r0 / common.gamma,
+            i0: r0 * r0 / gamma,
+            eccentricity: common.eccentricity,
+            share: [half - uneven, half + uneven],
+            friction: common.friction,
             r0,
             alpha: zero,
             b: zero,
@@ -195,24 +218,56 @@ impl<T: Elementary> Block<T> {
         self.omega_v / self.p
     }
 
-    /// Static deflection δ_s = M g/(2K) = g/ω_v² (m).
+    /// Mean static deflection δ_s = M g/(2K) = g/ω_v² (m).
     pub fn static_deflection(&self) -> T {
         self.gravity / (self.omega_v * self.omega_v)
     }
 
-    /// The restitution e of the rotation: on the rigid base the part of θ̇ that an impact leaves, which is Housner's e
-    /// times the factor; on supports Housner's e that ε amounts to (1).
-    pub fn restitution(&self) -> T {
+    /// Static deflection of the support under a corner (m), which is also the free height of that support above its height at
+    /// rest.
+    pub fn free_height(&self, corner: Corner) -> T {
+        self.static_deflection() * (self.share[corner.index()] * 2.0)
+    }
+
+    /// Slenderness angle of a corner (rad): the rotation at which the centre of mass stands over it. `arctan((b ± e_x)/h)`, with + on L;
+    /// α without eccentricity.
+    pub fn alpha_of(&self, corner: Corner) -> T {
+        if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
+    }
+
+    /// Restitution e of the rotation at a landing on `corner` (1): on the rigid base the part of θ̇ that an impact leaves, which is
+    /// Housner's e times the factor; on supports Housner's e that ε amounts to.
+    pub fn restitution_of(&self, corner: Corner) -> T {
         match self.foundation {
-            Foundation::Rigid => self.housner_restitution() * self.restitution_factor,
-            Foundation::Viscoelastic => self.housner_restitution(),
+            Foundation::Rigid => self.housner_restitution(corner) * self.restitution_factor,
+            Foundation::Viscoelastic => self.housner_restitution(corner),
         }
     }
 
-    /// Housner's restitution e that ε amounts to (1), eq. (6).
-    pub fn housner_restitution(&self) -> T {
+    /// The smaller [`Block::restitution_of`] of both corners (1).
+    pub fn restitution(&self) -> T {
+        let [left, right] = Corner::each(|corner| self.restitution_of(corner));
+        T::select_less(right.value(), left.value(), right, left)
+    }
+
+    /// Housner's restitution e that ε amounts to at a landing on `corner` (1): eq. (6), and for an eccentric centre of mass the angular
+    /// momentum about that corner.
+    pub fn housner_restitution(&self, corner: Corner) -> T {
+        let Block { gamma, epsilon, eccentricity, b, r0, .. } = *self;
         let cos = (self.alpha * 2.0).cos();
-        (self.gamma * self.epsilon + 1.0 + (-self.epsilon + 1.0) * self.gamma * cos) / (self.gamma + 1.0)
+        let square = eccentricity * eccentricity;
+        let cross = b * eccentricity * (2.0 * corner.sign());
+        let uneven = gamma / (r0 * r0);
+        let momentum = gamma * epsilon + 1.0 + (-epsilon + 1.0) * gamma * cos + (epsilon * cross + square) * uneven;
+        momentum / (gamma + 1.0 + (cross + square) * uneven)
+    }
+
+    /// The least coefficient of friction at which a corner that slides along a rigid base may jam (1): `2 √(k (k + 1))` with k = I0/(M R²)
+    /// and the distance R of the centre of mass from the farther corner.
+    pub fn jamming_friction(&self) -> T {
+        let across = self.b + T::select_less(self.eccentricity.value(), 0.0, -self.eccentricity, self.eccentricity);
+        let k = self.i0 / (across * across + self.h * self.h);
+        (k * (k + 1.0)).sqrt() * 2.0
     }
 
     /// Greatest e without jumps, at ε = 0 (1), eq. (2).

@@ -28,6 +28,8 @@ pub struct Physical<T = f64> {
     pub stiffness: T,
     /// Damping C of one support (N.s/m).
     pub damping: T,
+    /// Centroidal moment of inertia I0 (kg.m²), in place of the one that follows from γ.
+    pub inertia: Option<T>,
 }
 
 /// Parameters that both ways of giving a block share.
@@ -45,6 +47,10 @@ pub struct Common<T = f64> {
     pub foundation: Foundation,
     /// On the rigid base, the e that acts over Housner's e of ε (1), at least 0; not read on supports.
     pub restitution_factor: T,
+    /// Distance e_x of the centre of mass from the middle of the base (m), positive to the right; `|e_x| < b`.
+    pub eccentricity: T,
+    /// Coulomb's coefficient of friction μ of the feet (1); 0 means no limit.
+    pub friction: T,
 }
 
 impl Default for Common {
@@ -56,6 +62,8 @@ impl Default for Common {
             gravity: 9.81,
             foundation: Foundation::Viscoelastic,
             restitution_factor: 1.0,
+            eccentricity: 0.0,
+            friction: 0.0,
         }
     }
 }
@@ -84,6 +92,25 @@ pub enum BlockError {
         /// Housner's e of ε (1), eq. (6).
         housner: f64,
     },
+    /// A centre of mass that is not over the base.
+    #[error("eccentricity = {eccentricity} m is not valid; expected less than half the width, {half_width} m, to either side")]
+    Eccentricity {
+        /// The eccentricity (m).
+        eccentricity: f64,
+        /// Half the width of the base (m).
+        half_width: f64,
+    },
+    /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or two.
+    #[error(
+        "friction = {friction} lets a corner jam on the rigid base, which leaves no single motion; expected less than {limit}, or 0 \
+         for no limit"
+    )]
+    Jams {
+        /// Coulomb's μ (1).
+        friction: f64,
+        /// The least μ that jams (1).
+        limit: f64,
+    },
 }
 
 impl BlockError {
@@ -92,6 +119,8 @@ impl BlockError {
         match self {
             BlockError::OutOfRange { name, .. } => name,
             BlockError::Restitution { .. } => "restitution_factor",
+            BlockError::Eccentricity { .. } => "eccentricity",
+            BlockError::Jams { .. } => "friction",
         }
     }
 }
@@ -101,6 +130,7 @@ pub(super) fn check_common(common: &Common) -> Result<(), BlockError> {
     positive("gamma", common.gamma)?;
     positive("g", common.gravity)?;
     not_negative("restitution_factor", common.restitution_factor)?;
+    not_negative("friction", common.friction)?;
     if !(0.0..=1.0).contains(&common.epsilon) {
         return Err(BlockError::OutOfRange { name: "epsilon", value: common.epsilon, expected: "0 <= epsilon <= 1" });
     }

@@ -12,8 +12,7 @@ mod stepping;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Block;
-use crate::block::Regime;
+use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
@@ -99,7 +98,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// How the run of a block of slenderness α (rad) ends that leaves its last support at the rotation θ (rad) and the
+    /// How the run of a block ends, of slenderness α (rad) on the side to which it tilts, that leaves its last support at the rotation θ (rad) and the
     /// rate θ̇ (rad/s). How often this takes a block for overturned that would have come back is in docs/model.md.
     pub fn at_separation(alpha: f64, theta: f64, theta_dot: f64) -> Ending {
         if theta.abs() >= alpha && theta * theta_dot > 0.0 { Ending::Toppled } else { Ending::Separated }
@@ -471,7 +470,8 @@ impl Simulation {
     fn end_if_separated(&mut self) {
         if self.regime() == Regime::Separated && !self.system.flies {
             let Pose { time, state, .. } = self.pose;
-            self.ending = Some((Ending::at_separation(self.system.block.alpha, state[0], state[1]), time));
+            let side = if state[0] < 0.0 { Corner::Left } else { Corner::Right };
+            self.ending = Some((Ending::at_separation(self.system.block.alpha_of(side), state[0], state[1]), time));
         }
     }
 }

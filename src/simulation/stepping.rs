@@ -350,10 +350,11 @@ impl Simulation {
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
     pub(super) fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
-        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, .. } = self.system.block;
+        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.
-        let turning = if law.grips() { b * b / (i0 + h * h) } else { b * b / i0 };
+        let arm = b + eccentricity.abs();
+        let turning = if law.grips() { arm * arm / (i0 + h * h) } else { arm * arm / i0 };
         let (rocking, vertical) = match (law.foundation(), law.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
             (_, Regime::FullContact) => (p.max(omega_v * turning.sqrt()), omega_v),

@@ -39,8 +39,8 @@ impl System {
     /// The pose at the beginning, and the regimes through which the block comes there.
     pub(super) fn beginning_on_supports(&self, initial: &Initial, time: f64, excitation: &Excitation) -> (Pose, Path) {
         let placement = Placement::on_supports(&self.block, initial);
-        let free = self.block.static_deflection();
-        let contacts = Contacts::touching(placement.corners.map(|(height, _)| height <= free), time);
+        let touching = Corner::each(|corner| placement.corners[corner.index()].0 <= self.block.free_height(corner));
+        let contacts = Contacts::touching(touching, time);
         let pose = Pose { time, state: State::zeros(), contacts, footing: Footing::AT_START };
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = Change::begin(self, &pose, excitation);
@@ -56,23 +56,24 @@ impl<T: Elementary> Placement<T> {
         let h = block.h;
         let Initial { theta, theta_dot, vertical } = *initial;
         let (sin, cos) = theta.sin_cos();
-        let free = block.static_deflection();
-        let turn = Corner::each(|corner| block.offset(corner) * sin);
-        let turn_dot = Corner::each(|corner| block.offset(corner) * cos * theta_dot);
+        let free = Corner::each(|corner| block.free_height(corner));
+        let turn = Corner::each(|corner| block.half_base(corner) * sin);
+        let turn_dot = Corner::each(|corner| block.half_base(corner) * cos * theta_dot);
+        // From the middle of the base to the centre of mass: by how much it has come down, and across.
+        let e = block.eccentricity;
+        let (sunk, sunk_dot) = (h * sin * sin / (cos + 1.0) + e * sin, h * sin * theta_dot + e * cos * theta_dot);
+        let upper = if turn[0].value() > 0.0 { 0 } else { 1 };
         // Height and rate of the middle of the base.
         let (middle, middle_dot) = match vertical {
-            Some((v, v_dot)) => (v + h * sin * sin / (cos + 1.0), v_dot + h * sin * theta_dot),
-            None if turn[0].value().abs() <= free.value() => (T::from(0.0), T::from(0.0)),
-            // On the lower corner alone, which sinks by δ_s under the whole weight and does not move.
-            None => {
-                let upper = if turn[0].value() > 0.0 { 0 } else { 1 };
-                (turn[upper] - free, turn_dot[upper])
-            }
+            Some((v, v_dot)) => (v + sunk, v_dot + sunk_dot),
+            None if turn[upper].value() <= free[upper].value() => (T::from(0.0), T::from(0.0)),
+            // On the lower corner alone, which sinks under the whole weight by the share that the other one bore, and does not move.
+            None => (turn[upper] - free[upper], turn_dot[upper]),
         };
-        let (v, v_dot) = (middle - h * sin * sin / (cos + 1.0), middle_dot - h * sin * theta_dot);
-        let velocities = Velocities { u_dot: h * cos * theta_dot, v_dot, theta_dot };
+        let (v, v_dot) = (middle - sunk, middle_dot - sunk_dot);
+        let velocities = Velocities { u_dot: h * cos * theta_dot - e * sin * theta_dot, v_dot, theta_dot };
         let corners = [0, 1].map(|i| (middle + turn[i], middle_dot + turn_dot[i]));
-        Placement { corners, theta, u: h * sin, v, velocities }
+        Placement { corners, theta, u: h * sin - e * sin * sin / (cos + 1.0), v, velocities }
     }
 }
 

@@ -295,7 +295,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     /// Reaction of the support under a corner, and its moment about the centre of mass.
     #[inline(always)]
     fn support(&self, corner: Corner, foot: Foot) -> (T, T) {
-        let reaction = support::reaction(self.block, self.height(corner, foot), self.rate(corner, foot));
+        let reaction = support::reaction(self.block, corner, self.height(corner, foot), self.rate(corner, foot));
         (reaction, reaction * self.block.lever(Foot::Corner(corner), self.sin, self.cos).x)
     }
 
@@ -331,7 +331,8 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         let bears = |other: Corner| {
             let s = other.sign();
             let moment = (weight * block.offset(other) - x.horizontal * block.h + forcing.moment) * s;
-            let (n, exact) = (weight * 0.5 - couple * s, moment * (P::from(0.5) / block.b));
+            let share = block.share[other.other().index()];
+            let (n, exact) = (weight * share - couple * s, moment * (P::from(0.5) / block.b));
             let n = T::select_less(n.value(), zero.value(), exact, n);
             T::select_less(moment.value(), zero.value(), exact, n)
         };
@@ -342,13 +343,16 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     #[inline(always)]
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, w, w_dot, sin, cos, .. } = *self;
-        let (h, zero) = (block.h, T::from(0.0));
+        let zero = T::from(0.0);
         let theta_ddot = forcing.moment * T::from(P::from(1.0) / block.i0);
         let v_ddot = -forcing.z - block.gravity;
+        let (h, e) = (block.h, block.eccentricity);
         let middle = [
-            w + self.versine() * h,
-            w_dot + sin * theta_dot * h,
-            v_ddot + (sin * theta_ddot + cos * theta_dot * theta_dot) * h,
+            w + self.versine() * h + sin * e,
+            w_dot + sin * theta_dot * h + cos * theta_dot * e,
+            v_ddot
+                + (sin * theta_ddot + cos * theta_dot * theta_dot) * h
+                + (cos * theta_ddot - sin * theta_dot * theta_dot) * e,
         ];
         let over = Posture { w: middle[0], w_dot: middle[1], ..*self };
         let x = over.moving(Foot::Middle, [theta_ddot, v_ddot, middle[2]], [zero; 2], forcing);
@@ -359,15 +363,16 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     /// the centre of mass moves, and both together how the block turns; the middle of the base holds it horizontally.
     fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, sin, cos, .. } = self;
-        let (offset, middle) = (block.offset(corner), Foot::Middle);
+        let (offset, middle) = (block.half_base(corner), Foot::Middle);
         (self.w, self.w_dot) = (top - sin * offset, top_dot - cos * theta_dot * offset);
         let other = corner.other();
-        let n = support::reaction(block, self.height(other, middle), self.rate(other, middle));
+        let n = support::reaction(block, other, self.height(other, middle), self.rate(other, middle));
         let v_ddot = n - block.gravity - forcing.z;
         let lever = block.lever(Foot::Corner(corner), sin, cos);
         let theta_dot2 = theta_dot * theta_dot;
         let theta_ddot = (top_ddot - v_ddot - lever.q * theta_dot2) / lever.x;
-        let w_ddot = v_ddot + sin * block.h * theta_ddot + cos * block.h * theta_dot2;
+        let Lever { x, q } = block.lever(middle, sin, cos);
+        let w_ddot = v_ddot + x * theta_ddot + q * theta_dot2;
         let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], [n; 2], forcing);
         let i = corner.index();
         // To the last bit, by which events are decided.
@@ -386,14 +391,8 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     ) -> Instant<T> {
         let Posture { block, theta, theta_dot, w, w_dot, sin, cos, footing } = *self;
         let Lever { x, q } = block.lever(foot, sin, cos);
-        let versine = self.versine();
-        let (across, sunk) = match foot {
-            Foot::Middle => (sin * block.h, w - versine * block.h),
-            Foot::Corner(corner) => {
-                let offset = block.offset(corner);
-                (sin * block.h - versine * offset, w - versine * block.h - sin * offset)
-            }
-        };
+        let (versine, offset) = (self.versine(), block.offset_from(foot));
+        let across = sin * block.h - versine * offset;
         let (u, u_dot, u_ddot, horizontal) = match footing {
             Footing::Grips { offset } => {
                 let u_ddot = q * theta_ddot - x * (theta_dot * theta_dot);
@@ -410,7 +409,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
             u,
             u_dot,
             u_ddot,
-            v: sunk,
+            v: w - versine * block.h - sin * offset,
             v_dot: w_dot - x * theta_dot,
             v_ddot,
             corner: [self.height(Corner::Left, foot), self.height(Corner::Right, foot)],
@@ -476,14 +475,11 @@ pub fn foot_height<T: Elementary>(block: &Block, regime: Regime, [theta, theta_d
         return [T::from(0.0); 2];
     }
     let (sin, cos) = theta.sin_cos();
-    let (middle, middle_dot) = (v + sin * sin / (cos + 1.0) * block.h, v_dot + sin * theta_dot * block.h);
-    match foot {
-        Foot::Middle => [middle, middle_dot],
-        Foot::Corner(corner) => {
-            let offset = block.offset(corner);
-            [middle + sin * offset, middle_dot + cos * theta_dot * offset]
-        }
-    }
+    let offset = block.offset_from(foot);
+    [
+        v + sin * sin / (cos + 1.0) * block.h + sin * offset,
+        v_dot + sin * theta_dot * block.h + cos * theta_dot * offset,
+    ]
 }
 
 /// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.

@@ -112,9 +112,10 @@ pub fn thrown_by_grip<T: Elementary>(block: &Block, corner: Corner, x: &Instant<
     across * q * (x.u_dot - q * x.theta_dot) / (q * q + block.i0)
 }
 
-/// Height of the centre of mass over a corner, `R0 cos(α + sθ)` (m).
-pub fn height_over<T: Elementary>(block: &Block<T>, corner: Corner, theta: T) -> T {
-    lever(block, corner, theta).q
+/// Height of the centre of mass over the foot (m), `R0 cos(α + sθ)` over a corner without eccentricity.
+pub fn height_over<T: Elementary>(block: &Block<T>, foot: Foot, theta: T) -> T {
+    let (sin, cos) = theta.sin_cos();
+    block.lever(foot, sin, cos).q
 }
 
 /// Energy per unit mass (m²/s²) that the landing of a corner with the vertical velocity `rate` (m/s) takes, if the corner

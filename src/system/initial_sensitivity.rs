@@ -124,7 +124,7 @@ impl<'a, T: Elementary> Walk<'a, T> {
         let Some(corner) = pose.contacts.held() else { return };
         let Walk { start, placement, footing, .. } = self;
         let (block, zero) = (&start.block, T::from(0.0));
-        let free = block.static_deflection();
+        let free = block.free_height(corner);
         let top = if block.damping.value() == 0.0 {
             [free, zero, zero]
         } else {
@@ -154,7 +154,7 @@ impl<'a, T: Elementary> Walk<'a, T> {
         Corner::each(|corner| match pose.contacts.of(corner) {
             Contact::Bearing | Contact::Held(_) => T::from(0.0),
             Contact::Lifted(Creep { depth, .. }) if depth == 0.0 || block.damping.value() == 0.0 => {
-                block.static_deflection()
+                block.free_height(corner)
             }
             Contact::Lifted(_) => self.instant.corner[corner.index()],
         })

@@ -87,7 +87,7 @@ impl Values {
     }
 
     /// Returns the parameters of the block, with the numbers of `of`.
-    pub(super) fn given_block<T>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
+    pub(super) fn given_block<T: From<f64>>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),
@@ -95,6 +95,8 @@ impl Values {
             gravity: of(Variable::G),
             foundation: self.foundation(),
             restitution_factor: of(Variable::RestitutionFactor),
+            eccentricity: T::from(0.0),
+            friction: T::from(0.0),
         };
         let given = if self.is_physical() {
             GivenBlock::Physical(Physical {
@@ -102,6 +104,7 @@ impl Values {
                 height: of(Variable::PhysicalHeight),
                 stiffness: of(Variable::PhysicalK),
                 damping: of(Variable::PhysicalC),
+                inertia: None,
             })
         } else {
             GivenBlock::Dimensionless(Dimensionless {

@@ -113,6 +113,39 @@ pub fn cases() -> Vec<Case> {
     serde_json::from_str(&text).unwrap()
 }
 
+impl Motion {
+    pub fn pulse(&self) -> Pulse {
+        let shape = match self.kind.as_deref() {
+            Some("sine") => PulseShape::OneSine,
+            Some("cosine") => PulseShape::OneCosine,
+            _ => return Pulse::NONE,
+        };
+        Pulse { shape, amplitude: self.a_p, period: std::f64::consts::TAU / self.omega_p, start: 0.0 }
+    }
+}
+
+/// Returns the record of a motion, or its name if it is missing.
+pub fn record_named(motion: &Motion, gravity: f64) -> Result<Option<Record>, String> {
+    let Some(name) = &motion.record else { return Ok(None) };
+    let (file, dt) = match name.as_str() {
+        "rinaldi" => ("paper/NGA_no_1063_RRS228.AT2", None),
+        "erzincan" => ("paper_derived/ERZ-NS_unrotated.AT2", None),
+        "sylmar052" => ("paper/SCS052.AT2", Some(0.005)),
+        "sylmar142" => ("paper/SCS142.AT2", Some(0.005)),
+        "sylmar_up" => ("paper/SCSUP.AT2", Some(0.005)),
+        "elcentro" => ("fallback/IELC180.AT2", None),
+        other => panic!("unknown record {other}"),
+    };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/records").join(file);
+    if !path.exists() {
+        return Err(name.clone());
+    }
+    let unit = dt.map(|_| Unit::G);
+    let options = ReadOptions { unit, time_step: dt, gravity, ..ReadOptions::default() };
+    let record = rocking_records::read(&path, &options).unwrap().scaled(motion.scale);
+    Ok(Some(Record { dt: record.time_step, acceleration: record.acceleration }))
+}
+
 impl Case {
     pub fn block(&self) -> Block {
         let foundation =
@@ -132,12 +165,7 @@ impl Case {
     }
 
     pub fn pulse(&self) -> Pulse {
-        let shape = match self.a_gx.kind.as_deref() {
-            Some("sine") => PulseShape::OneSine,
-            Some("cosine") => PulseShape::OneCosine,
-            _ => return Pulse::NONE,
-        };
-        Pulse { shape, amplitude: self.a_gx.a_p, period: std::f64::consts::TAU / self.a_gx.omega_p, start: 0.0 }
+        self.a_gx.pulse()
     }
 
     pub fn initial(&self) -> Initial {
@@ -156,28 +184,7 @@ impl Case {
 
     /// Returns the records, or the name of a missing one.
     pub fn records(&self) -> Result<[Option<Record>; 2], String> {
-        Ok([self.record(&self.a_gx)?, self.record(&self.a_gz)?])
-    }
-
-    fn record(&self, motion: &Motion) -> Result<Option<Record>, String> {
-        let Some(name) = &motion.record else { return Ok(None) };
-        let (file, dt) = match name.as_str() {
-            "rinaldi" => ("paper/NGA_no_1063_RRS228.AT2", None),
-            "erzincan" => ("paper_derived/ERZ-NS_unrotated.AT2", None),
-            "sylmar052" => ("paper/SCS052.AT2", Some(0.005)),
-            "sylmar142" => ("paper/SCS142.AT2", Some(0.005)),
-            "sylmar_up" => ("paper/SCSUP.AT2", Some(0.005)),
-            "elcentro" => ("fallback/IELC180.AT2", None),
-            other => panic!("unknown record {other}"),
-        };
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/records").join(file);
-        if !path.exists() {
-            return Err(name.clone());
-        }
-        let unit = dt.map(|_| Unit::G);
-        let options = ReadOptions { unit, time_step: dt, gravity: self.g, ..ReadOptions::default() };
-        let record = rocking_records::read(&path, &options).unwrap().scaled(motion.scale);
-        Ok(Some(Record { dt: record.time_step, acceleration: record.acceleration }))
+        Ok([record_named(&self.a_gx, self.g)?, record_named(&self.a_gz, self.g)?])
     }
 
     /// Returns a run at its start.

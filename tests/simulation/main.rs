@@ -12,6 +12,7 @@ mod compare;
 #[path = "../common/skipped.rs"]
 mod skipped;
 
+mod beyond;
 mod convergence;
 mod exchange;
 mod flight;

@@ -214,7 +214,7 @@ fn blocks_of_different_size_are_similar() {
 #[test]
 fn sizes_and_dimensionless_parameters_are_the_same_block() {
     let d = block(0.25, 1.0, 40.0, 0.1, 0.0);
-    let physical = Physical { width: 2.0 * d.b, height: 2.0 * d.h, stiffness: d.stiffness, damping: d.damping };
+    let physical = Physical { width: 2.0 * d.b, height: 2.0 * d.h, stiffness: d.stiffness, damping: d.damping, inertia: None };
     let p = Block::from_physical(&physical, &Common::default()).unwrap();
     for (a, b) in [
         (d.alpha, p.alpha),

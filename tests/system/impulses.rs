@@ -1,6 +1,6 @@
 //! Landings, grips and changes of pivot, against conservation of momentum and prescribed velocities.
 
-use rocking_block::block::{Block, Corner, Foundation, Regime};
+use rocking_block::block::{Foot, Block, Corner, Foundation, Regime};
 use rocking_block::excitation::Forcing;
 use rocking_block::system::dynamics::{Footing, instant};
 use rocking_block::system::impact::{self, Velocities};
@@ -138,7 +138,7 @@ fn a_landing_beside_a_standing_corner_conserves_momentum() {
         let (_, rest) = impulses(block, [before, after], at, at);
         assert!(close(rest, 0.0), "{on:?} {theta} {before:?}: {rest}");
         assert!(close(impact::corner_rate(block, on, theta, v_dot, theta_dot), now));
-        assert!(close(impact::height_over(block, on, theta), -at[1]));
+        assert!(close(impact::height_over(block, Foot::Corner(on), theta), -at[1]));
     });
 }
 

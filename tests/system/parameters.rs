@@ -51,8 +51,8 @@ fn the_restitution_factor_is_that_of_the_rigid_base() {
         let common = Common { foundation, restitution_factor: 0.9, ..common() };
         Block::from_dimensionless(&PAPER, &common).unwrap()
     });
-    assert_eq!(supports.restitution(), supports.housner_restitution());
-    assert_eq!(rigid.restitution(), 0.9 * rigid.housner_restitution());
+    assert_eq!(supports.restitution(), supports.housner_restitution(Corner::Left));
+    assert_eq!(rigid.restitution(), 0.9 * rigid.housner_restitution(Corner::Left));
 }
 
 #[track_caller]

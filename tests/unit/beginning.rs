@@ -229,6 +229,7 @@ fn beginning(draw: &Draw) -> [f64; 10] {
         gravity: draw.of("g"),
         foundation,
         restitution_factor: draw.of("restitution_factor"),
+        ..Common::default()
     };
     let block = if draw.of("parameterization") == 1.0 {
         let [alpha, p, eta, xi_v] = ["alpha", "p", "eta", "xi_v"].map(|name| draw.of(&format!("dimensionless.{name}")));
@@ -236,7 +237,7 @@ fn beginning(draw: &Draw) -> [f64; 10] {
     } else {
         let [width, height, stiffness, damping] =
             ["width", "height", "K", "C"].map(|name| draw.of(&format!("physical.{name}")));
-        Block::from_physical(&Physical { width, height, stiffness, damping }, &common).unwrap()
+        Block::from_physical(&Physical { width, height, stiffness, damping, inertia: None }, &common).unwrap()
     };
     let shapes = [PulseShape::None, PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
     let pulse = Pulse {

@@ -93,7 +93,7 @@ impl BlockOptions {
 
     fn checked(&self) -> anyhow::Result<Block> {
         let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } = *self;
-        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor };
+        let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor, ..Common::default() };
         let BlockOptions { width: Some(width), height, stiffness, damping, .. } = *self else {
             return Ok(Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?);
         };
@@ -108,6 +108,6 @@ impl BlockOptions {
             // The rigid base reads neither; these make a valid block.
             (Foundation::Rigid, ..) => (mass * g / height, 0.0),
         };
-        Ok(Block::from_physical(&Physical { width, height, stiffness, damping }, &common)?)
+        Ok(Block::from_physical(&Physical { width, height, stiffness, damping, inertia: None }, &common)?)
     }
 }

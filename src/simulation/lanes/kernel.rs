@@ -324,6 +324,9 @@ impl<L: Law> Together<'_, L> {
             stiffness: unread,
             damping: unread,
             i0: of_block(|block| block.i0),
+            eccentricity: of_block(|block| block.eccentricity),
+            share: [of_block(|block| block.share[0]), of_block(|block| block.share[1])],
+            friction: unread,
         };
         let ramp = |i: usize| Ramp {
             value: self.each(|lane| lane.ground().1[i].value),

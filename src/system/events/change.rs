@@ -112,9 +112,9 @@ impl<'a> Change<'a> {
         self.pose.contacts.set(corner, Contact::Bearing);
     }
 
-    /// The recovery of a support that bears nothing from here on, from this height (m).
-    pub(super) fn creep_from(&self, height: f64) -> Creep {
-        Creep { depth: self.system.block.static_deflection() - height, since: self.pose.time }
+    /// The recovery of the support under a corner that bears nothing from here on, from this height (m).
+    pub(super) fn creep_from(&self, corner: Corner, height: f64) -> Creep {
+        Creep { depth: self.system.block.free_height(corner) - height, since: self.pose.time }
     }
 
     /// Goes on from a placement; without any corner on the base, the block flies.

@@ -26,7 +26,7 @@ pub(super) fn unloading(at: &Evaluation, corner: Corner) -> Sample {
 impl Change<'_> {
     /// `corner` is held on its support at this height (m).
     pub(super) fn keep(&mut self, corner: Corner, height: f64) {
-        self.pose.contacts.set(corner, Contact::Held(self.creep_from(height)));
+        self.pose.contacts.set(corner, Contact::Held(self.creep_from(corner, height)));
     }
 
     /// Neither corner bears anything, so that nothing holds the block horizontally. The paper's analysis ends here.

@@ -1,6 +1,6 @@
 //! Landing on a support while the other corner stands and grips: the gap under a lifted corner closes.
 
-use crate::block::{Block, Corner, Foundation};
+use crate::block::{Block, Corner, Foot, Foundation};
 use crate::numerics::Real;
 use crate::numerics::roots::Sample;
 use crate::system::dynamics::Instant;
@@ -41,7 +41,7 @@ impl Change<'_> {
             self.counts.impacts += 1;
             self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate);
         }
-        placement.velocities.u_dot = block.h * libm::cos(placement.theta) * placement.velocities.theta_dot;
+        placement.velocities.u_dot = impact::height_over(block, Foot::Middle, placement.theta) * placement.velocities.theta_dot;
         self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
         self.settle(regime, placement);
     }

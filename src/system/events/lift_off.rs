@@ -116,7 +116,7 @@ impl Change<'_> {
 
     /// `corner` has left its support, which creeps back from here on.
     pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement) {
-        self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(placement.corners[corner.index()].0)));
+        self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, placement.corners[corner.index()].0)));
         self.counts.liftoffs += 1;
     }
 

@@ -9,7 +9,7 @@ impl Change<'_> {
     /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
     pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation) {
         let block = &self.system.block;
-        let theta_dot = block.restitution().max(0.0) * now.state[1];
+        let theta_dot = block.restitution_of(corner).max(0.0) * now.state[1];
         self.counts.impacts += 1;
         self.pose.contacts = Contacts::FULL;
         if theta_dot.abs() < self.system.slowest * block.p {

@@ -1,7 +1,6 @@
 //! An instant → the block's place and velocities, in numbers that a change of regime leaves as they are.
 
-use crate::block::Block;
-use crate::block::{Corner, Regime};
+use crate::block::{Block, Corner, Foot, Regime};
 use crate::numerics::scalar::Elementary;
 use crate::system::dynamics::Instant;
 use crate::system::impact::{self, Velocities};
@@ -56,6 +55,6 @@ impl<T: Elementary> Placement<T> {
 
     /// The other corner has left full contact: from here on the `pivot` is held, and the middle of the base is free.
     pub fn hold_pivot(&mut self, block: &Block<T>, pivot: Corner) {
-        self.velocities.u_dot = impact::height_over(block, pivot, self.theta) * self.velocities.theta_dot;
+        self.velocities.u_dot = impact::height_over(block, Foot::Corner(pivot), self.theta) * self.velocities.theta_dot;
     }
 }

@@ -40,7 +40,7 @@ impl Change<'_> {
             let mut leaving: Option<(Corner, f64)> = None;
             for corner in Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner)) {
                 let (height, rate) = placement.corners[corner.index()];
-                let n = reaction(block, height, rate);
+                let n = reaction(block, corner, height, rate);
                 // The round-off of a zero: the rate decides.
                 let n = if n.abs() <= Surface::Reaction(corner).rounding(block) { 0.0 } else { n };
                 match self.leaves(corner, n, rate, resolution, &now) {

@@ -1,6 +1,6 @@
 //! The vertical Kelvin–Voigt support under each corner: it pushes but never pulls.
 //!
-//! With `δ_s = g/ω_v²` one support gives `N/M = g/2 − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
+//! A support with the share `n` of the weight at rest, ½ without eccentricity, gives `N/M = n g − ω_v² v_I/2 − ξ_v ω_v v̇_I`, eq. (8).
 
 use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
@@ -8,9 +8,9 @@ use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
 
 /// Reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
 #[inline(always)]
-pub fn reaction<P: Scalar, T: Beside<P>>(block: &Block<P>, height: T, rate: T) -> T {
+pub fn reaction<P: Scalar, T: Beside<P>>(block: &Block<P>, corner: Corner, height: T, rate: T) -> T {
     let Block { gravity, omega_v, xi_v, .. } = *block;
-    -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * 0.5
+    -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * block.share[corner.index()]
 }
 
 /// Rate of change of the reaction (m/s³), from the corner's rate (m/s) and acceleration (m/s²).
@@ -19,7 +19,8 @@ pub fn reaction_rate<R: Real>(block: &Block<R>, rate: R, acceleration: R) -> R
 where
     Dual<R>: Beside<R>,
 {
-    reaction(block, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
+    // The static share does not change.
+    reaction(block, Corner::Left, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
 }
 
 /// Power per mass (m²/s³) that the dashpots under the touching corners take: `ξ_v ω_v Σ v̇_I²`.
@@ -34,16 +35,16 @@ pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, regime: Regime, [left, r
     squares * (block.xi_v * block.omega_v)
 }
 
-/// Energy of the springs per mass (m²/s²), less that at rest: `½ K/M (δ_s − v_I)² − ½ K/M δ_s²` of a touching corner, with the
+/// Energy of the springs per mass (m²/s²), less that at rest: `½ K/M (δ_I − v_I)² − ½ K/M δ_I²` of a touching corner, with the
 /// second term alone where the support bears nothing. A rigid base stores none.
 pub fn energy<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, height: [T; 2]) -> T {
     let Block { gravity, omega_v, .. } = *block;
     let of = |corner: Corner| match regime.touches(corner) {
         true => {
             let v = height[corner.index()];
-            v * v * (omega_v * omega_v * 0.25) - v * (gravity * 0.5)
+            v * v * (omega_v * omega_v * 0.25) - v * (gravity * block.share[corner.index()])
         }
-        false => T::from(-(gravity * 0.25 * block.static_deflection())),
+        false => T::from(-(gravity * block.share[corner.index()] * 0.5 * block.free_height(corner))),
     };
     match block.foundation {
         Foundation::Rigid => T::from(0.0),
