@@ -140,8 +140,15 @@ impl Block {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let given = Given { alpha, p, eta, xi_v, width, height, stiffness: K, damping: C, restitution_factor };
         let restitution_factor = restitution_factor.unwrap_or(1.0);
-        let common =
-            Common { mass: mass.unwrap_or(1000.0), gamma, epsilon, gravity: g, foundation, restitution_factor, ..Common::default() };
+        let common = Common {
+            mass: mass.unwrap_or(1000.0),
+            gamma,
+            epsilon,
+            gravity: g,
+            foundation,
+            restitution_factor,
+            ..Common::default()
+        };
         let block = given.block(&common)?;
         if K.is_some() && mass.is_none() {
             return Err(PyValueError::new_err("K without mass; expected both, since eta and xi_v depend on the mass"));
@@ -340,8 +347,15 @@ impl Blocks {
         let (xi_v, epsilon, factor) = (xi_v.as_slice()?, epsilon.as_slice()?, restitution_factor.as_slice()?);
         let block = |i: usize| {
             let dimensionless = Dimensionless { alpha: alpha[i], p: p[i], eta: eta[i], xi_v: xi_v[i] };
-            let common =
-                Common { mass, gamma, epsilon: epsilon[i], gravity: g, foundation, restitution_factor: factor[i], ..Common::default() };
+            let common = Common {
+                mass,
+                gamma,
+                epsilon: epsilon[i],
+                gravity: g,
+                foundation,
+                restitution_factor: factor[i],
+                ..Common::default()
+            };
             engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
         };
         let blocks = (0..alpha.len()).map(block).collect::<PyResult<Vec<_>>>()?;

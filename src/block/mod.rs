@@ -6,11 +6,13 @@
 //! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
 //! | [`foundation`] | time since lift-off → the height of a support |
 //! | [`contact`] | the contact of each corner → the regime |
+//! | [`ties`] | the ties to the ground, and which of them pull |
 
 pub mod contact;
 pub mod foundation;
 pub mod geometry;
 pub mod parameters;
+pub mod ties;
 
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +23,7 @@ pub use contact::{Contact, Contacts, Regime};
 pub use foundation::{Creep, Foundation};
 pub use geometry::{Corner, Foot, Lever};
 pub use parameters::{BlockError, Common, Dimensionless, Physical};
+pub use ties::{Tie, TieState, TieStates, Ties};
 
 /// A block on its foundation, in both parameterizations; one of `f64` is valid by construction. Lanes hold several blocks on
 /// foundations of the same kind.
@@ -64,6 +67,8 @@ pub struct Block<T = f64> {
     pub share: [T; 2],
     /// Coulomb's μ (1); 0 means no limit.
     pub friction: T,
+    /// Its ties to the ground.
+    pub ties: Ties<T>,
 }
 
 impl Block {
@@ -88,6 +93,15 @@ impl Block {
             positive("inertia", inertia)?;
         }
         Block::of_physical(physical, common).checked()
+    }
+
+    /// The same block with these ties, of which there are at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
+    pub fn with_ties(self, ties: &[Tie]) -> Result<Block, BlockError> {
+        if ties.len() > ties::MOST_TIES {
+            return Err(BlockError::Ties { count: ties.len() });
+        }
+        ties.iter().try_for_each(Tie::check)?;
+        Ok(Block { ties: Ties::of(ties), ..self })
     }
 
     /// Each parameter may be fine and their product still overflow or vanish.
@@ -196,6 +210,7 @@ impl<T: Elementary> Block<T> {
             eccentricity: common.eccentricity,
             share: [half - uneven, half + uneven],
             friction: common.friction,
+            ties: Ties::none(),
             r0,
             alpha: zero,
             b: zero,

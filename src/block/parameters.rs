@@ -93,12 +93,20 @@ pub enum BlockError {
         housner: f64,
     },
     /// A centre of mass that is not over the base.
-    #[error("eccentricity = {eccentricity} m is not valid; expected less than half the width, {half_width} m, to either side")]
+    #[error(
+        "eccentricity = {eccentricity} m is not valid; expected less than half the width, {half_width} m, to either side"
+    )]
     Eccentricity {
         /// The eccentricity (m).
         eccentricity: f64,
         /// Half the width of the base (m).
         half_width: f64,
+    },
+    /// More ties than a block may have.
+    #[error("{count} ties; expected at most {}", crate::block::ties::MOST_TIES)]
+    Ties {
+        /// Their number.
+        count: usize,
     },
     /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or two.
     #[error(
@@ -120,6 +128,7 @@ impl BlockError {
             BlockError::OutOfRange { name, .. } => name,
             BlockError::Restitution { .. } => "restitution_factor",
             BlockError::Eccentricity { .. } => "eccentricity",
+            BlockError::Ties { .. } => "ties",
             BlockError::Jams { .. } => "friction",
         }
     }

@@ -15,6 +15,10 @@ pub struct EnergySums {
     pub input: f64,
     /// Energy that the dashpots took.
     pub dashpots: f64,
+    /// Energy that sliding took.
+    pub friction: f64,
+    /// Energy that the dashpots of the ties took, and that was in the springs of those that broke.
+    pub ties: f64,
     /// Energy that went at changes of regime (negative if some came).
     pub impacts: f64,
     /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
@@ -34,11 +38,15 @@ pub struct Energies {
     pub input: f64,
     /// Energy that the dashpots took.
     pub dashpots: f64,
+    /// Energy that sliding took.
+    pub friction: f64,
+    /// Energy that the dashpots of the ties took, and that was in the springs of those that broke.
+    pub ties: f64,
     /// Energy that went at changes of regime (negative if some came).
     pub impacts: f64,
     /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
     pub constraint: f64,
-    /// The balance: `total − initial − input + dashpots + impacts`, round-off and integration error.
+    /// The balance: `total − initial − input + dashpots + friction + ties + impacts`, round-off and integration error.
     pub residual: f64,
 }
 
@@ -48,9 +56,10 @@ impl Simulation {
         let (block, excitation) = (self.block(), Excitation::none());
         let now = self.now(block, &excitation);
         let (kinetic, potential) = energy(block, now.regime, &now.instant);
-        let EnergySums { initial, input, dashpots, impacts, constraint } = self.sums;
-        let [kinetic, potential, initial, input, dashpots, impacts, constraint] =
-            [kinetic, potential, initial, input, dashpots, impacts, constraint].map(|part| part * block.mass);
+        let EnergySums { initial, input, dashpots, friction, ties, impacts, constraint } = self.sums;
+        let [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint] =
+            [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint]
+                .map(|part| part * block.mass);
         let total = kinetic + potential;
         Energies {
             total,
@@ -58,9 +67,11 @@ impl Simulation {
             potential,
             input,
             dashpots,
+            friction,
+            ties,
             impacts,
             constraint,
-            residual: total - initial - input + dashpots + impacts,
+            residual: total - initial - input + dashpots + friction + ties + impacts,
         }
     }
 

@@ -12,7 +12,7 @@ mod stepping;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Block, Corner, Regime, TieStates};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
@@ -196,6 +196,15 @@ pub struct Counts {
     pub evaluations: u64,
 }
 
+/// How far the foot has slid since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Slip {
+    /// Where the foot is now beside its place at the start (m), positive to the right.
+    pub now: f64,
+    /// Its whole way (m).
+    pub total: f64,
+}
+
 /// A block in motion. A plain value: a copy goes on exactly as the original does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
@@ -209,6 +218,7 @@ pub struct Simulation {
     ending: Option<(Ending, f64)>,
     sums: EnergySums,
     peaks: Peaks,
+    slip: Slip,
     counts: Counts,
     last_event: f64,
     events_in_this_instant: u32,
@@ -259,6 +269,7 @@ impl Simulation {
             ending: None,
             sums: EnergySums::default(),
             peaks: Peaks::default(),
+            slip: Slip::default(),
             counts: Counts::default(),
             last_event: time,
             events_in_this_instant: 0,
@@ -420,6 +431,21 @@ impl Simulation {
     /// Greatest values since the start, as of the present time.
     pub fn peaks(&self) -> Peaks {
         self.peaks
+    }
+
+    /// How far the foot has slid since the start.
+    pub fn slip(&self) -> Slip {
+        self.slip
+    }
+
+    /// Whether the foot slides now.
+    pub fn slides(&self) -> bool {
+        !self.pose.footing.grips() && self.regime() != Regime::Separated
+    }
+
+    /// The states of the ties.
+    pub fn ties(&self) -> TieStates {
+        self.pose.ties
     }
 
     /// Time of the last event (s); the start if there was none.

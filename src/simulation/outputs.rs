@@ -1,7 +1,7 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives where asked for.
 
-use crate::block::Block;
-use crate::block::{Corner, Regime};
+use crate::block::ties::MOST_TIES;
+use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -48,8 +48,16 @@ pub struct Observation<T> {
     pub uplift: [T; 2],
     /// Friction that keeps the block from sliding, `|H|/(N_L + N_R)` (1), at most [`MOST_FRICTION_DEMAND`].
     pub friction_demand: T,
+    /// Rate at which the foot slides (m/s), positive to the right; zero where it grips and in flight.
+    pub slip_rate: T,
+    /// Tensions of the ties (N).
+    pub tension: [T; MOST_TIES],
     /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
     pub power: [T; 2],
+    /// Power that sliding takes (W).
+    pub friction_power: T,
+    /// Power that the dashpots of the ties take (W).
+    pub tie_power: T,
 }
 
 /// The observation that belongs to the equations of motion at an instant; `support_heights` are the heights of the supports.
@@ -81,7 +89,11 @@ pub fn observe<P: Scalar, T: Beside<P>>(
         corner: x.corner,
         uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
         friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
+        slip_rate: T::from(0.0),
+        tension: [T::from(0.0); MOST_TIES],
         power: [power[0] * block.mass, power[1] * block.mass],
+        friction_power: T::from(0.0),
+        tie_power: T::from(0.0),
     }
 }
 
@@ -129,7 +141,11 @@ impl<T: Scalar> Observation<T> {
             corner: self.corner.map(&f),
             uplift: self.uplift.map(&f),
             friction_demand: f(self.friction_demand),
+            slip_rate: f(self.slip_rate),
+            tension: self.tension.map(&f),
             power: self.power.map(&f),
+            friction_power: f(self.friction_power),
+            tie_power: f(self.tie_power),
         }
     }
 
@@ -152,7 +168,11 @@ impl<T: Scalar> Observation<T> {
             horizontal: zero,
             base_moment: zero,
             friction_demand: zero,
+            slip_rate: zero,
+            tension: [zero; MOST_TIES],
             power: [zero; 2],
+            friction_power: zero,
+            tie_power: zero,
             ..*self
         }
     }

@@ -5,6 +5,7 @@ use std::ops::Neg;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Corner;
+use crate::block::ties::MOST_TIES;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{Beside, Real};
@@ -25,6 +26,10 @@ pub struct Peaks {
     pub uplift: f64,
     /// Of the friction demand (1).
     pub friction_demand: f64,
+    /// Of the way from the start by which the foot has slid (m).
+    pub slip: f64,
+    /// Of the tensions of the ties (N).
+    pub tension: [f64; MOST_TIES],
 }
 
 /// A quantity whose greatest absolute value is a peak.
@@ -186,6 +191,7 @@ impl Channels {
             horizontal: along(Channel::Horizontal),
             uplift: along(Channel::Uplift),
             friction_demand: along(Channel::FrictionDemand),
+            ..Peaks::default()
         }
     }
 }

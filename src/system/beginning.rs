@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::block::ties::NO_TIES;
 use crate::block::{Block, Foundation};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
@@ -41,7 +42,7 @@ impl System {
         let placement = Placement::on_supports(&self.block, initial);
         let touching = Corner::each(|corner| placement.corners[corner.index()].0 <= self.block.free_height(corner));
         let contacts = Contacts::touching(touching, time);
-        let pose = Pose { time, state: State::zeros(), contacts, footing: Footing::AT_START };
+        let pose = Pose { time, state: State::zeros(), contacts, footing: Footing::AT_START, ties: NO_TIES };
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = Change::begin(self, &pose, excitation);
         change.settle(contacts.regime(), placement);
@@ -85,5 +86,6 @@ pub(super) fn beginning_on_rigid_base(initial: &Initial, time: f64) -> Pose {
         // A block that leans to the left stands on L alone.
         contacts: Contacts::touching([lean <= 0.0, lean >= 0.0], time),
         footing: Footing::AT_START,
+        ties: NO_TIES,
     }
 }

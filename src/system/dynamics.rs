@@ -476,10 +476,7 @@ pub fn foot_height<T: Elementary>(block: &Block, regime: Regime, [theta, theta_d
     }
     let (sin, cos) = theta.sin_cos();
     let offset = block.offset_from(foot);
-    [
-        v + sin * sin / (cos + 1.0) * block.h + sin * offset,
-        v_dot + sin * theta_dot * block.h + cos * theta_dot * offset,
-    ]
+    [v + sin * sin / (cos + 1.0) * block.h + sin * offset, v_dot + sin * theta_dot * block.h + cos * theta_dot * offset]
 }
 
 /// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Contacts, Corner, Regime};
+use crate::block::{Block, Contacts, Corner, Regime, TieStates};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -25,12 +25,14 @@ pub struct Pose {
     pub contacts: Contacts,
     /// The horizontal hold.
     pub footing: Footing<f64>,
+    /// The states of the ties.
+    pub ties: TieStates,
 }
 
 impl Pose {
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let Pose { time, state, contacts, footing } = self;
+        let Pose { time, state, contacts, footing, ties: _ } = self;
         time.is_finite() && state.0.iter().all(|x| x.is_finite()) && contacts.is_finite() && footing.is_finite()
     }
 }

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use rocking_block::block::{Block, Common, Dimensionless};
-use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use serde::Deserialize;
 
@@ -78,8 +77,10 @@ fn run(case: &Case) -> Result<[f64; 5], String> {
     let records: [Option<Record>; 2] = [record_named(&case.a_gx, case.g)?, None];
     let settings = Settings { tolerance: 1e-10, ..Settings::default() };
     let block = case.block();
-    let (mut simulation, mut events) =
-        (Simulation::new(block, settings, case.a_gx.pulse(), &Initial::default(), 0.0, &inputs_at(&records, 0)), vec![]);
+    let (mut simulation, mut events) = (
+        Simulation::new(block, settings, case.a_gx.pulse(), &Initial::default(), 0.0, &inputs_at(&records, 0)),
+        vec![],
+    );
     let path = folder().join(format!("{}.csv", case.name));
     let rows: Vec<Row> = csv::Reader::from_path(path).unwrap().deserialize().map(|row| row.unwrap()).collect();
     let step = records[0].as_ref().map_or(case.dt, |record| record.dt);

@@ -5,7 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use rocking_block::block::{Foot, Block, Common, Contacts, Corner, Dimensionless, Foundation, Regime};
+use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation, SimulationError};
 use rocking_block::system::System;
@@ -297,7 +298,11 @@ fn a_landing_without_effect_gains_no_energy() {
             // v with L at the base.
             state: State::from([theta, theta_dot, block.h * (cos - 1.0) - block.b * sin, rate - reach * theta_dot]),
             contacts: Contacts::touching([false; 2], 0.0),
-            footing: Footing::Free { u: 0.0, u_dot: height_over(&block, Foot::Corner(Corner::Left), theta) * theta_dot },
+            ties: NO_TIES,
+            footing: Footing::Free {
+                u: 0.0,
+                u_dot: height_over(&block, Foot::Corner(Corner::Left), theta) * theta_dot,
+            },
         };
         let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
         let system = System { block, flies: true, slowest: System::SLOWEST };

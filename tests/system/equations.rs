@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 
+use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Contact, Contacts, Corner, Creep, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::{Equations, State};
@@ -63,7 +64,7 @@ fn situations() -> Vec<(Block, Pose)> {
                     (_, [true, true] | [false, false]) => (0.02, 0.3),
                 };
                 let state = State::from([theta, theta_dot, w, w_dot]);
-                all.push((block, Pose { time: TIME, state, contacts, footing }));
+                all.push((block, Pose { time: TIME, state, contacts, footing, ties: NO_TIES }));
             }
         }
     }
@@ -335,7 +336,7 @@ fn gaps_open_with_the_predicted_acceleration() {
         };
         let state = State::from([theta, theta_dot, w, w_dot]);
         let contacts = Contacts::touching(touching, 0.0);
-        let pose = Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 } };
+        let pose = Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 }, ties: NO_TIES };
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, state);
         assert!(now.instant.reaction[i].abs() < 1e-12 && (now.instant.corner_dot[i] - rate).abs() < 1e-13);
         let said = gap_opening(&now, leaving, now.instant.corner_dot[i]);

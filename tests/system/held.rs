@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector4};
+use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
@@ -163,6 +164,7 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
             state: State::from([libm::asin(free / block.b), -0.4, -free, 0.1]),
             contacts: Contacts::touching([false, true], 0.0),
             footing: Footing::AT_START,
+            ties: NO_TIES,
         };
         for i in -400..400 {
             let inputs = Inputs { a_gx: Ramp::held(0.05 * f64::from(i)), ..Inputs::default() };

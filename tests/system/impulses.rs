@@ -1,6 +1,6 @@
 //! Landings, grips and changes of pivot, against conservation of momentum and prescribed velocities.
 
-use rocking_block::block::{Foot, Block, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Corner, Foot, Foundation, Regime};
 use rocking_block::excitation::Forcing;
 use rocking_block::system::dynamics::{Footing, instant};
 use rocking_block::system::impact::{self, Velocities};

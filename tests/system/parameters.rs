@@ -2,10 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical};
 
 const PAPER: Dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 35.0, xi_v: 0.15 };
-const SIZES: Physical = Physical { width: 1.3, height: 3.1, stiffness: 2.0e4, damping: 150.0 };
+const SIZES: Physical = Physical { width: 1.3, height: 3.1, stiffness: 2.0e4, damping: 150.0, inertia: None };
 
 fn common() -> Common {
     Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, gravity: 9.7, ..Common::default() }

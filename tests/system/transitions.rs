@@ -1,5 +1,6 @@
 //! Transitions from rare poses, each against its definition.
 
+use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::observe;
@@ -36,7 +37,7 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
     let block = block(&Common::default());
     let theta = -0.2;
     let creep = Creep { depth: 0.5 * block.static_deflection(), since: -0.1 };
-    let top = creep.top(&block, 0.0);
+    let top = creep.top(Corner::Left, &block, 0.0);
     assert!(top.rate > 0.1, "{top:?}");
     // Rise of L minus rise of the centre of mass, from rest.
     let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
@@ -52,6 +53,7 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
                 contacts
             },
             footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
+            ties: NO_TIES,
         };
         let Transition { pose: after, happened, counts, .. } =
             transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
@@ -74,7 +76,7 @@ fn a_corner_that_lands_without_rebound_stands_still() {
     let theta = -0.2;
     let slow = 1e-6;
     let creep = Creep { depth: slow / block.creep_rate(), since: 0.0 };
-    let top = creep.top(&block, 0.0);
+    let top = creep.top(Corner::Left, &block, 0.0);
     assert!((top.rate - slow).abs() < 1e-15, "{top:?}");
     let corner = block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta));
     let mut contacts = Contacts::touching([false; 2], 0.0);
@@ -84,6 +86,7 @@ fn a_corner_that_lands_without_rebound_stands_still() {
         state: State::from([theta, 0.0, top.value - corner, -0.5]),
         contacts,
         footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
+        ties: NO_TIES,
     };
     let Transition { pose: after, counts, .. } = transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
     assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 1));
@@ -100,6 +103,7 @@ fn a_corner_that_slid_until_the_other_one_landed_has_lifted() {
             state: State::from([0.0, -0.4, 0.0, 0.0]),
             contacts: Contacts::touching([false, true], 0.0),
             footing: Footing::Free { u: 0.0, u_dot: -0.4 * block.h },
+            ties: NO_TIES,
         };
         let Transition { pose: after, happened, counts, .. } =
             transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
@@ -164,6 +168,7 @@ fn evaluations_in_transitions_are_counted() {
         state: State::from([-0.1, theta_dot, height - block.b * libm::sin(0.1), 0.0]),
         contacts: Contacts::FULL,
         footing: Footing::AT_START,
+        ties: NO_TIES,
     };
     let Transition { pose: after, counts, .. } =
         transition(&system(block), &pose, 0.0, Surface::Reaction(Corner::Right));

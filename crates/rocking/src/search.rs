@@ -251,7 +251,8 @@ impl BlockOptions {
         );
         // Neither alpha nor p depends on the supports.
         let (stiffness, damping) = (common.mass * common.gravity / height, 0.0);
-        let Block { alpha, p, .. } = Block::from_physical(&Physical { width, height, stiffness, damping, inertia: None }, common)?;
+        let Block { alpha, p, .. } =
+            Block::from_physical(&Physical { width, height, stiffness, damping, inertia: None }, common)?;
         Ok(Dimensionless { alpha, p, eta: *eta, xi_v })
     }
 

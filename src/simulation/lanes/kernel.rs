@@ -3,8 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Block, Foundation};
-use crate::block::{Corner, Regime};
+use crate::block::{Block, Corner, Foundation, Regime, Ties};
 use crate::excitation::{Excitation, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::Step;
@@ -327,6 +326,7 @@ impl<L: Law> Together<'_, L> {
             eccentricity: of_block(|block| block.eccentricity),
             share: [of_block(|block| block.share[0]), of_block(|block| block.share[1])],
             friction: unread,
+            ties: Ties::none(),
         };
         let ramp = |i: usize| Ramp {
             value: self.each(|lane| lane.ground().1[i].value),

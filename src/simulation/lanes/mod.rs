@@ -275,6 +275,7 @@ impl Lane {
             horizontal: horizontal[lane],
             uplift: uplift[lane],
             friction_demand: friction_demand[lane],
+            ..simulation.peaks
         };
         self.begins = false;
         self.short_failed = false;

@@ -41,7 +41,8 @@ impl Change<'_> {
             self.counts.impacts += 1;
             self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate);
         }
-        placement.velocities.u_dot = impact::height_over(block, Foot::Middle, placement.theta) * placement.velocities.theta_dot;
+        placement.velocities.u_dot =
+            impact::height_over(block, Foot::Middle, placement.theta) * placement.velocities.theta_dot;
         self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
         self.settle(regime, placement);
     }

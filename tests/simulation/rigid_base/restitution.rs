@@ -1,6 +1,6 @@
 //! The restitution factor: `e = factor (1 − 3/2 sin² α)` for a homogeneous block and ε = 0.
 
-use rocking_block::block::{Corner, Block, BlockError, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::{Initial, OnSeparation};
 
@@ -18,7 +18,10 @@ fn each_impact_leaves_the_factors_part_of_the_energy() {
     for factor in [0.0, 0.6, 1.0, 1.05, 1.0 / housner] {
         let block = made(0.25, 0.0, Foundation::Rigid, factor).unwrap();
         let e = factor * housner;
-        assert!((block.restitution() - e).abs() < 1e-15 && (block.housner_restitution(Corner::Left) - housner).abs() < 1e-15);
+        assert!(
+            (block.restitution() - e).abs() < 1e-15
+                && (block.housner_restitution(Corner::Left) - housner).abs() < 1e-15
+        );
         let initial = Initial { theta: 0.1, ..Initial::default() };
         let mut simulation = start(block, OnSeparation::Terminate, Pulse::NONE, &initial, &Inputs::default());
         let before = simulation.energies().total;

@@ -91,7 +91,7 @@ impl Case {
         let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
         peaks.include(&start);
         peaks.include(&end);
-        let Peaks { theta, reaction, horizontal, uplift, friction_demand } = peaks;
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = peaks;
         Found {
             may_hold_event: may_hold_event(law, &here, &there),
             may_fall: surfaces(law).map(|surface| {
@@ -179,6 +179,7 @@ prop_compose! {
             horizontal: peaks[2] * a.horizontal.max(b.horizontal),
             uplift: peaks[3] * a.uplift.max(b.uplift),
             friction_demand: peaks[4] * a.friction_demand.max(b.friction_demand),
+            ..Peaks::default()
         };
         case
     }

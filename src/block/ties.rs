@@ -1,0 +1,138 @@
+//! Ties between the block and the ground: their places, stiffness and strength, and which of them pull.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::BlockError;
+use crate::block::parameters::not_negative;
+use crate::numerics::scalar::Elementary;
+
+/// The greatest number of ties of a block.
+pub const MOST_TIES: usize = 8;
+
+/// A tendon, guy or restraint, which pulls a point of the block towards a point of the ground along the line between them. It never
+/// pushes.
+///
+/// Places count from the middle of the base of the block at rest without ties (m), x to the right, z up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tie<T = f64> {
+    /// Where it is fixed to the block, `[x, z]` (m).
+    pub block: [T; 2],
+    /// Where it is fixed to the ground, `[x, z]` (m).
+    pub ground: [T; 2],
+    /// Stiffness k (N/m); there is no tie where it is 0.
+    pub stiffness: T,
+    /// Tension T0 (N) over the length at rest.
+    pub pretension: T,
+    /// Stretch (m) from the length at rest at which it begins to pull, without pretension.
+    pub slack: T,
+    /// Damping c (N.s/m).
+    pub damping: T,
+    /// Tension (N) at which it breaks; 0 for one that does not break.
+    pub strength: T,
+}
+
+/// The ties of a block, at most [`MOST_TIES`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ties<T = f64> {
+    ties: [Tie<T>; MOST_TIES],
+    count: usize,
+}
+
+impl<T: From<f64> + Copy> Ties<T> {
+    /// No tie.
+    pub fn none() -> Ties<T> {
+        let zero = T::from(0.0);
+        let none = Tie {
+            block: [zero; 2],
+            ground: [zero; 2],
+            stiffness: zero,
+            pretension: zero,
+            slack: zero,
+            damping: zero,
+            strength: zero,
+        };
+        Ties { ties: [none; MOST_TIES], count: 0 }
+    }
+
+    /// These ties, which are not checked; none beyond [`MOST_TIES`].
+    pub fn of(ties: &[Tie<T>]) -> Ties<T> {
+        let mut of = Ties::none();
+        for (place, tie) in of.ties.iter_mut().zip(ties) {
+            *place = *tie;
+            of.count += 1;
+        }
+        of
+    }
+}
+
+impl<T> Ties<T> {
+    /// The ties.
+    #[inline(always)]
+    pub fn all(&self) -> &[Tie<T>] {
+        &self.ties[..self.count]
+    }
+
+    /// Whether there is none.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+}
+
+impl<T: Elementary> Tie<T> {
+    /// Distance of its ends at rest (m).
+    pub fn length(&self) -> T {
+        (self.block[0] - self.ground[0]).hypot(self.block[1] - self.ground[1])
+    }
+}
+
+impl Tie {
+    /// Refuses a tie that cannot be. Errors name the parameter.
+    pub fn check(&self) -> Result<(), BlockError> {
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *self;
+        for (name, value) in [
+            ("stiffness of a tie", stiffness),
+            ("pretension of a tie", pretension),
+            ("slack of a tie", slack),
+            ("damping of a tie", damping),
+            ("strength of a tie", strength),
+        ] {
+            not_negative(name, value)?;
+        }
+        for (name, value) in
+            [("block_x", block[0]), ("block_z", block[1]), ("ground_x", ground[0]), ("ground_z", ground[1])]
+        {
+            if !value.is_finite() {
+                return Err(BlockError::OutOfRange { name, value, expected: "a finite number" });
+            }
+        }
+        if stiffness > 0.0 && self.length() <= 0.0 {
+            return Err(BlockError::OutOfRange {
+                name: "length of a tie",
+                value: self.length(),
+                expected: "two different places of its ends",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The state of a tie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TieState {
+    /// It is shorter than the length at which it begins to pull, or there is none.
+    #[default]
+    Slack,
+    /// It pulls.
+    Taut,
+    /// It is stretched and shortens faster than its dashpot lets its spring follow.
+    Limp,
+    /// It broke.
+    Broken,
+}
+
+/// The states of all ties of a block.
+pub type TieStates = [TieState; MOST_TIES];
+
+/// No tie pulls.
+pub const NO_TIES: TieStates = [TieState::Slack; MOST_TIES];
