@@ -2,13 +2,16 @@
 
 import math
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rocking_block import _engine
 from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._run import Run
 from rocking_block._words import OnOverturning, OnSeparation, number, run_options, ticking
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class Block(_engine.Block):
@@ -162,6 +165,20 @@ class Block(_engine.Block):
         with ticking(progress) as tick:
             made = _engine.history(self, along, up, number("scale", scale), as_pulse(pulse), beginning, options, tick)
         return Run.of(self, made)
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draws the block with its centre of mass, foundation and dimensions with Matplotlib.
+
+        Lengths are to scale, in metres; supports have a fixed size.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Axes to draw on; by default pyplot's current axes, or a new figure if these show another plot.
+        """
+        from rocking_block import _sketch
+
+        return _sketch.sketch(self, ax)
 
     def __repr__(self) -> str:
         size = f"{self.width:.3g} m × {self.height:.3g} m, {self.mass:g} kg"

@@ -6,6 +6,7 @@ import inspect
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -101,6 +102,47 @@ def test_a_run_is_drawn_where_it_is_told(figure):
     assert len(rb.Block().run(theta=0.1, duration=0.5).plot()) == 2 and len(figure.axes) == 1
     with pytest.raises(TypeError, match="expected one, two or three Axes of Matplotlib"):
         run.plot("axes")
+
+
+def test_a_block_is_drawn_to_scale_with_its_dimensions(figure):
+    block = rb.Block(width=0.8, height=3.2, K=1e7, C=4e4, mass=4000)
+    axes = block.plot()
+    assert axes.figure is figure and axes.get_aspect() == 1.0
+    body = axes.patches[0]
+    assert (body.get_x(), body.get_y(), body.get_width(), body.get_height()) == (-0.4, 0.0, 0.8, 3.2)
+    texts = [text.get_text() for text in axes.texts]
+    assert {"2b = 0.8 m", "2h = 3.2 m", "h = 1.6 m", "$α$ = 14.04°", "K", "C"} <= set(texts)
+    assert "K = 1e+07 N/m" in texts[-1] and f"η = {block.eta:.4g}" in texts[-1]
+    other = rb.Block(foundation="rigid").plot()
+    assert other.figure is not figure and not {"K", "C"} & {text.get_text() for text in other.texts}
+    assert "rigid base, e = 0.9082" in other.texts[-1].get_text()
+    there = plt.figure().add_subplot()
+    assert block.plot(ax=there) is there
+    with pytest.raises(TypeError, match="expected Axes of Matplotlib"):
+        block.plot("axes")
+
+
+def test_a_sketch_shows_eccentricity_friction_and_ties(figure):
+    """The arcs of the angles end on the lines to the centre of mass; a far anchor is broken off on its line."""
+    from rocking_block import _sketch
+
+    block = rb.Block(width=0.8, height=2.0, foundation="rigid")
+    names = ("width", "height", "alpha", "R0", "p", "gamma", "mass", "e", "foundation")
+    of_tie = {"stiffness": 2.5e6, "pretension": 12e3, "slack": 0.0, "damping": 0.0, "strength": 0.0}
+    near = SimpleNamespace(block_x=0.4, block_z=1.8, ground_x=1.0, ground_z=0.0, **of_tie)
+    far = SimpleNamespace(block_x=-0.4, block_z=2.0, ground_x=-9.0, ground_z=0.0, **of_tie)
+    body = SimpleNamespace(eccentricity=-0.1, friction=0.45, ties=[near, far], **{name: getattr(block, name) for name in names})
+    axes = _sketch.sketch(body, None)
+    texts = [text.get_text() for text in axes.texts]
+    assert {"$e_x$ = -0.1 m", "1", "2", r"$\alpha_L$ = 16.7°", r"$\alpha_R$ = 26.57°"} <= set(texts)
+    assert "friction μ = 0.45" in texts[-1] and "tie 2: (-0.4, 2) to (-9, 0) m" in texts[-1]
+    arcs = [patch for patch in axes.patches if type(patch).__name__ == "Arc"]
+    angles = sorted(arc.theta2 - arc.theta1 for arc in arcs)
+    assert np.allclose(angles, np.degrees([np.arctan(0.3), np.arctan(0.5)]))
+    ends = [line.get_xydata()[-1] for line in axes.lines if line.get_color() == "#004488" and len(line.get_xdata()) == 2]
+    assert np.allclose(ends[0], [1.0, 0.0]) and ends[1][0] > -4.0
+    assert np.isclose((2.0 - ends[1][1]) / (-0.4 - ends[1][0]), 2.0 / 8.6)
+    figure.canvas.draw()
 
 
 def test_tables_and_records_are_drawn(record, figure):

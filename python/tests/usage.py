@@ -18,3 +18,4 @@ overturned = (table["outcome"] == "overturned").reshape(table.shape).mean(axis=0
 table = rb.sweep({"study": {"design": "grid"}, "parameters": {"pulse.amplitude": [1.0, 2.0]}})
 table = rb.outcomes([block, rigid], record, scale=np.linspace(1, 2, 5))
 least: float | None = rb.search_overturning(block, pulse=rb.Pulse("one-sine", period=1.0)).least
+axes = block.plot()

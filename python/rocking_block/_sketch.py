@@ -1,0 +1,191 @@
+"""A sketch of a block with its dimensions."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from rocking_block._plot import _INK, _add, _make_room
+from rocking_block._words import optional
+
+with optional("plot", "matplotlib"):
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+    from matplotlib.patches import Arc, Circle, Rectangle, Wedge
+
+if TYPE_CHECKING:
+    from rocking_block._block import Block
+
+_TIE, _FILL, _FAINT = "#004488", "0.93", "0.5"
+# Lengths relative to the larger side of the block: supports, their distance, room for labels, distance of dimensions.
+_SUPPORT, _APART, _LABELS, _ROW = 0.14, 0.22, 0.38, 0.1
+# How far from the block an anchor is drawn, likewise; longer ties are broken off.
+_REACH, _DEPTH = 0.9, 0.4
+
+
+def sketch(block: "Block", ax: Axes | None) -> Axes:
+    """Draws a block with its centre of mass, foundation, ties and dimensions, in metres."""
+    axes = _free_axes(ax)
+    _add(axes, "block")
+    b, body = block.width / 2, block.height
+    h, offset = body / 2, float(getattr(block, "eccentricity", 0.0))
+    size = max(2 * b, body)
+    ties = [(number, tie, *_end(tie, b, body, size)) for number, tie in enumerate(getattr(block, "ties", ()), 1)]
+    left = min([-b - _LABELS * size, *(end[0] - 0.05 * size for _, _, end, _ in ties)])
+    right = max([b + _LABELS * size, *(end[0] + 0.05 * size for _, _, end, _ in ties)])
+    axes.add_patch(Rectangle((-b, 0), 2 * b, body, fc=_FILL, ec=_INK, lw=1.8))
+    below = _foundation(axes, block, b, size, (left, right) if ties else None)
+    below = min([below, *(end[1] for _, _, end, _ in ties)])
+    _angles(axes, b, h, offset, size)
+    for number, tie, end, is_anchor in ties:
+        axes.plot([tie.block_x, end[0]], [tie.block_z, end[1]], color=_TIE, lw=1.8, marker="o", ms=5, markevery=[0])
+        axes.plot(*end, color=_TIE, marker="s" if is_anchor else (2, 0, 45), ms=7)
+        at = (tie.block_x + 0.3 * (end[0] - tie.block_x), tie.block_z + 0.3 * (end[1] - tie.block_z))
+        axes.text(*at, str(number), ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "ec": _TIE})
+    for start in (0, 180):
+        axes.add_patch(Wedge((offset, h), 0.022 * size, start, start + 90, fc=_INK, zorder=4))
+    axes.add_patch(Circle((offset, h), 0.022 * size, fc="white", ec=_INK, lw=1.2, zorder=3))
+    _vertical(axes, left - 0.3 * _ROW * size, -b, 0.0, body, f"2h = {body:.4g} m")
+    _vertical(axes, right + 0.3 * _ROW * size, b, 0.0, h, f"h = {h:.4g} m")
+    _horizontal(axes, below - _ROW * size, -b, b, below - 0.02 * size, f"2b = {2 * b:.4g} m")
+    if offset:
+        for x in (0.0, offset):
+            axes.plot([x, x], [0.0, body + 0.08 * size], color=_FAINT, lw=0.8, ls="-.")
+        _horizontal(axes, body + 0.06 * size, min(0.0, offset), max(0.0, offset), body, f"$e_x$ = {offset:.4g} m")
+    # Lines alone do not widen the view around the patches.
+    axes.set(xlim=(left - 1.2 * _ROW * size, right + 1.2 * _ROW * size), aspect="equal")
+    axes.set_ylim(below - 1.9 * _ROW * size, body + (0.17 if offset else 0.05) * size)
+    axes.set_axis_off()
+    axes.text(1.04, 1.0, "\n".join(_values(block, offset)), transform=axes.transAxes, va="top", linespacing=1.5)
+    return axes
+
+
+def _free_axes(ax: Any) -> Axes:
+    """Returns the axes to draw on; axes with any plot of the package are left alone."""
+    if ax is not None:
+        if not isinstance(ax, Axes):
+            raise TypeError(f"ax = {ax!r}; expected Axes of Matplotlib")
+        return ax
+    figure = pyplot.gcf()
+    if figure.axes:
+        if not hasattr(pyplot.gca(), "_rocking_block"):
+            return pyplot.gca()
+        figure = pyplot.figure()
+    _make_room(figure, (7.0, 5.0))
+    return figure.add_subplot()
+
+
+def _end(tie: Any, b: float, body: float, size: float) -> tuple[tuple[float, float], bool]:
+    """Returns the anchor of a tie, or the point where its line leaves the surroundings, and whether it is the anchor."""
+    part = 1.0
+    for start, end, low, high in (
+        (tie.block_x, tie.ground_x, -b - _REACH * size, b + _REACH * size),
+        (tie.block_z, tie.ground_z, -_DEPTH * size, body + _DEPTH * size),
+    ):
+        if end != start:
+            part = min(part, max(((high if end > start else low) - start) / (end - start), 0.0))
+    at = (tie.block_x + part * (tie.ground_x - tie.block_x), tie.block_z + part * (tie.ground_z - tie.block_z))
+    return at, part == 1.0
+
+
+def _foundation(axes: Axes, block: "Block", b: float, size: float, surface: tuple[float, float] | None) -> float:
+    """Draws supports and ground; returns the height of its lower end. `surface` is the ground beside the block."""
+    if block.foundation == "rigid":
+        low, high = surface or (-b - 0.1 * size, b + 0.1 * size)
+        _ground(axes, low, high, 0.0, size)
+        return -0.04 * size
+    bottom = -_SUPPORT * size
+    outward = max(0.0, _APART * size / 2 - b)
+    middles = (-b - outward, b + outward)
+    wall = 0.1 * size
+    if surface:
+        for low, high in ((surface[0], middles[0] - wall), (middles[1] + wall, surface[1])):
+            _ground(axes, low, high, 0.0, size)
+        for x in (middles[0] - wall, middles[1] + wall):
+            axes.plot([x, x], [0.0, bottom], color=_INK, lw=1.8)
+    _ground(axes, middles[0] - wall, middles[1] + wall, bottom, size)
+    for corner, middle in zip((-b, b), middles):
+        _support(axes, corner, middle, bottom, size)
+    axes.text(middles[0] - 0.055 * size, 0.5 * bottom, "K", ha="right", va="center")
+    axes.text(middles[1] + 0.055 * size, 0.5 * bottom, "C", ha="left", va="center")
+    return bottom - 0.04 * size
+
+
+def _ground(axes: Axes, left: float, right: float, top: float, size: float) -> None:
+    """Draws a hatched surface."""
+    axes.add_patch(Rectangle((left, top - 0.03 * size), right - left, 0.03 * size, fc="none", ec=_INK, lw=0, hatch="////"))
+    axes.plot([left, right], [top, top], color=_INK, lw=1.8)
+
+
+def _support(axes: Axes, corner: float, middle: float, bottom: float, size: float) -> None:
+    """Draws a spring and a dashpot under a bar that reaches to the corner."""
+    spring, dashpot, bar = middle - 0.03 * size, middle + 0.03 * size, 0.1 * bottom
+    line: dict[str, Any] = {"color": _INK, "lw": 1.1, "solid_joinstyle": "miter"}
+    axes.plot([corner, corner], [0.0, bar], **line)
+    axes.plot([min(spring, corner), max(dashpot, corner)], [bar, bar], **line)
+    turns = [(spring + (-1) ** i * 0.013 * size, bottom * (0.24 + 0.62 * i / 6)) for i in range(7)]
+    points = [(spring, bar), (spring, 0.19 * bottom), *turns, (spring, 0.91 * bottom), (spring, bottom)]
+    axes.plot(*zip(*points), **line)
+    half = 0.016 * size
+    axes.plot([dashpot, dashpot], [bar, 0.5 * bottom], **line)
+    axes.plot([dashpot - 0.7 * half, dashpot + 0.7 * half], [0.5 * bottom] * 2, **line | {"lw": 2.2})
+    pot = [(-half, 0.35), (-half, 0.72), (half, 0.72), (half, 0.35)]
+    axes.plot([dashpot + x for x, _ in pot], [part * bottom for _, part in pot], **line)
+    axes.plot([dashpot, dashpot], [0.72 * bottom, bottom], **line)
+
+
+def _angles(axes: Axes, b: float, h: float, offset: float, size: float) -> None:
+    """Draws the lines from the corners to the centre of mass, with their angles from the vertical."""
+    for sign, name in ((-1, r"\alpha_L"), (1, r"\alpha_R")):
+        corner = sign * b
+        axes.plot([corner, offset], [0.0, h], color=_FAINT, lw=1, ls="--")
+        if sign < 0 and not offset:
+            continue
+        angle = math.atan2(b - sign * offset, h)
+        radius = 0.5 * math.hypot(b - sign * offset, h)
+        start, end = sorted((90.0, 90.0 + sign * math.degrees(angle)))
+        axes.add_patch(Arc((corner, 0.0), 2 * radius, 2 * radius, theta1=start, theta2=end, ec=_INK, lw=0.9))
+        middle = (corner - sign * radius * math.sin(angle / 2), radius * math.cos(angle / 2))
+        label = (corner + sign * 0.035 * size, min(middle[1], h) - 0.05 * size)
+        axes.annotate(
+            f"${name if offset else 'α'}$ = {math.degrees(angle):.4g}°", middle, label, va="center",
+            ha="left" if sign > 0 else "right", arrowprops={"arrowstyle": "-", "color": _FAINT, "lw": 0.8},
+        )
+
+
+def _vertical(axes: Axes, x: float, side: float, low: float, high: float, label: str) -> None:
+    """Draws a vertical dimension, with extension lines from a side of the block."""
+    for y in (low, high):
+        axes.plot([side, x], [y, y], color=_FAINT, lw=0.6, zorder=0.5)
+    axes.annotate("", (x, low), (x, high), arrowprops={"arrowstyle": "<|-|>", "fc": _INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
+    aside = -1 if x < side else 1
+    axes.annotate(label, (x, (low + high) / 2), (4 * aside, 0), textcoords="offset points", rotation=90,
+                  ha="right" if aside < 0 else "left", va="center")
+
+
+def _horizontal(axes: Axes, y: float, left: float, right: float, end: float, label: str) -> None:
+    """Draws a horizontal dimension with its text at the right, and extension lines from a height."""
+    for x in (left, right):
+        axes.plot([x, x], [end, y], color=_FAINT, lw=0.6, zorder=0.5)
+    axes.annotate("", (left, y), (right, y), arrowprops={"arrowstyle": "<|-|>", "fc": _INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
+    axes.annotate(label, (right, y), (6, 0), textcoords="offset points", ha="left", va="center")
+
+
+def _values(block: "Block", offset: float) -> list[str]:
+    """Returns the lines of the column of values."""
+    b, h = block.width / 2, block.height / 2
+    sides = {r"$α_L$": b + offset, r"$α_R$": b - offset} if offset else {"α": b}
+    angles = [(name, math.atan2(side, h)) for name, side in sides.items()]
+    lines = [f"{name} = {angle:.4g} rad = {math.degrees(angle):.4g}°" for name, angle in angles]
+    lines += [f"$R_0$ = {block.R0:.4g} m", f"p = {block.p:.4g} rad/s, γ = {block.gamma:.4g}", f"M = {block.mass:.4g} kg", ""]
+    if block.foundation == "rigid":
+        lines += [f"rigid base, e = {block.e:.4g}"]
+    else:
+        lines += ["each support:", f"K = {block.K:.4g} N/m", f"C = {block.C:.4g} N s/m",
+                  rf"η = {block.eta:.4g}, $ξ_v$ = {block.xi_v:.4g}, ε = {block.epsilon:.4g}"]
+    if friction := getattr(block, "friction", 0.0):
+        lines += [f"friction μ = {friction:.4g}"]
+    for number, tie in enumerate(getattr(block, "ties", ()), 1):
+        ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"
+        lines += ["", f"tie {number}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
+        given = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"))
+        lines += [f"{name} {getattr(tie, name):.4g} {unit}" for name, unit in given if getattr(tie, name)]
+    return lines
