@@ -72,14 +72,15 @@ impl Layout {
     pub fn new(sketch: &Sketch) -> Layout {
         let b = sketch.block.b;
         let body = sketch.height.unwrap_or(2.0 * sketch.block.h);
-        let ends: Vec<([f64; 2], bool)> = sketch.ties.iter().map(|tie| reach(tie.block, tie.ground, b, body)).collect();
+        let ends: Vec<([f64; 2], bool)> =
+            sketch.block.ties.all().iter().map(|tie| reach(tie.block, tie.ground, b, body)).collect();
         let furthest = |of: fn([f64; 2]) -> f64| ends.iter().map(|(end, _)| of(*end)).fold(0.0, f64::max);
         // How far ties reach beyond the body (m), by 0 if they do not.
         let reaches = [furthest(|[x, _]| -x), furthest(|[x, _]| x)].map(|x| (x - b).max(0.0));
         let (up, down) = ((furthest(|[_, z]| z) - body).max(0.0), furthest(|[_, z]| -z));
         let on_supports = sketch.block.foundation == Foundation::Viscoelastic;
         let under = GROUND + if on_supports { SUPPORT } else { 0.0 };
-        let above = HEAD + if sketch.eccentricity == 0.0 { 0.0 } else { ABOVE + 450.0 };
+        let above = HEAD + if sketch.block.eccentricity == 0.0 { 0.0 } else { ABOVE + 450.0 };
 
         let beside = |scale: f64| reaches.map(|x| if x > 0.0 { (scale * x + ANCHOR).max(LABELS) } else { LABELS });
         let deep = |scale: f64| if down > 0.0 { under + scale * down } else { under };
@@ -109,7 +110,7 @@ impl Layout {
         let outward = if on_supports { (0.5 * (APART - (right - left))).max(0.0) } else { 0.0 };
         let supports = [left - outward, right + outward];
         let room = if on_supports { RECESS + 500.0 } else { 900.0 };
-        let edges = match sketch.ties.is_empty() {
+        let edges = match sketch.block.ties.is_empty() {
             true => [supports[0] - room, supports[1] + room],
             false => [left - beside_left, right + beside_right],
         };
@@ -119,7 +120,7 @@ impl Layout {
             right,
             top,
             base,
-            centre: at([sketch.eccentricity, sketch.block.h]),
+            centre: at([sketch.block.eccentricity, sketch.block.h]),
             supports,
             edges,
             label_edges: [left - 420.0, right + 420.0],
@@ -128,7 +129,9 @@ impl Layout {
             row: base + deep(scale) + ROW - 150.0,
             end: base + deep(scale) + ROW + FOOT,
             ties: sketch
+                .block
                 .ties
+                .all()
                 .iter()
                 .zip(&ends)
                 .map(|(tie, &(end, is_anchor))| DrawnTie {

@@ -16,7 +16,7 @@ use crate::numerals::significant;
 use crate::page::{page, wrapped};
 use crate::picture::PictureError;
 use layout::{Layout, RECESS, SUPPORT};
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::{Block, Corner, Foundation, Tie};
 use symbols::{
     OUTLINE, angle, axis, centre_of_mass, extension, fill_polygon, hatched, horizontal_dimension, leader, stroke,
     support, tie, vertical_dimension, write,
@@ -34,37 +34,12 @@ pub struct Sketch {
     pub block: Block,
     /// Height of the body (m), if known; the sides of a body of unknown height fade out above its centre of mass.
     pub height: Option<f64>,
-    /// Distance of the centre of mass from the middle of the base (m), positive to the right.
-    pub eccentricity: f64,
-    /// Coulomb's coefficient of friction (1); 0 if friction has no limit.
-    pub friction: f64,
-    /// Ties between block and ground.
-    pub ties: Vec<Tie>,
-}
-
-/// A tie between a point of the block and one of the ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tie {
-    /// Its end on the block: x to the right, z upwards from the middle of the base at rest (m).
-    pub block: [f64; 2],
-    /// Its end on the ground, likewise (m).
-    pub ground: [f64; 2],
-    /// Stiffness (N/m).
-    pub stiffness: f64,
-    /// Pretension (N).
-    pub pretension: f64,
-    /// Slack (m).
-    pub slack: f64,
-    /// Damping (N.s/m).
-    pub damping: f64,
-    /// Strength (N); 0 if it never breaks.
-    pub strength: f64,
 }
 
 impl Sketch {
-    /// Returns the sketch of a symmetric block twice as high as its centre of mass, without ties.
+    /// Returns the sketch of a block twice as high as its centre of mass.
     pub fn of(block: &Block) -> Sketch {
-        Sketch { block: *block, height: Some(2.0 * block.h), eccentricity: 0.0, friction: 0.0, ties: Vec::new() }
+        Sketch { block: *block, height: Some(2.0 * block.h) }
     }
 
     /// Draws the sketch as SVG.
@@ -91,7 +66,7 @@ impl Sketch {
         self.draw_dimensions(area, layout)?;
         self.draw_foundation(area, layout)?;
         self.draw_angles(area, layout)?;
-        for (number, (_, end)) in (1..).zip(self.ties.iter().zip(&layout.ties)) {
+        for (number, end) in (1..).zip(&layout.ties) {
             tie(area, end.block, end.end, end.kind, number, layout.centre)?;
         }
         centre_of_mass(area, layout.centre)
@@ -119,7 +94,7 @@ impl Sketch {
                 }
                 write(area, "K", (layout.supports[0] - 560.0, base + 0.55 * SUPPORT), HPos::Right, VPos::Center)?;
                 write(area, "C", (layout.supports[1] + 560.0, base + 0.55 * SUPPORT), HPos::Left, VPos::Center)?;
-                if self.ties.is_empty() {
+                if self.block.ties.is_empty() {
                     return hatched(area, (edges[0], ground), (edges[1], ground), OUTLINE);
                 }
                 // The ground around the block is at the height of its base, from which anchors are measured.
@@ -138,8 +113,8 @@ impl Sketch {
         for corner in [left, right] {
             axis(area, &[(corner, base), centre])?;
         }
-        let is_symmetric = self.eccentricity == 0.0;
-        let [alpha_l, alpha_r] = self.angles();
+        let is_symmetric = self.block.eccentricity == 0.0;
+        let [alpha_l, alpha_r] = Corner::each(|corner| self.block.alpha_of(corner));
         let reach = |corner: f64| (centre.0 - corner).hypot(centre.1 - base);
         let at = |corner: f64, part: f64, turned: f64| {
             let (sin, cos) = libm::sincos(UP - turned);
@@ -189,7 +164,7 @@ impl Sketch {
             extension(area, (corner, layout.below), (corner, row + PAST))?;
         }
         horizontal_dimension(area, [left, right], row, &metres("2b", 2.0 * b))?;
-        if self.eccentricity == 0.0 {
+        if self.block.eccentricity == 0.0 {
             return Ok(());
         }
         let middle = 0.5 * (left + right);
@@ -197,13 +172,7 @@ impl Sketch {
         axis(area, &[(middle, base), (middle, above - PAST)])?;
         axis(area, &[(centre.0, base), (centre.0, above - PAST)])?;
         let ends = [middle.min(centre.0), middle.max(centre.0)];
-        horizontal_dimension(area, ends, above, &metres("e_x", self.eccentricity))
-    }
-
-    /// Returns the angles of the lines from the corners to the centre of mass from the vertical (rad), left first.
-    fn angles(&self) -> [f64; 2] {
-        let Block { b, h, .. } = self.block;
-        [b + self.eccentricity, b - self.eccentricity].map(|side| libm::atan2(side, h))
+        horizontal_dimension(area, ends, above, &metres("e_x", self.block.eccentricity))
     }
 
     /// Returns the lines of the column of values, with their ordinates.
@@ -225,8 +194,9 @@ impl Sketch {
         let Block { p, r0, mass, gamma, xi_v, epsilon, stiffness, damping, .. } = self.block;
         let short = |value: f64| significant(value, 4);
         let angle = |name: &str, value: f64| format!("{name} = {} rad = {}°", short(value), short(value.to_degrees()));
-        let [alpha_l, alpha_r] = self.angles();
-        let mut body = match self.eccentricity == 0.0 {
+        let [alpha_l, alpha_r] = Corner::each(|corner| self.block.alpha_of(corner));
+        let is_symmetric = self.block.eccentricity == 0.0;
+        let mut body = match is_symmetric {
             true => vec![angle("α", alpha_r)],
             false => vec![angle("α_L", alpha_l), angle("α_R", alpha_r)],
         };
@@ -239,34 +209,36 @@ impl Sketch {
                 format!("K = {}, C = {}", engineering(stiffness, "N/m"), engineering(damping, "N s/m")),
                 format!("η = {}, ξ_v = {}, ε = {}", short(self.block.eta()), short(xi_v), short(epsilon)),
             ],
-            Foundation::Rigid => vec![format!("rigid base, e = {}", short(self.block.restitution()))],
+            Foundation::Rigid if is_symmetric => vec![format!("rigid base, e = {}", short(self.block.restitution()))],
+            Foundation::Rigid => {
+                let [left, right] = Corner::each(|corner| short(self.block.restitution_of(corner)));
+                vec![format!("rigid base, e_L = {left}, e_R = {right}")]
+            }
         };
-        if self.friction > 0.0 {
-            base.push(format!("friction μ = {}", short(self.friction)));
+        if self.block.friction > 0.0 {
+            base.push(format!("friction μ = {}", short(self.block.friction)));
         }
-        let ties = (1..).zip(&self.ties).map(|(number, tie)| tie.values(number));
+        let ties = (1..).zip(self.block.ties.all()).map(|(number, tie)| tie_values(tie, number));
         [body, base].into_iter().chain(ties).collect()
     }
 }
 
-impl Tie {
-    /// Returns the values of the tie in words.
-    fn values(&self, number: usize) -> Vec<String> {
-        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *self;
-        let point = |[x, z]: [f64; 2]| format!("({},\u{A0}{})", significant(x, 4), significant(z, 4));
-        let mut law = format!("k = {}", engineering(stiffness, "N/m"));
-        for (name, value, unit) in
-            [("pretension", pretension, "N"), ("damping", damping, "N s/m"), ("strength", strength, "N")]
-        {
-            if value != 0.0 {
-                law += &format!(", {name} {}", engineering(value, unit).replace(' ', "\u{A0}"));
-            }
+/// Returns the values of a tie in words.
+fn tie_values(tie: &Tie, number: usize) -> Vec<String> {
+    let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
+    let point = |[x, z]: [f64; 2]| format!("({},\u{A0}{})", significant(x, 4), significant(z, 4));
+    let mut law = format!("k = {}", engineering(stiffness, "N/m"));
+    for (name, value, unit) in
+        [("pretension", pretension, "N"), ("damping", damping, "N s/m"), ("strength", strength, "N")]
+    {
+        if value != 0.0 {
+            law += &format!(", {name} {}", engineering(value, unit).replace(' ', "\u{A0}"));
         }
-        if slack != 0.0 {
-            law += &format!(", slack {}\u{A0}m", significant(slack, 4));
-        }
-        vec![format!("tie {number}: {} to {} m", point(block), point(ground)), law]
     }
+    if slack != 0.0 {
+        law += &format!(", slack {}\u{A0}m", significant(slack, 4));
+    }
+    vec![format!("tie {number}: {} to {} m", point(block), point(ground)), law]
 }
 
 /// Formats a value with four digits and a prefix of its unit.

@@ -5,9 +5,9 @@ use rocking_block::block::{Common, Physical};
 use roxmltree::{Document, Node};
 
 /// Returns a block of this size.
-fn block(width: f64, height: f64, foundation: Foundation) -> Block {
-    let physical = Physical { width, height, stiffness: 1.234e7, damping: 4.321e4 };
-    Block::from_physical(&physical, &Common { foundation, ..Common::default() }).unwrap()
+fn block(width: f64, height: f64, eccentricity: f64, foundation: Foundation) -> Block {
+    let physical = Physical { width, height, stiffness: 1.234e7, damping: 4.321e4, inertia: None };
+    Block::from_physical(&physical, &Common { eccentricity, foundation, friction: 0.45, ..Common::default() }).unwrap()
 }
 
 /// Returns a tie with all of its values.
@@ -20,18 +20,20 @@ fn sketches() -> Vec<Sketch> {
     let mut sketches = Vec::new();
     for (width, height) in [(0.3, 6.0), (0.612_345, 3.212_345), (1.2, 2.0), (2.0, 2.0), (3.0, 1.2), (4.0, 1.0)] {
         for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
-            let plain = Sketch::of(&block(width, height, foundation));
             let [b, h] = [0.5 * width, 0.5 * height];
-            let guys = vec![cable([-b, 0.9 * height], [-b - h, 0.0]), cable([b, 0.9 * height], [b + 1.2 * h, 0.0])];
-            let walls = vec![cable([b, 0.8 * height], [b + 0.3, 0.8 * height]), cable([0.0, height], [0.0, -20.0])];
-            let far = vec![cable([-b, height], [-20.0, 0.0]), cable([0.0, height], [0.0, -0.2 * height])];
+            let guys = [cable([-b, 0.9 * height], [-b - h, 0.0]), cable([b, 0.9 * height], [b + 1.2 * h, 0.0])];
+            let walls = [cable([b, 0.8 * height], [b + 0.3, 0.8 * height]), cable([0.0, height], [0.0, -20.0])];
+            let far = [cable([-b, height], [-20.0, 0.0]), cable([0.0, height], [0.0, -0.2 * height])];
+            let of = |eccentricity: f64, ties: &[Tie]| {
+                Sketch::of(&block(width, height, eccentricity * b, foundation).with_ties(ties).unwrap())
+            };
             sketches.extend([
-                Sketch { ties: guys, friction: 0.45, ..plain.clone() },
-                Sketch { ties: walls, eccentricity: -0.2 * b, ..plain.clone() },
-                Sketch { ties: far, eccentricity: 0.01 * b, ..plain.clone() },
-                Sketch { eccentricity: 0.7 * b, height: None, ..plain.clone() },
-                Sketch { eccentricity: -0.9 * b, height: Some(3.0 * h), ..plain.clone() },
-                plain,
+                of(0.0, &[]),
+                of(0.0, &guys),
+                of(-0.2, &walls),
+                of(0.01, &far),
+                Sketch { height: None, ..of(0.7, &[]) },
+                Sketch { height: Some(3.0 * h), ..of(-0.9, &[]) },
             ]);
         }
     }
@@ -77,11 +79,11 @@ fn sketches_are_to_scale() {
         let scale = (right - left) / (2.0 * b);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b.abs());
         assert!(close(base - centre.1, scale * h) && close(base - top, scale * sketch.height.unwrap_or(2.0 * h)));
-        assert!(close(centre.0 - 0.5 * (left + right), scale * sketch.eccentricity), "{sketch:?}");
-        for (angle, side) in sketch.angles().into_iter().zip([centre.0 - left, right - centre.0]) {
-            assert!(close(angle.tan(), side / (base - centre.1)), "{sketch:?}");
+        assert!(close(centre.0 - 0.5 * (left + right), scale * sketch.block.eccentricity), "{sketch:?}");
+        for (corner, side) in Corner::BOTH.into_iter().zip([centre.0 - left, right - centre.0]) {
+            assert!(close(sketch.block.alpha_of(corner).tan(), side / (base - centre.1)), "{sketch:?}");
         }
-        for (tie, drawn) in sketch.ties.iter().zip(ties) {
+        for (tie, drawn) in sketch.block.ties.all().iter().zip(ties) {
             assert!(close(drawn.block.0 - 0.5 * (left + right), scale * tie.block[0]));
             assert!(close(base - drawn.block.1, scale * tie.block[1]));
             let is_far = tie.ground[0].abs().max(tie.ground[1].abs()) > 10.0;
@@ -96,7 +98,7 @@ fn sketches_are_to_scale() {
 /// Pictures are as large as page or column allow, whatever the unit of length.
 #[test]
 fn the_size_of_the_block_does_not_matter() {
-    let of = |factor: f64| Layout::new(&Sketch::of(&block(0.8 * factor, 3.2 * factor, Foundation::Rigid)));
+    let of = |factor: f64| Layout::new(&Sketch::of(&block(0.8 * factor, 3.2 * factor, 0.0, Foundation::Rigid)));
     let (metres, others) = (of(1.0), of(1e-3));
     for (a, b) in [(metres.left, others.left), (metres.top, others.top), (metres.end, others.end)] {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
