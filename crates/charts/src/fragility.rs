@@ -197,8 +197,8 @@ pub fn surface(
     let legend = [
         (Symbol::Curve(LineStyle::BLACK), "50 %".to_string()),
         (Symbol::Curve(LineStyle::DASHED), "10 % and 90 %".into()),
-        (Symbol::Mark(Mark::Cross), "rows of which half or more exceed the limit".into()),
-        (Symbol::Mark(Mark::Circle), "the others".into()),
+        (Symbol::Mark(Mark::Cross), "rows that exceed the limit with a probability of 50 % or more".into()),
+        (Symbol::Mark(Mark::Circle), "other rows".into()),
     ];
     let title = format!("{}, {} rows", probability_of(limit), observations.len());
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))

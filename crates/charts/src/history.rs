@@ -32,9 +32,9 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     let moves = |of: usize| history.rows.iter().any(|row| row.ground[of] != 0.0);
     let has_ground = moves(0) || moves(1);
 
-    let theta: Series = ("", LineStyle::THIN, &|row| row.seen.theta / alpha);
-    let left: Series = ("left corner N_L", LineStyle::BLUE, &|row| row.seen.reaction[0] / weight);
-    let right: Series = ("right corner N_R", LineStyle::ORANGE, &|row| row.seen.reaction[1] / weight);
+    let theta: Series = ("", LineStyle::THIN, &|row| row.observation.theta / alpha);
+    let left: Series = ("left corner N_L", LineStyle::BLUE, &|row| row.observation.reaction[0] / weight);
+    let right: Series = ("right corner N_R", LineStyle::ORANGE, &|row| row.observation.reaction[1] / weight);
     let horizontal: Series = ("horizontal", LineStyle::THIN, &|row| row.ground[0] / g);
     let vertical: Series = ("vertical", LineStyle::ORANGE, &|row| row.ground[1] / g);
     let rotation = Chart {
@@ -73,9 +73,9 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
 
 /// Describes a rotation beyond the ordinate.
 fn beyond(history: &History, alpha: f64) -> Option<String> {
-    let first = history.rows.iter().find(|row| row.seen.theta.abs() > MAX_ROTATION * alpha)?;
+    let first = history.rows.iter().find(|row| row.observation.theta.abs() > MAX_ROTATION * alpha)?;
     let peak = significant(history.peaks.theta / alpha, 4);
-    Some(format!("|θ|/α > {} from t = {} s on; its peak is {peak}", short(MAX_ROTATION), significant(first.time, 4)))
+    Some(format!("|θ|/α > {} after t = {} s; peak {peak}", short(MAX_ROTATION), significant(first.time, 4)))
 }
 
 /// Adds series and their legend to a chart. An empty ordinate takes the range of the series.

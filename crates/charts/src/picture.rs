@@ -13,7 +13,7 @@ use rocking_block::words::Words;
 pub enum PictureError {
     /// The file name ends in neither `.svg` nor `.png`.
     #[error("{path}: found {found}; expected a picture as .svg or .png; {advice}")]
-    Ending {
+    Extension {
         /// The file.
         path: String,
         /// Its extension.
@@ -42,13 +42,13 @@ impl Words for PictureFormat {
 impl PictureFormat {
     /// Returns the format for the extension of a file name.
     pub fn of(path: &Path) -> Result<PictureFormat, PictureError> {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        match ending.as_deref() {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
             Some("svg") => Ok(PictureFormat::Svg),
             Some("png") => Ok(PictureFormat::Png),
-            other => Err(PictureError::Ending {
+            other => Err(PictureError::Extension {
                 path: path.display().to_string(),
-                found: other.map_or("no extension".into(), |ending| format!(".{ending}")),
+                found: other.map_or("no extension".into(), |extension| format!(".{extension}")),
                 advice: match other {
                     Some("pdf" | "eps" | "ps" | "emf") => "write .svg and convert it with rsvg-convert or Inkscape",
                     Some("csv" | "txt" | "tsv" | "dat") => "use --csv for the table",

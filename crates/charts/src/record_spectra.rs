@@ -12,7 +12,7 @@ use crate::page::{Key, Symbol, page};
 use crate::picture::PictureError;
 use crate::spectrum::{self, Abscissa, Curves};
 use rocking_studies::spectrum::Spectrum;
-use rocking_studies::spectrum::statistics::{Cell, Group, Statistics};
+use rocking_studies::spectrum::statistics::{FoundationStatistics, SizeStatistics, Statistics};
 
 /// Heights of the peaks and of the shares of a foundation.
 const HEIGHTS: [u32; 2] = [8000, 3600];
@@ -53,29 +53,30 @@ pub fn spectrum(
     })
 }
 
-fn legend(groups: &[Group]) -> Vec<Key> {
-    let any = |count: fn(&Cell) -> u64| groups.iter().flat_map(|group| &group.cells).any(|cell| count(cell) > 0);
+fn legend(groups: &[FoundationStatistics]) -> Vec<Key> {
+    let any =
+        |count: fn(&SizeStatistics) -> u64| groups.iter().flat_map(|group| &group.cells).any(|cell| count(cell) > 0);
     let [overturned, separated, undecided, failed] = GREYS.map(Symbol::Grey);
     let keys = [
         (true, Symbol::Curve(LineStyle::FAINT), "one record"),
         (true, Symbol::Curve(LineStyle::BLACK), "geometric mean of all records"),
-        (true, Symbol::Curve(LineStyle::DASHED), "of those under which the block rocks and stands, if at least half"),
         (
             true,
-            Symbol::Band,
-            "±1 standard deviation of ln(peak |θ|/α) of the same records, without those that overturn",
+            Symbol::Curve(LineStyle::DASHED),
+            "geometric mean of the records under which the block rocks and stands, if at least half",
         ),
-        (true, overturned, "share of records that overturn the block"),
-        (any(|cell| cell.separated), separated, "that end the run at separation"),
-        (any(|cell| cell.undecided), undecided, "that leave it undecided"),
-        (any(|cell| cell.failed), failed, "whose run fails"),
+        (true, Symbol::Band, "±1 standard deviation of ln(peak |θ|/α) over the same records"),
+        (true, overturned, "share of records: overturned"),
+        (any(|cell| cell.separated), separated, "ended at separation"),
+        (any(|cell| cell.undecided), undecided, "undecided"),
+        (any(|cell| cell.failed), failed, "failed"),
     ];
     keys.into_iter().filter(|(is_shown, ..)| *is_shown).map(|(_, symbol, name)| (symbol, name.into())).collect()
 }
 
 /// Returns abscissa and statistics of the sizes to draw.
-fn sizes<'a>(spectrum: &Spectrum, group: &'a Group, over: Abscissa) -> Vec<(f64, &'a Cell)> {
-    let cells: Vec<(u64, &Cell)> = (0..).zip(&group.cells).collect();
+fn sizes<'a>(spectrum: &Spectrum, group: &'a FoundationStatistics, over: Abscissa) -> Vec<(f64, &'a SizeStatistics)> {
+    let cells: Vec<(u64, &SizeStatistics)> = (0..).zip(&group.cells).collect();
     let step = cells.len().div_ceil(MAX_SIZES).max(1);
     let shown = cells.iter().step_by(step);
     shown.map(|&(number, cell)| (over.of(spectrum.sizes.p(number), &spectrum.pulse), cell)).collect()
@@ -84,15 +85,15 @@ fn sizes<'a>(spectrum: &Spectrum, group: &'a Group, over: Abscissa) -> Vec<(f64,
 /// Draws the peaks under single records, their mean and their band.
 fn peaks(
     spectrum: &Spectrum,
-    group: &Group,
+    group: &FoundationStatistics,
     curves: &Curves,
-    sizes: &[(f64, &Cell)],
+    sizes: &[(f64, &SizeStatistics)],
     range: Range<f64>,
 ) -> Chart<'static> {
     let bases = spectrum.bases.len();
     let segments: Vec<_> =
         group.motions.iter().flat_map(|motion| curves.segments(motion * bases + group.base)).collect();
-    let around = |cell: &Cell| {
+    let around = |cell: &SizeStatistics| {
         let cell = Some(cell).filter(|cell| counts(cell))?;
         let (mean, deviation) = (cell.geometric_mean()?, cell.deviation()?);
         let factor = libm::exp(deviation);
@@ -106,7 +107,7 @@ fn peaks(
         bounds.map(|(x, (lower, upper))| (x, lower.min(y.end), upper.min(y.end))).collect()
     };
     let areas = runs(sizes, |cell| around(cell).is_some()).into_iter().map(area).collect();
-    let mean = |style: LineStyle, run: &[(f64, &Cell)]| {
+    let mean = |style: LineStyle, run: &[(f64, &SizeStatistics)]| {
         let line = run.iter().filter_map(|(x, cell)| Some((*x, cell.geometric_mean()?))).collect();
         Curve::new(style, vec![line])
     };
@@ -123,26 +124,26 @@ fn peaks(
     let base = spectrum::base_name(spectrum.bases[group.base]);
     let mut title = format!("{base}{direction}; {} records", group.motions.len());
     if highest > MAX_ROTATION {
-        title += &format!("; peaks above {} not shown, to {}", short(MAX_ROTATION), significant(highest, 4));
+        title += &format!("; peaks above {} not shown; maximum {}", short(MAX_ROTATION), significant(highest, 4));
     }
     Chart { title, x: ("", range), y: ("peak |θ|/α", y), areas, curves: drawn, marks_alpha: true, ..Chart::default() }
 }
 
 /// Tells whether a size has a mean and a band: those of a minority of the records would mislead.
-fn counts(cell: &Cell) -> bool {
+fn counts(cell: &SizeStatistics) -> bool {
     cell.rocked > 0 && 2 * cell.rocked >= cell.motions()
 }
 
-fn all_count(cell: &Cell) -> bool {
+fn all_count(cell: &SizeStatistics) -> bool {
     cell.rocked == cell.motions()
 }
 
 /// Draws the shares of the records under which a block does not stand.
-fn shares(sizes: &[(f64, &Cell)], range: Range<f64>, over: Abscissa) -> Chart<'static> {
+fn shares(sizes: &[(f64, &SizeStatistics)], range: Range<f64>, over: Abscissa) -> Chart<'static> {
     let mut tiles = Vec::new();
     for (number, (x, cell)) in sizes.iter().enumerate() {
         // A size fills its surroundings, half way to the next one.
-        let half = |other: Option<&(f64, &Cell)>| other.map_or(*x, |(other, _)| 0.5 * (x + other));
+        let half = |other: Option<&(f64, &SizeStatistics)>| other.map_or(*x, |(other, _)| 0.5 * (x + other));
         let before = number.checked_sub(1).and_then(|number| sizes.get(number));
         let ends = [half(before), half(sizes.get(number + 1))];
         let mut bottom = 0.0;
@@ -158,7 +159,7 @@ fn shares(sizes: &[(f64, &Cell)], range: Range<f64>, over: Abscissa) -> Chart<'s
 }
 
 /// Returns the runs of adjacent sizes with a property.
-fn runs(sizes: &[(f64, &Cell)], is: impl Fn(&Cell) -> bool) -> Vec<Range<usize>> {
+fn runs(sizes: &[(f64, &SizeStatistics)], is: impl Fn(&SizeStatistics) -> bool) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
     for number in (0..sizes.len()).filter(|number| is(sizes[*number].1)) {
         match found.last_mut() {

@@ -14,7 +14,7 @@ use rocking_block::excitation::Pulse;
 use rocking_block::words::Words;
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::{Base, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, Spectrum};
 
 /// Maximum number of stretches of a curve.
 const STRETCHES: u64 = 1500;
@@ -216,7 +216,7 @@ impl Curves {
     fn beyond(&self) -> String {
         match self.highest() {
             highest if highest > MAX_ROTATION => {
-                format!("peaks above {} not shown; the greatest is {}", short(MAX_ROTATION), significant(highest, 4))
+                format!("peaks above {} not shown; maximum {}", short(MAX_ROTATION), significant(highest, 4))
             }
             _ => String::new(),
         }
@@ -228,7 +228,7 @@ impl Curves {
         shown.map(|fill| (Symbol::Fill(fill), fill.name().into())).collect()
     }
 
-    /// Returns the abscissa from which on no block of a curve separates, or `None` if none does or the last does.
+    /// Returns the abscissa above which no block of a curve separates, or `None` if none or the last one separates.
     pub(super) fn limit(&self, curve: usize) -> Option<f64> {
         let curve = &self.0[curve];
         let last = curve.iter().rposition(|stretch| stretch.has(Fill::Separated))?;
@@ -276,14 +276,16 @@ fn name(spectrum: &Spectrum, curve: usize) -> String {
 }
 
 /// Names a foundation.
-pub(super) fn base_name(base: Base) -> String {
+pub(super) fn base_name(base: FoundationParameters) -> String {
     match base {
-        Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => "rigid base".into(),
-        Base::Rigid { epsilon, restitution_factor: 1.0 } => format!("rigid base, ε = {}", short(epsilon)),
-        Base::Rigid { epsilon, restitution_factor } => {
+        FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => "rigid base".into(),
+        FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 } => {
+            format!("rigid base, ε = {}", short(epsilon))
+        }
+        FoundationParameters::Rigid { epsilon, restitution_factor } => {
             format!("rigid base, ε = {}, {} × Housner's e", short(epsilon), short(restitution_factor))
         }
-        Base::Viscoelastic { eta, xi_v, epsilon } => {
+        FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
             format!("η = {}, ξ_v = {}, ε = {}", short(eta), short(xi_v), short(epsilon))
         }
     }

@@ -14,7 +14,7 @@ use crate::report::{self, ReportOptions, WrittenFiles};
 use crate::run_options::ThreadOptions;
 use rocking_block::words::Words;
 use rocking_charts::figures::parameters::{Detail, NUMBERS};
-use rocking_charts::figures::{self, FigureError, Workers, sources};
+use rocking_charts::figures::{self, FigureError, Workers, ground_motions};
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::output::output_target::STANDARD;
 
@@ -49,14 +49,14 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     let (out, records) = (&options.out, options.records.as_deref());
     anyhow::ensure!(out != Path::new(STANDARD), "--out -: standard output takes one file; expected a folder");
-    let sources = sources::read(records)?;
+    let sources = ground_motions::read(records)?;
     std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
     let format = options.format;
     let files = |number: u8| ["csv", format.word()].map(|name| out.join(format!("figure_{number:02}.{name}")));
     let written: Vec<PathBuf> = numbers.iter().flat_map(|&number| files(number)).collect();
     let named =
         |option: &str, paths: &[PathBuf]| paths.iter().map(|path| NamedFile::new(option, path)).collect::<Vec<_>>();
-    check_distinct(&named("--records", &sources::files(records)), &named("--out", &written))?;
+    check_distinct(&named("--records", &ground_motions::files(records)), &named("--out", &written))?;
     let of_sources: Vec<String> =
         sources.iter().map(|source| format!("{:<14}{}\n", source.name, source.description())).collect();
     if !options.report.json {

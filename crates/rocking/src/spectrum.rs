@@ -18,7 +18,7 @@ use rocking_block::excitation::PulseShape;
 use rocking_block::ground::Ground;
 use rocking_charts::spectrum::Abscissa;
 use rocking_studies::spectrum::statistics::Statistics;
-use rocking_studies::spectrum::{Base, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
@@ -80,18 +80,18 @@ struct BlockOptions {
 }
 
 /// Parses the foundation of a curve.
-fn base(text: &str) -> anyhow::Result<Base> {
+fn base(text: &str) -> anyhow::Result<FoundationParameters> {
     let lower = text.to_lowercase();
     let (rigid, numbers) = match lower.strip_prefix("rigid") {
-        Some("") => return Ok(Base::HOUSNER),
+        Some("") => return Ok(FoundationParameters::HOUSNER),
         Some(rest) => (true, rest.strip_prefix(',').unwrap_or(rest)),
         None => (false, lower.as_str()),
     };
     let numbers: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse::<f64>()).collect();
     match (rigid, numbers.unwrap_or_default().as_slice()) {
-        (true, &[epsilon]) => Ok(Base::Rigid { epsilon, restitution_factor: 1.0 }),
-        (true, &[epsilon, restitution_factor]) => Ok(Base::Rigid { epsilon, restitution_factor }),
-        (false, &[eta, xi_v, epsilon]) => Ok(Base::Viscoelastic { eta, xi_v, epsilon }),
+        (true, &[epsilon]) => Ok(FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 }),
+        (true, &[epsilon, restitution_factor]) => Ok(FoundationParameters::Rigid { epsilon, restitution_factor }),
+        (false, &[eta, xi_v, epsilon]) => Ok(FoundationParameters::Viscoelastic { eta, xi_v, epsilon }),
         _ => anyhow::bail!(
             "--foundation {text}; expected ETA,XI_V,EPSILON, as in 40,0.1,0, or rigid, rigid,EPSILON or rigid,EPSILON,FACTOR"
         ),

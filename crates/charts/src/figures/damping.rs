@@ -14,7 +14,7 @@ use rocking_studies::run::Run;
 use rocking_studies::run::batch::outcomes;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, Scan};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationParameters;
 
 /// Resolution of ξ_v (1).
 const RESOLUTION: f64 = 1e-4;
@@ -33,7 +33,7 @@ pub struct LeastDamping {
 /// Searches the least damping of a block.
 pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Result<LeastDamping, BlockError> {
     let scan = Scan { from: 0.0, to: GREATEST_XI_V, points: detail.dampings, resolution: RESOLUTION };
-    let block = |xi_v| block(alpha, P, Base::Viscoelastic { eta, xi_v, epsilon });
+    let block = |xi_v| block(alpha, P, FoundationParameters::Viscoelastic { eta, xi_v, epsilon });
     // Parameters that are valid at both ends of the range are valid between.
     block(scan.from).and(block(scan.to))?;
     let run = |&(_, xi_v): &(usize, f64)| Run {

@@ -15,7 +15,7 @@ use rocking_block::block::BlockError;
 use rocking_block::ground::Ground;
 use rocking_block::simulation::Ending;
 use rocking_studies::run::{History, Row, Run};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationParameters;
 
 const COLUMNS: [&str; 15] = [
     "foundation",
@@ -40,7 +40,7 @@ type Value = fn(&Computed, &Row) -> f64;
 
 /// A run with its history.
 struct Computed {
-    base: Base,
+    base: FoundationParameters,
     run: Run,
     history: History,
 }
@@ -51,16 +51,16 @@ pub struct Comparison {
     /// Title.
     pub title: String,
     /// Foundation of the solid curve.
-    pub solid: Base,
+    pub solid: FoundationParameters,
     /// Foundation of the dashed curve.
-    pub dashed: Base,
+    pub dashed: FoundationParameters,
 }
 
 /// Returns the panels of Figure 6, 7 or 8; each is a pair of charts in 6 and 7. Other figures have none.
 pub fn comparisons(number: u8) -> Vec<Comparison> {
-    let rigid = Base::HOUSNER;
-    let support = |eta, xi_v, epsilon| Base::Viscoelastic { eta, xi_v, epsilon };
-    let for_each_eta = |solid: &dyn Fn(f64) -> Base, dashed: &dyn Fn(f64) -> Base| {
+    let rigid = FoundationParameters::HOUSNER;
+    let support = |eta, xi_v, epsilon| FoundationParameters::Viscoelastic { eta, xi_v, epsilon };
+    let for_each_eta = |solid: &dyn Fn(f64) -> FoundationParameters, dashed: &dyn Fn(f64) -> FoundationParameters| {
         let comparison =
             |&eta: &f64| Comparison { title: format!("η = {}", short(eta)), solid: solid(eta), dashed: dashed(eta) };
         ETA.iter().map(comparison).collect()
@@ -82,7 +82,7 @@ pub fn comparisons(number: u8) -> Vec<Comparison> {
 }
 
 /// Returns the foundations of a figure, each once.
-pub fn bases(number: u8) -> Vec<Base> {
+pub fn bases(number: u8) -> Vec<FoundationParameters> {
     let mut bases = Vec::new();
     for comparison in comparisons(number) {
         for base in [comparison.solid, comparison.dashed] {
@@ -95,7 +95,7 @@ pub fn bases(number: u8) -> Vec<Base> {
 }
 
 /// Returns the run on a foundation of Figures 6 to 8.
-pub fn history_run(base: Base, detail: &Detail) -> Result<Run, BlockError> {
+pub fn history_run(base: FoundationParameters, detail: &Detail) -> Result<Run, BlockError> {
     let run = run(block(ALPHA, P, base)?, history_pulse(), Ground::default());
     Ok(Run { duration: Some(HISTORY_DURATION), output_step: detail.step, ..run })
 }
@@ -131,11 +131,11 @@ fn table(number: u8, computed: &[Computed]) -> Result<Table, FigureError> {
         for row in &computed.history.rows {
             let numbers = [
                 row.time,
-                row.seen.theta / block.alpha,
-                row.seen.theta_dot / (block.alpha * block.p),
-                row.seen.v / block.r0,
-                row.seen.reaction[0] / weight,
-                row.seen.reaction[1] / weight,
+                row.observation.theta / block.alpha,
+                row.observation.theta_dot / (block.alpha * block.p),
+                row.observation.v / block.r0,
+                row.observation.reaction[0] / weight,
+                row.observation.reaction[1] / weight,
                 row.regime.number().into(),
                 row.energies.total / scale,
                 row.energies.input / scale,
@@ -199,8 +199,8 @@ fn common_range(pairs: &[Pair], value: Value) -> Range<f64> {
 /// Draws rotation and rate, a row per pair.
 fn rotations(number: u8, pairs: &[Pair]) -> Result<String, FigureError> {
     const HEIGHT: u32 = 5600;
-    let theta: Value = |computed, row| row.seen.theta / computed.run.block.alpha;
-    let rate: Value = |computed, row| row.seen.theta_dot / (computed.run.block.alpha * computed.run.block.p);
+    let theta: Value = |computed, row| row.observation.theta / computed.run.block.alpha;
+    let rate: Value = |computed, row| row.observation.theta_dot / (computed.run.block.alpha * computed.run.block.p);
     let [angles, rates] = [theta, rate].map(|value| common_range(pairs, value));
     let angles = angles.start.max(-MAX_ROTATION)..angles.end.min(MAX_ROTATION);
     let [solid, dashed] = match number {

@@ -3,7 +3,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`parameters`] | the paper's values and those chosen here → blocks, pulses, captions |
-//! | [`sources`] | a folder of records → the ground motions of Table I |
+//! | [`ground_motions`] | a folder of records → the ground motions of Table I |
 //! | `figure` | caption, drawing and rows → a picture and a table |
 //! | `restitution` | Figure 3 |
 //! | `histories` | Figures 6 to 8 |
@@ -12,8 +12,8 @@
 //! | `tower` | Figure 14 |
 //! | [`plane`] | pulses → those under which the paper's findings hold |
 
+pub mod ground_motions;
 pub mod parameters;
-pub mod sources;
 
 mod figure;
 
@@ -35,8 +35,8 @@ pub use histories::{Comparison, comparisons, history_run};
 pub use spectra::{Panel, abscissa, panels};
 pub use tower::{tower_bases, tower_run, tower_sources};
 
+use ground_motions::GroundMotion;
 use parameters::Detail;
-use sources::GroundMotion;
 
 /// Returns the number of tasks of a figure.
 pub fn tasks(number: u8, detail: &Detail, sources: &[GroundMotion]) -> u64 {

@@ -9,7 +9,7 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationParameters;
 
 /// Numbers of the figures in the paper.
 pub const NUMBERS: [u8; 10] = [3, 6, 7, 8, 9, 10, 11, 12, 13, 14];
@@ -53,12 +53,12 @@ pub const SPECTRUM_FREQUENCY: f64 = 5.0;
 /// Slenderness angles of Figures 10 and 11 (rad). Chosen.
 pub const SPECTRUM_ALPHA: [f64; 4] = [0.10, 0.15, 0.20, 0.25];
 /// Foundations of Figures 10 and 11. Chosen.
-pub const PULSE_BASES: [Base; 5] = [
-    Base::HOUSNER,
-    Base::Viscoelastic { eta: 20.0, xi_v: 0.1, epsilon: 0.0 },
-    Base::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.0 },
-    Base::Viscoelastic { eta: 80.0, xi_v: 0.4, epsilon: 0.0 },
-    Base::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.4 },
+pub const PULSE_BASES: [FoundationParameters; 5] = [
+    FoundationParameters::HOUSNER,
+    FoundationParameters::Viscoelastic { eta: 20.0, xi_v: 0.1, epsilon: 0.0 },
+    FoundationParameters::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.0 },
+    FoundationParameters::Viscoelastic { eta: 80.0, xi_v: 0.4, epsilon: 0.0 },
+    FoundationParameters::Viscoelastic { eta: 80.0, xi_v: 0.1, epsilon: 0.4 },
 ];
 /// Least and greatest ω_p/p of Figures 10 and 11 (1). Chosen.
 pub const PULSE_RATIO: [f64; 2] = [1.0, 10.0];
@@ -100,11 +100,15 @@ impl Detail {
 }
 
 /// Returns a block on a foundation, with the mass and the gravity of [`Common::default`].
-pub fn block(alpha: f64, p: f64, base: Base) -> Result<Block, BlockError> {
+pub fn block(alpha: f64, p: f64, base: FoundationParameters) -> Result<Block, BlockError> {
     // The rigid base uses neither η nor ξ_v; any valid values do.
     let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
-        Base::Rigid { epsilon, restitution_factor } => (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor),
-        Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0),
+        FoundationParameters::Rigid { epsilon, restitution_factor } => {
+            (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor)
+        }
+        FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
+            (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0)
+        }
     };
     Block::from_dimensionless(
         &Dimensionless { alpha, p, eta, xi_v },
@@ -152,7 +156,7 @@ fn text(number: u8) -> Option<String> {
     let g_tan = Common::default().gravity * libm::tan(ALPHA);
     let one_sine = format!(
         "α~=~{ALPHA}, p~=~{P}~rad/s. One-sine pulse with a_p~=~{amplitude}~m/s²~=~{:.2}~g~tan~α and T_p~=~{period}~s, \
-         ω_p/p~=~{:.2}: Rinaldi's of Table~I, since the pulse of the paper's figure is not in its text",
+         ω_p/p~=~{:.2}: that of Rinaldi in Table~I, since the paper does not state the pulse of its figure",
         amplitude / g_tan,
         TAU / period / P,
     );
@@ -161,9 +165,9 @@ fn text(number: u8) -> Option<String> {
     let pulses = |shape: &str| {
         format!(
             "Peak rotation under a {shape} pulse with a_p~=~{}~g~tan~α (left) and {}~g~tan~α (right), for α~=~{}~rad \
-             from top to bottom; T_p~=~2π/ω_p. A vertical line in the style of a curve stands at the least ω_p/p from \
-             which on its block does not separate. As in the paper, the analysis ends at complete separation, and where \
-             a block separates there is no peak. Amplitudes, α and foundations are chosen here",
+             from top to bottom; T_p~=~2π/ω_p. A vertical line in the style of a curve marks the ω_p/p above which its \
+             block does not separate. As in the paper, the analysis ends at complete separation; a block that separates \
+             has no peak. Amplitudes, α and foundations are chosen here",
             SPECTRUM_AMPLITUDE[0],
             SPECTRUM_AMPLITUDE[1],
             list(&SPECTRUM_ALPHA)
@@ -173,7 +177,7 @@ fn text(number: u8) -> Option<String> {
         format!(
             "Peak rotation under {stations}, with the horizontal motion a_gx alone (left) and with the vertical motion \
              a_gz as well (right). α~=~{ALPHA}; η~=~{} and p~=~{} to {}~rad/s are chosen here. As in the paper, the \
-             analysis ends at complete separation, and where a block separates there is no peak",
+             analysis ends at complete separation; a block that separates has no peak",
             list(&RECORD_ETA),
             RECORD_P[0],
             RECORD_P[1]
@@ -181,8 +185,7 @@ fn text(number: u8) -> Option<String> {
     };
     Some(match number {
         3 => format!(
-            "Housner's restitution e that a restitution ε of the landing corner amounts to, eq.~(6), for γ~=~3 and \
-             α~=~{}~rad",
+            "Housner's restitution e equivalent to a restitution ε of the landing corner, eq.~(6), for γ~=~3 and α~=~{}~rad",
             list(&RESTITUTION_ALPHA)
         ),
         6 => format!(
@@ -202,9 +205,9 @@ fn text(number: u8) -> Option<String> {
             list(&ENERGY_XI_V)
         ),
         9 => format!(
-            "Least damping ratio ξ_v against complete separation in free vibration from θ(0)~=~0, θ̇(0)~=~{RATE}~α~p, for \
-             η~=~{etas}: from this ξ_v to {GREATEST_XI_V} no block separates. A block that leaves its supports with \
-             |θ|~≥~α on the way over counts as overturned, not as separated"
+            "Least damping ratio ξ_v that prevents complete separation in free vibration from θ(0)~=~0, \
+             θ̇(0)~=~{RATE}~α~p, for η~=~{etas}: no block separates between this ξ_v and {GREATEST_XI_V}. A block that \
+             leaves its supports at |θ|~≥~α counts as overturned, not as separated"
         ),
         10 => pulses("one-sine"),
         11 => pulses("one-cosine"),
@@ -213,7 +216,7 @@ fn text(number: u8) -> Option<String> {
         14 => format!(
             "Peak rotation of the bridge tower, p~=~{TOWER_P}~rad/s, α~=~{TOWER_ALPHA}, on viscoelastic supports (bars) and \
              on the rigid base (dash-dotted lines), under the records of Table~I in order of growing PGA (the paper's \
-             values). Of the supports ξ_v~=~{} and ε~=~{} are chosen here",
+             values). The supports' ξ_v~=~{} and ε~=~{} are chosen here",
             TOWER_SUPPORT[0], TOWER_SUPPORT[1]
         ),
         _ => return None,

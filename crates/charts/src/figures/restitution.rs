@@ -5,7 +5,7 @@ use crate::figures::figure::{Figure, FigureError, Table, page};
 use crate::figures::parameters::{P, RESTITUTION_ALPHA, block};
 use crate::line_style::LineStyle;
 use crate::numerals::short;
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationParameters;
 
 /// Intervals of ε. Between the points e is linear anyway.
 const INTERVALS: u32 = 20;
@@ -18,7 +18,7 @@ pub fn figure() -> Result<Figure, FigureError> {
         let mut points = Vec::new();
         for i in 0..=INTERVALS {
             let epsilon = f64::from(i) / f64::from(INTERVALS);
-            let e = block(alpha, P, Base::Rigid { epsilon, restitution_factor: 1.0 })?.restitution();
+            let e = block(alpha, P, FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 })?.restitution();
             table.push([alpha, epsilon, e].map(|value| value.to_string()))?;
             points.push((epsilon, e));
         }

@@ -3,11 +3,11 @@
 use crate::canvas::{TEXT, text};
 use crate::chart::{bars_height, rotations};
 use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::ground_motions::GroundMotion;
 use crate::figures::parameters::{
     ALPHA, Detail, PULSE_BASES, PULSE_RATIO, RECORD_ETA, RECORD_P, RECORD_SUPPORTS, SPECTRUM_ALPHA, SPECTRUM_AMPLITUDE,
     SPECTRUM_FREQUENCY, spectrum_pulse,
 };
-use crate::figures::sources::GroundMotion;
 use crate::formula::formula;
 use crate::line_style::LineStyle;
 use crate::numerals::short;
@@ -20,7 +20,7 @@ use rocking_block::ground::Ground;
 use rocking_block::simulation::Settings;
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::{Base, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
 
 /// Height of a panel without its outcome bars: under pulses and under records.
 const HEIGHT: [u32; 2] = [6600, 5600];
@@ -74,8 +74,8 @@ fn pulse_panel(number: u8, alpha: f64, amplitude: f64, detail: &Detail) -> Panel
 
 /// Returns the panels of a row: the horizontal motion alone, and both components.
 fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Detail) -> [Panel; 2] {
-    let supports = RECORD_ETA.map(|eta| Base::Viscoelastic { eta, xi_v, epsilon });
-    let bases: Vec<Base> = std::iter::once(Base::HOUSNER).chain(supports).collect();
+    let supports = RECORD_ETA.map(|eta| FoundationParameters::Viscoelastic { eta, xi_v, epsilon });
+    let bases: Vec<FoundationParameters> = std::iter::once(FoundationParameters::HOUSNER).chain(supports).collect();
     let panel = |motion: &str, ground: Option<Ground>| Panel {
         name: format!("{}, {motion}, xi_v = {xi_v}, epsilon = {epsilon}", source.name),
         title: format!("ξ_v = {}, ε = {}, {motion}", short(xi_v), short(epsilon)),
@@ -87,7 +87,7 @@ fn record_panels(source: &GroundMotion, [xi_v, epsilon]: [f64; 2], detail: &Deta
 
 fn spectrum(
     alpha: f64,
-    bases: &[Base],
+    bases: &[FoundationParameters],
     [least, greatest]: [f64; 2],
     detail: &Detail,
     ground: Ground,
@@ -171,7 +171,7 @@ fn draw(
     let bases = panels.iter().find_map(|panel| panel.spectrum.as_ref()).map(|spectrum| spectrum.bases.as_slice());
     let bases = bases.unwrap_or_default();
     let names = bases.iter().map(|&base| match (number, base) {
-        (12 | 13, Base::Viscoelastic { eta, .. }) => format!("η = {}", short(eta)),
+        (12 | 13, FoundationParameters::Viscoelastic { eta, .. }) => format!("η = {}", short(eta)),
         _ => base_name(base),
     });
     let mut legend: Vec<_> = names.enumerate().map(|(i, name)| (Symbol::Curve(LineStyle::of(i)), name)).collect();
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn the_blocks_of_all_panels_are_valid() {
-        let sources = crate::figures::sources::read(None).unwrap();
+        let sources = crate::figures::ground_motions::read(None).unwrap();
         for number in 10..=13 {
             let panels = panels(number, &Detail::FULL, &sources);
             assert_eq!(panels.len(), if number < 12 { 8 } else { 16 });

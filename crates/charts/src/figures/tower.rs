@@ -6,8 +6,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 use crate::canvas::{Area, Drawn, INK, TEXT, anchored, fill, grey, outline, text};
 use crate::chart::set_mesh_style;
 use crate::figures::figure::{Figure, FigureError, Table, Workers, page};
+use crate::figures::ground_motions::GroundMotion;
 use crate::figures::parameters::{PAD_ETA, TOWER_ALPHA, TOWER_ETA, TOWER_P, TOWER_SUPPORT, block, run};
-use crate::figures::sources::GroundMotion;
 use crate::formula::formula;
 use crate::line_style::LineStyle;
 use crate::numerals::{short, tick};
@@ -15,13 +15,13 @@ use crate::page::Symbol;
 use rocking_block::block::BlockError;
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{End, Outcome};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationParameters;
 
 /// Returns the foundations of the tower: supports, rigid base and pads. The pads are in the table only.
-pub fn tower_bases() -> Vec<Base> {
+pub fn tower_bases() -> Vec<FoundationParameters> {
     let [xi_v, epsilon] = TOWER_SUPPORT;
-    let support = |eta: f64| Base::Viscoelastic { eta, xi_v, epsilon };
-    let rigid = Base::Rigid { epsilon, restitution_factor: 1.0 };
+    let support = |eta: f64| FoundationParameters::Viscoelastic { eta, xi_v, epsilon };
+    let rigid = FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 };
     TOWER_ETA.map(support).into_iter().chain([rigid]).chain(PAD_ETA.map(support)).collect()
 }
 
@@ -33,7 +33,7 @@ pub fn tower_sources(sources: &[GroundMotion]) -> Vec<GroundMotion> {
 }
 
 /// Returns the run of the tower on a foundation under a ground motion.
-pub fn tower_run(base: Base, source: &GroundMotion) -> Result<Run, BlockError> {
+pub fn tower_run(base: FoundationParameters, source: &GroundMotion) -> Result<Run, BlockError> {
     Ok(run(block(TOWER_ALPHA, TOWER_P, base)?, source.pulse, source.ground.clone()))
 }
 

@@ -129,8 +129,7 @@ fn a_picture_shows_the_relevant_rotations() {
         std::fs::read_to_string(folder.path().join("run.svg")).unwrap()
     };
     let svg = picture(&["--pulse", "one-sine", "--amplitude", "9", "--period", "1.2566", "--foundation", "rigid"]);
-    for label in
-        ["|θ| = α", "|θ|/α &gt; 1.5 from t = 4.4 s on; its peak is 5.791", "α = 0.25 rad", "rigid base", "ground/g"]
+    for label in ["|θ| = α", "|θ|/α &gt; 1.5 after t = 4.4 s; peak 5.791", "α = 0.25 rad", "rigid base", "ground/g"]
     {
         assert!(svg.contains(label), "{label} is not in the picture");
     }

@@ -55,7 +55,7 @@ pub struct Row {
     /// Time (s).
     pub time: f64,
     /// Motion and reactions.
-    pub seen: Observation<f64>,
+    pub observation: Observation<f64>,
     /// Regime.
     pub regime: Regime,
     /// Energies (J).
@@ -243,11 +243,11 @@ impl Run {
     fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {
         let time = simulation.time();
         let now = inputs.moved_to(time);
-        let seen = simulation.observe(inputs);
+        let observation = simulation.observe(inputs);
         Row {
             time,
-            seen,
-            regime: seen.regime,
+            observation,
+            regime: observation.regime,
             energies: simulation.energies(),
             ground: [now.a_gx.value + self.pulse.acceleration(time), now.a_gz.value],
         }

@@ -23,7 +23,7 @@ use rocking_block::simulation::Settings;
 
 /// The foundation of a block, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Base {
+pub enum FoundationParameters {
     /// A rigid base with the ratio e of angular velocities from ε, eq. (6), times a factor.
     Rigid {
         /// Restitution ε (1).
@@ -42,18 +42,20 @@ pub enum Base {
     },
 }
 
-impl Base {
+impl FoundationParameters {
     /// Housner's rigid base: ε = 0 and his e.
-    pub const HOUSNER: Base = Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 };
+    pub const HOUSNER: FoundationParameters = FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 };
 }
 
-impl std::fmt::Display for Base {
+impl std::fmt::Display for FoundationParameters {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Base::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => write!(f, "rigid"),
-            Base::Rigid { epsilon, restitution_factor: 1.0 } => write!(f, "rigid,{epsilon}"),
-            Base::Rigid { epsilon, restitution_factor } => write!(f, "rigid,{epsilon},{restitution_factor}"),
-            Base::Viscoelastic { eta, xi_v, epsilon } => write!(f, "{eta},{xi_v},{epsilon}"),
+            FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 } => write!(f, "rigid"),
+            FoundationParameters::Rigid { epsilon, restitution_factor: 1.0 } => write!(f, "rigid,{epsilon}"),
+            FoundationParameters::Rigid { epsilon, restitution_factor } => {
+                write!(f, "rigid,{epsilon},{restitution_factor}")
+            }
+            FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => write!(f, "{eta},{xi_v},{epsilon}"),
         }
     }
 }
@@ -92,7 +94,7 @@ pub struct Spectrum {
     /// Mass, shape factor and gravity; `bases` has the rest.
     pub common: Common,
     /// Foundations.
-    pub bases: Vec<Base>,
+    pub bases: Vec<FoundationParameters>,
     /// Sizes.
     pub sizes: Sizes,
     /// Ground motions with their names.
@@ -162,11 +164,15 @@ impl Spectrum {
     }
 
     /// The block of this size on a foundation.
-    pub fn block(&self, base: Base, p: f64) -> Result<Block, BlockError> {
+    pub fn block(&self, base: FoundationParameters, p: f64) -> Result<Block, BlockError> {
         // The rigid base reads neither η nor ξ_v; any valid values will do.
         let (foundation, eta, xi_v, epsilon, restitution_factor) = match base {
-            Base::Rigid { epsilon, restitution_factor } => (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor),
-            Base::Viscoelastic { eta, xi_v, epsilon } => (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0),
+            FoundationParameters::Rigid { epsilon, restitution_factor } => {
+                (Foundation::Rigid, 40.0, 0.1, epsilon, restitution_factor)
+            }
+            FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
+                (Foundation::Viscoelastic, eta, xi_v, epsilon, 1.0)
+            }
         };
         let common = Common { epsilon, foundation, restitution_factor, ..self.common };
         Block::from_dimensionless(&Dimensionless { alpha: self.alpha, p, eta, xi_v }, &common)
@@ -247,10 +253,10 @@ impl Spectrum {
         let base = self.bases[base];
         let none = String::new;
         let (foundation, eta, xi_v, epsilon, factor) = match base {
-            Base::Rigid { epsilon, restitution_factor } => {
+            FoundationParameters::Rigid { epsilon, restitution_factor } => {
                 ("rigid", none(), none(), epsilon, restitution_factor.to_string())
             }
-            Base::Viscoelastic { eta, xi_v, epsilon } => {
+            FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
                 ("viscoelastic", eta.to_string(), xi_v.to_string(), epsilon, none())
             }
         };

@@ -52,7 +52,7 @@ pub struct Greatest {
 
 /// The outcomes of the blocks of one size on one foundation under several ground motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Cell {
+pub struct SizeStatistics {
     /// Blocks that completed and rocked: those with a peak rotation above zero.
     pub rocked: u64,
     /// Blocks that completed and stayed at rest.
@@ -71,7 +71,7 @@ pub struct Cell {
     squares: f64,
 }
 
-impl Cell {
+impl SizeStatistics {
     fn add(&mut self, end: End, peak: f64) {
         match end {
             End::Completed if peak > 0.0 => {
@@ -107,7 +107,7 @@ impl Cell {
 
 /// The blocks of one foundation under all ground motions with, or all without, a vertical component.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct FoundationStatistics {
     /// Number of the foundation.
     pub base: usize,
     /// Whether the ground motions have a vertical component.
@@ -115,10 +115,10 @@ pub struct Group {
     /// Numbers of the ground motions.
     pub motions: Vec<usize>,
     /// Statistics of each size.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<SizeStatistics>,
 }
 
-impl Group {
+impl FoundationStatistics {
     /// The direction of the motions, as in spectra of one record.
     pub fn direction(&self) -> &'static str {
         direction(self.vertical)
@@ -136,7 +136,7 @@ pub struct Statistics {
     /// One per ground motion and foundation, in the order of the rows.
     pub curves: Vec<CurveSummary>,
     /// One per foundation and direction of ground motion, for directions with several motions.
-    pub groups: Vec<Group>,
+    pub groups: Vec<FoundationStatistics>,
 }
 
 impl Statistics {
@@ -214,7 +214,7 @@ impl Statistics {
             for (number, cell) in (0..).zip(&group.cells) {
                 let p = spectrum.sizes.p(number);
                 let ratio = (spectrum.pulse.shape != PulseShape::None).then(|| TAU / spectrum.pulse.period / p);
-                let Cell { rocked, at_rest, overturned, separated, undecided, failed, .. } = *cell;
+                let SizeStatistics { rocked, at_rest, overturned, separated, undecided, failed, .. } = *cell;
                 let counts = [cell.motions(), rocked, at_rest, overturned, separated, undecided, failed];
                 let mut fields = vec![group.direction().to_string(), spectrum.bases[group.base].to_string()];
                 fields.extend([p, TAU / p].map(|value| value.to_string()));
@@ -278,17 +278,17 @@ impl CurveSummary {
 }
 
 /// The groups of a spectrum with two or more motions, still without outcomes.
-fn groups(spectrum: &Spectrum) -> Vec<Group> {
+fn groups(spectrum: &Spectrum) -> Vec<FoundationStatistics> {
     let mut groups = Vec::new();
     for vertical in [false, true] {
         let is = |motion: &usize| spectrum.motions[*motion].1.vertical.is_some() == vertical;
         let motions: Vec<usize> = (0..spectrum.motions.len()).filter(is).collect();
         if motions.len() > 1 {
-            groups.extend((0..spectrum.bases.len()).map(|base| Group {
+            groups.extend((0..spectrum.bases.len()).map(|base| FoundationStatistics {
                 base,
                 vertical,
                 motions: motions.clone(),
-                cells: vec![Cell::default(); spectrum.sizes.count as usize],
+                cells: vec![SizeStatistics::default(); spectrum.sizes.count as usize],
             }));
         }
     }

@@ -70,7 +70,7 @@ fn housner_1963_free_rocking() {
         let between = |row: &&rocking_studies::run::Row| {
             row.time > impacts[n - 1] && impacts.get(n).is_some_and(|&next| row.time < next)
         };
-        let greatest = history.rows.iter().filter(between).map(|row| row.seen.theta.abs()).fold(0.0, f64::max);
+        let greatest = history.rows.iter().filter(between).map(|row| row.observation.theta.abs()).fold(0.0, f64::max);
         close(greatest / SLENDER, after, 1e-4);
         (amplitude, time) = (after, time + quarter(after) * 2.0);
     }
@@ -280,11 +280,11 @@ fn psycharis_jennings_1983_rocking_in_full_contact() {
     let extremes: Vec<(f64, f64)> = history
         .rows
         .windows(2)
-        .filter(|pair| pair[0].time > 0.0 && pair[0].seen.theta_dot * pair[1].seen.theta_dot < 0.0)
+        .filter(|pair| pair[0].time > 0.0 && pair[0].observation.theta_dot * pair[1].observation.theta_dot < 0.0)
         .map(|pair| {
             let [a, b] = [&pair[0], &pair[1]];
-            let part = a.seen.theta_dot / (a.seen.theta_dot - b.seen.theta_dot);
-            (a.time + part * (b.time - a.time), a.seen.theta.abs())
+            let part = a.observation.theta_dot / (a.observation.theta_dot - b.observation.theta_dot);
+            (a.time + part * (b.time - a.time), a.observation.theta.abs())
         })
         .collect();
     let (first, last) = (extremes[0], extremes[6]);

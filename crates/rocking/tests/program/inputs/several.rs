@@ -178,14 +178,14 @@ fn the_picture_shows_records_mean_and_overturned_blocks() {
         "rigid base; 4 records",
         "one record",
         "geometric mean of all records",
-        "of those under which the block rocks and stands, if at least half",
-        "±1 standard deviation of ln(peak |θ|/α) of the same records, without those that overturn",
-        "share of records that overturn the block",
+        "geometric mean of the records under which the block rocks and stands, if at least half",
+        "±1 standard deviation of ln(peak |θ|/α) over the same records",
+        "share of records: overturned",
     ] {
         assert!(labels.contains(label), "{label} is not in the picture");
     }
     // No run ends at separation or fails, so the key has no entry for them.
-    assert!(!svg.contains("end the run at separation") && !svg.contains("whose run fails"));
+    assert!(!svg.contains("ended at separation") && !svg.contains("failed"));
     // One thin line per range of standing blocks, and one in the key.
     let all = Table::read(&path.join("all.csv"));
     let stands = |row: usize| all.get(row, "outcome") == "completed";

@@ -3,32 +3,32 @@
 use std::f64::consts::TAU;
 
 use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_charts::figures::ground_motions;
 use rocking_charts::figures::parameters::{self, Detail, ETA, NUMBERS};
-use rocking_charts::figures::sources;
 use rocking_charts::figures::{
     Comparison, Workers, abscissa, comparisons, history_run, make, panels, tower_bases, tower_run, tower_sources,
 };
 use rocking_charts::spectrum::Abscissa;
 use rocking_studies::output::runner;
-use rocking_studies::spectrum::{Base, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, Spectrum};
 
 use crate::program::{Table, files, refused, stdout};
 use crate::studies::labels;
 
 /// Rigid base.
-pub const RIGID: Base = Base::HOUSNER;
+pub const RIGID: FoundationParameters = FoundationParameters::HOUSNER;
 /// Small grids.
 pub const SMALL: Detail = Detail { step: 0.02, slendernesses: 2, dampings: 11, sizes: 9 };
 
 /// Viscoelastic supports.
-pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> Base {
-    Base::Viscoelastic { eta, xi_v, epsilon }
+pub fn supports(eta: f64, xi_v: f64, epsilon: f64) -> FoundationParameters {
+    FoundationParameters::Viscoelastic { eta, xi_v, epsilon }
 }
 
 /// Figures 6 and 7 compare foundations for each η, Figure 8 for each ε and ξ_v.
 #[test]
 fn histories_compare_the_foundations_of_the_paper() {
-    let pairs = |number| -> Vec<[Base; 2]> {
+    let pairs = |number| -> Vec<[FoundationParameters; 2]> {
         comparisons(number).into_iter().map(|Comparison { solid, dashed, .. }| [solid, dashed]).collect()
     };
     let etas = [20.0, 40.0, 60.0, 80.0];
@@ -38,7 +38,7 @@ fn histories_compare_the_foundations_of_the_paper() {
         .into_iter()
         .map(|[solid, dashed]| {
             assert_eq!(solid, RIGID);
-            let Base::Viscoelastic { xi_v, epsilon, .. } = dashed else { panic!("{dashed:?}") };
+            let FoundationParameters::Viscoelastic { xi_v, epsilon, .. } = dashed else { panic!("{dashed:?}") };
             [epsilon, xi_v]
         })
         .collect();
@@ -46,7 +46,7 @@ fn histories_compare_the_foundations_of_the_paper() {
     let run = history_run(supports(40.0, 0.1, 0.0), &SMALL).unwrap();
     assert_eq!((run.block.alpha, run.block.p), (0.25, 1.0));
     // The pulse of Rinaldi in Table I: one sine, v_p = 1.75 m/s.
-    let row = sources::TABLE.iter().find(|row| row.name == "rinaldi").unwrap();
+    let row = ground_motions::TABLE.iter().find(|row| row.name == "rinaldi").unwrap();
     assert_eq!(run.pulse, Pulse { shape: row.shape, amplitude: row.amplitude, period: row.period, start: 0.0 });
     assert_eq!(row.shape, PulseShape::OneSine);
     assert!((row.amplitude * row.period / TAU * 2.0 - 1.75).abs() < 0.005);
@@ -55,7 +55,7 @@ fn histories_compare_the_foundations_of_the_paper() {
 /// Figure 10 has one-sine pulses, Figure 11 one-cosine pulses; both show two amplitudes side by side over ω_p/p.
 #[test]
 fn spectra_under_pulses_are_those_of_the_paper() {
-    let sources = sources::read(None).unwrap();
+    let sources = ground_motions::read(None).unwrap();
     for (number, shape) in [(10, PulseShape::OneSine), (11, PulseShape::OneCosine)] {
         assert_eq!(abscissa(number), Abscissa::PulseRatio);
         let panels = panels(number, &SMALL, &sources);
@@ -89,7 +89,7 @@ fn spectra_under_records_are_those_of_the_paper() {
         let text = "PEER\nA record\nACCELERATION IN UNITS OF G\nNPTS= 4, DT= .01 SEC\n 0.0 0.1 -0.1 0.0\n";
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let sources = sources::read(Some(folder.path())).unwrap();
+    let sources = ground_motions::read(Some(folder.path())).unwrap();
     for (number, names) in [(12, ["pacoima", "erzincan"]), (13, ["sylmar", "rinaldi"])] {
         assert_eq!(abscissa(number), Abscissa::TwoPiOverP);
         let panels = panels(number, &SMALL, &sources);
@@ -102,7 +102,7 @@ fn spectra_under_records_are_those_of_the_paper() {
             assert_eq!(left.bases[0], RIGID);
             for base in &left.bases[1..] {
                 assert!(
-                    matches!(base, Base::Viscoelastic { xi_v: xi, epsilon: e, .. } if [*xi, *e] == [xi_v, epsilon])
+                    matches!(base, FoundationParameters::Viscoelastic { xi_v: xi, epsilon: e, .. } if [*xi, *e] == [xi_v, epsilon])
                 );
             }
             assert!(pair[1].title.contains("a_gx and a_gz"));
@@ -125,7 +125,7 @@ fn spectra_under_records_are_those_of_the_paper() {
 #[test]
 fn panels_of_a_missing_vertical_record_are_empty() {
     let pool = runner::pool(None).unwrap();
-    let sources = sources::read(None).unwrap();
+    let sources = ground_motions::read(None).unwrap();
     let figure = make(13, &SMALL, &sources, &mut Workers { pool: &pool, after_each: &mut || () }).unwrap();
     // Also above each of the two records.
     assert_eq!(figure.svg.matches("no vertical record at hand").count(), 8 + 2);
@@ -137,7 +137,7 @@ fn panels_of_a_missing_vertical_record_are_empty() {
 /// Figure 14: bars for η = 40, 60, 100, a line for the rigid base, records by growing PGA, no vertical motion.
 #[test]
 fn the_bridge_tower_is_that_of_the_paper() {
-    let sources = tower_sources(&sources::read(None).unwrap());
+    let sources = tower_sources(&ground_motions::read(None).unwrap());
     assert_eq!(
         sources.iter().map(|source| source.name).collect::<Vec<_>>(),
         ["erzincan", "sylmar", "rinaldi", "pacoima"]

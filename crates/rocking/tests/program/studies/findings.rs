@@ -6,25 +6,25 @@ use std::path::Path;
 use rocking_block::excitation::Pulse;
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, Settings};
+use rocking_charts::figures::ground_motions::{self, GroundMotion};
 use rocking_charts::figures::parameters::{self, ETA, block};
 use rocking_charts::figures::plane::{BOUNDS, PulseResponse};
-use rocking_charts::figures::sources::{self, GroundMotion};
 use rocking_charts::figures::{
     Comparison, comparisons, history_run, least_damping, panels, tower_bases, tower_run, tower_sources,
 };
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
-use rocking_studies::spectrum::Base;
+use rocking_studies::spectrum::FoundationParameters;
 
 use crate::studies::figures::{RIGID, SMALL, supports};
 
-fn history(base: Base) -> History {
+fn history(base: FoundationParameters) -> History {
     history_run(base, &SMALL).unwrap().history(|_| ()).unwrap()
 }
 
 /// A block with p = 1 rad/s under a pulse of Figure 10 or 11 with a frequency ω_p/p, for 3/p.
-fn under_pulse(figure: u8, alpha: f64, base: Base, amplitude: f64, ratio: f64) -> History {
+fn under_pulse(figure: u8, alpha: f64, base: FoundationParameters, amplitude: f64, ratio: f64) -> History {
     let pulse = parameters::spectrum_pulse(figure, amplitude, alpha);
     let p = TAU / pulse.period / ratio;
     let run = Run {
@@ -46,7 +46,7 @@ fn records() -> Option<Vec<GroundMotion>> {
         crate::skipped::skip("figures under records: ../shared/records is not here");
         return None;
     }
-    let sources = sources::read(Some(&folder)).unwrap();
+    let sources = ground_motions::read(Some(&folder)).unwrap();
     assert!(sources.iter().skip(1).all(GroundMotion::is_record), "{sources:?}");
     Some(sources)
 }
@@ -208,7 +208,7 @@ fn separation_and_peaks_under_records() {
 /// Stiffnesses 75 times apart (η = 100 and 863) change the peak rotation of the tower by less than 15 %.
 #[test]
 fn the_bridge_tower_hardly_depends_on_its_pads() {
-    let sources = records().unwrap_or(sources::read(None).unwrap());
+    let sources = records().unwrap_or(ground_motions::read(None).unwrap());
     for source in tower_sources(&sources) {
         let stiff = [100.0, 305.0, 863.0].map(|eta| {
             assert!(tower_bases().contains(&supports(eta, 0.1, 0.0)));

@@ -46,7 +46,7 @@ fn the_time_is_that_of_a_fine_history() {
         for friction in [0.2, 0.3, 0.5] {
             let (mut longest, mut piece) = (0, 0);
             for row in &history.rows {
-                piece = if row.seen.friction_demand > friction { piece + 1 } else { 0 };
+                piece = if row.observation.friction_demand > friction { piece + 1 } else { 0 };
                 longest = longest.max(piece);
             }
             let (found, rows) = (run.longest_above(friction), step * f64::from(longest));

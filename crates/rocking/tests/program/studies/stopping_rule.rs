@@ -94,7 +94,7 @@ fn free_motion_is_followed_until_the_block_is_at_rest() {
         assert!(history.end == End::Completed && history.is_at_rest, "{alpha} {eta} {:?}", history.end);
         let last = history.rows.last().unwrap();
         let lifts = if foundation == Foundation::Rigid { 0.0 } else { block.separation_angle() };
-        assert!(last.seen.theta.abs() <= 0.011 * lifts && last.regime == Regime::FullContact, "{last:?}");
+        assert!(last.observation.theta.abs() <= 0.011 * lifts && last.regime == Regime::FullContact, "{last:?}");
         let longer = Run { duration: Some(last.time + 100.0 / block.p), ..run.clone() }.history(|_| ()).unwrap();
         // Other stops change the last digits.
         let kinds = |history: &History| history.events.iter().map(|event| event.kind).collect::<Vec<_>>();
@@ -167,7 +167,7 @@ fn a_block_that_separates_on_its_way_over_has_overturned() {
     let Some((ending, time)) = history.ending else { panic!("{:?}", history.events) };
     assert_eq!(ending, Ending::Toppled);
     assert!(ending.is_separation() && ending.is_overturning());
-    let last = history.rows.last().unwrap().seen;
+    let last = history.rows.last().unwrap().observation;
     assert!(last.theta.abs() >= 0.2 && last.theta.abs() < 1.5 && last.theta * last.theta_dot > 0.0);
     let outcome = paper.outcome();
     assert_eq!((outcome.end, outcome.end_time), (End::Overturned, time));
@@ -206,7 +206,9 @@ fn a_held_block_stays_in_the_history() {
     assert_eq!(seen.rows.len(), 33);
     let held: Vec<_> = seen.rows.iter().filter(|row| row.time > time).collect();
     assert!(held.len() > 10);
-    assert!(held.iter().all(|row| row.seen.theta == held[0].seen.theta && row.seen.theta_dot == 0.0));
+    assert!(
+        held.iter().all(|row| row.observation.theta == held[0].observation.theta && row.observation.theta_dot == 0.0)
+    );
     let outcome = Run { duration: Some(4.0), ..run }.outcome();
     assert_eq!((outcome.end, outcome.end_time), (End::Separated, time));
 }
