@@ -11,6 +11,7 @@ pub type Boolean = bool;
 pub type Status = c_int;
 
 pub const OK: Status = 0;
+pub const DISCARD: Status = 2;
 pub const ERROR: Status = 3;
 
 pub type Logger = unsafe extern "C" fn(Handle, Status, Text, Text);

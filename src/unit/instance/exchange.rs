@@ -39,7 +39,10 @@ impl Unit {
         let time = simulation.time();
         let (sum, end) = with_ground(&self.values.inputs(time, &self.rates), ground, time);
         (self.inputs, self.observed) = (sum, None);
+        let before = simulation.clone();
         simulation.pass_events(&self.inputs, end, observer).map_err(|error| {
+            // Transitions that lead nowhere may leave numbers that are not finite.
+            *simulation = before;
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
