@@ -49,6 +49,27 @@ fn steps_that_cannot_be_are_refused_with_both_times_and_leave_no_trace() {
     instance.refuses(instance.try_step(10.0, 0.5), &["stopTime", "10.5", "10.0"]);
 }
 
+/// Calls `fmi2DoStep` for a block at rest after a pulse, and under a constant push below that of lift-off.
+#[test]
+fn a_block_at_rest_takes_a_step_of_any_length() {
+    for foundation in [1.0, 2.0] {
+        for (pulse, push) in [(6.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            let instance = Instance::new("block");
+            instance.set("foundation", foundation);
+            instance.set("pulse.shape", 2.0);
+            instance.set("pulse.amplitude", pulse);
+            instance.initialize(None);
+            instance.set("a_gx", push);
+            instance.step(0.0, 1e6);
+            assert_eq!([instance.get("overturned"), instance.get("theta_dot")], [0.0, 0.0]);
+            let before = instance.output_bits();
+            instance.step(1e6, 1e300);
+            assert_eq!(instance.real_status(LAST_SUCCESSFUL_TIME), Ok(1e6 + 1e300));
+            assert_eq!(instance.output_bits(), before, "foundation {foundation}, pulse {pulse}, push {push}");
+        }
+    }
+}
+
 /// Masters sum up their steps: 1e-9 of max(h, |t|) is forgiven, and the master's time becomes the instance's.
 #[test]
 fn a_clock_off_by_rounding_is_accepted_and_taken() {

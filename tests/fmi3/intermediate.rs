@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::functions::OK;
-use crate::host::{Instance, OnUpdate, Update, Wanted, call, reference};
+use crate::host::{Instance, OnUpdate, Stepped, Update, Wanted, call, reference};
 
 const BLOCK: [(&str, f64); 2] = [("epsilon", 0.3), ("on_separation", 3.0)];
 
@@ -223,6 +223,28 @@ fn a_block_at_rest_is_looked_at_when_the_step_ends() {
     let (block, looks) = counted(&["a_gx"], &[], 0.0);
     block.step(0.0, 1e4);
     assert!((999_000..=1_000_000).contains(&looks.take().len()));
+}
+
+/// Calls `fmi3DoStep` for a block at rest after a pulse, and under a constant push below that of lift-off.
+#[test]
+fn a_block_at_rest_takes_a_step_of_any_length() {
+    for foundation in [1.0, 2.0] {
+        for (pulse, push) in [(6.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            let block = Instance::new(Wanted::default());
+            block.set_all(&[("foundation", foundation), ("pulse.shape", 2.0), ("pulse.amplitude", pulse)]);
+            block.initialize(false);
+            block.set("a_gx", push);
+            assert_eq!(block.step(0.0, 1e6).reached, 1e6);
+            assert_eq!([block.get("overturned"), block.get("theta_dot")], [0.0, 0.0]);
+            let before = block.output_bits();
+            let stepped = block.step(1e6, 1e300);
+            assert_eq!(stepped, Stepped { event: false, terminates: false, early: false, reached: 1e300 });
+            assert_eq!(block.output_bits(), before, "foundation {foundation}, pulse {pulse}, push {push}");
+        }
+    }
+    let (block, looks) = counted(&["theta"], &[], 0.0);
+    block.step(0.0, 1e300);
+    assert_eq!(looks.take(), [1e300]);
 }
 
 #[test]
