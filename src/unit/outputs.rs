@@ -1,8 +1,9 @@
 //! Outputs of modelDescription.xml → the sources of their values and derivatives.
 
+use crate::block::TieState;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
-use crate::simulation::{AtBeginning, Ending, Energies, Simulation};
+use crate::simulation::{self, AtBeginning, Ending, Energies, Simulation};
 use crate::unit::variables::Output;
 
 /// Returns the index of an output among the continuous states, if it is one.
@@ -28,13 +29,19 @@ pub enum Source {
     Energy(fn(&Energies) -> f64),
     /// The largest value since the start. It grows while the present value equals it and grows.
     Peak(Channel),
+    /// How far the foot has slid, and its rate from that of the foot.
+    Slip(fn(&simulation::Slip) -> f64, fn(f64) -> f64),
+    /// The largest slip since the start.
+    PeakSlip,
+    /// The largest tension of a tie since the start.
+    PeakTension(usize),
     /// A value that changes only at events.
     Discrete(fn(&Observation<f64>, &Simulation) -> f64),
 }
 
 /// Returns the source of an output.
 pub fn source(output: Output) -> Source {
-    use Source::{Discrete, Energy, Observed, Peak};
+    use Source::{Discrete, Energy, Observed, Peak, PeakSlip, PeakTension, Slip};
     match output {
         Output::Theta => Observed(|at| at.theta),
         Output::ThetaDot => Observed(|at| at.theta_dot),
@@ -56,11 +63,18 @@ pub fn source(output: Output) -> Source {
         Output::FrictionDemand => Observed(|at| at.friction_demand),
         Output::PowerInput => Observed(|at| at.power[0]),
         Output::PowerDashpots => Observed(|at| at.power[1]),
+        Output::PowerFriction => Observed(|at| at.friction_power),
+        Output::PowerTies => Observed(|at| at.tie_power),
+        Output::SlipRate => Observed(|at| at.slip_rate),
+        Output::Tie1Tension => Observed(|at| at.tension[0]),
+        Output::Tie2Tension => Observed(|at| at.tension[1]),
         Output::EnergyTotal => Energy(|energies| energies.total),
         Output::EnergyKinetic => Energy(|energies| energies.kinetic),
         Output::EnergyPotential => Energy(|energies| energies.potential),
         Output::EnergyInput => Energy(|energies| energies.input),
         Output::EnergyDashpots => Energy(|energies| energies.dashpots),
+        Output::EnergyFriction => Energy(|energies| energies.friction),
+        Output::EnergyTies => Energy(|energies| energies.ties),
         Output::EnergyImpacts => Energy(|energies| energies.impacts),
         Output::EnergyConstraint => Energy(|energies| energies.constraint),
         Output::EnergyResidual => Energy(|energies| energies.residual),
@@ -69,17 +83,46 @@ pub fn source(output: Output) -> Source {
         Output::PeakH => Peak(Channel::Horizontal),
         Output::PeakUplift => Peak(Channel::Uplift),
         Output::PeakFrictionDemand => Peak(Channel::FrictionDemand),
+        Output::PeakSlip => PeakSlip,
+        Output::PeakTie1Tension => PeakTension(0),
+        Output::PeakTie2Tension => PeakTension(1),
+        Output::Slip => Slip(|slip| slip.now, |rate| rate),
+        Output::SlipTotal => Slip(|slip| slip.total, f64::abs),
         Output::Regime => Discrete(|at, _| f64::from(at.regime.number())),
         Output::EventsLastTime => Discrete(|_, simulation| simulation.last_event()),
         Output::EventsImpacts => Discrete(|_, simulation| f64::from(simulation.counts().impacts)),
         Output::EventsLiftoffs => Discrete(|_, simulation| f64::from(simulation.counts().liftoffs)),
+        Output::Slides => Discrete(|_, simulation| flag(simulation.slides())),
+        Output::Tie1Broken => Discrete(|_, simulation| flag(simulation.ties()[0] == TieState::Broken)),
+        Output::Tie2Broken => Discrete(|_, simulation| flag(simulation.ties()[1] == TieState::Broken)),
         Output::Separated => Discrete(|_, simulation| ended_by(simulation, Ending::is_separation)),
         Output::Overturned => Discrete(|_, simulation| ended_by(simulation, Ending::is_overturning)),
     }
 }
 
 fn ended_by(simulation: &Simulation, is: fn(Ending) -> bool) -> f64 {
-    f64::from(u8::from(simulation.ending().is_some_and(|(ending, _)| is(ending))))
+    flag(simulation.ending().is_some_and(|(ending, _)| is(ending)))
+}
+
+/// Returns 1 for true and 0 for false.
+fn flag(is: bool) -> f64 {
+    f64::from(u8::from(is))
+}
+
+/// Values and rates of change at the present time.
+pub struct Rates {
+    /// The observed quantities.
+    pub observed: Observation<f64>,
+    /// Their rates.
+    pub rates: Observation<f64>,
+    /// Rates of the energies.
+    pub energies: Energies,
+    /// Values and rates of the quantities with peaks.
+    pub channels: Channels,
+    /// How far the foot has slid.
+    pub slip: simulation::Slip,
+    /// The largest values since the start.
+    pub peaks: Peaks,
 }
 
 impl Source {
@@ -89,18 +132,28 @@ impl Source {
             Source::Observed(of) => of(observed),
             Source::Energy(of) => of(energies),
             Source::Peak(channel) => simulation.peaks().of(*channel),
+            Source::Slip(of, _) => of(&simulation.slip()),
+            Source::PeakSlip => simulation.peaks().slip,
+            Source::PeakTension(tie) => simulation.peaks().tension[*tie],
             Source::Discrete(of) => of(observed, simulation),
         }
     }
 
-    /// Returns the rate of change, from rates of the observation and of the energies.
-    ///
-    /// `channels` has the present values and rates of the quantities with peaks.
-    pub fn rate(&self, rates: &Observation<f64>, energy_rates: &Energies, channels: &Channels, peaks: &Peaks) -> f64 {
+    /// Returns the rate of change.
+    pub fn rate(&self, now: &Rates) -> f64 {
+        let Rates { observed, rates, energies, channels, slip, peaks } = now;
         match self {
             Source::Observed(of) => of(rates),
-            Source::Energy(of) => of(energy_rates),
+            Source::Energy(of) => of(energies),
             Source::Peak(channel) => peaks.rate(*channel, channels),
+            Source::Slip(_, of) => of(observed.slip_rate),
+            Source::PeakSlip => {
+                let outward = if slip.now < 0.0 { -observed.slip_rate } else { observed.slip_rate };
+                // At the start the foot leaves to either side.
+                let outward = if slip.now == 0.0 { observed.slip_rate.abs() } else { outward };
+                rate_of_peak(peaks.slip, slip.now.abs(), outward)
+            }
+            Source::PeakTension(tie) => rate_of_peak(peaks.tension[*tie], observed.tension[*tie], rates.tension[*tie]),
             Source::Discrete(_) => 0.0,
         }
     }
@@ -111,7 +164,8 @@ impl Source {
             Source::Observed(of) => of(&along.seen),
             Source::Energy(of) => of(&along.energies),
             Source::Peak(channel) => along.peaks.of(*channel),
-            Source::Discrete(_) => 0.0,
+            Source::PeakTension(tie) => along.peaks.tension[*tie],
+            Source::Slip(..) | Source::PeakSlip | Source::Discrete(_) => 0.0,
         }
     }
 
@@ -122,7 +176,15 @@ impl Source {
         match self {
             Source::Observed(of) => of(sensitivities),
             Source::Energy(of) => of(energies),
-            Source::Peak(_) | Source::Discrete(_) => 0.0,
+            Source::Peak(_) | Source::PeakSlip | Source::PeakTension(_) => 0.0,
+            Source::Slip(..) | Source::Discrete(_) => 0.0,
         }
     }
+}
+
+/// Returns the rate at which a peak rises: with a value that stands at it and grows.
+fn rate_of_peak(peak: f64, value: f64, rate: f64) -> f64 {
+    // The value at the step's last instant and the observed one are the same number up to rounding.
+    const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
+    if value >= AT_PEAK * peak && rate > 0.0 { rate } else { 0.0 }
 }

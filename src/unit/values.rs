@@ -2,7 +2,7 @@
 //!
 //! Names every variable of modelDescription.xml except the outputs, once.
 
-use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
+use crate::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Tie};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
@@ -65,6 +65,44 @@ pub(super) enum GivenBlock<T> {
     Physical(Physical<T>),
 }
 
+/// Number of ties among the variables.
+const TIES: usize = 2;
+
+/// The variables of a tie.
+struct TieVariables {
+    name: &'static str,
+    block: [Variable; 2],
+    ground: [Variable; 2],
+    stiffness: Variable,
+    pretension: Variable,
+    slack: Variable,
+    damping: Variable,
+    strength: Variable,
+}
+
+const TIE_VARIABLES: [TieVariables; TIES] = [
+    TieVariables {
+        name: "tie_1",
+        block: [Variable::Tie1BlockX, Variable::Tie1BlockZ],
+        ground: [Variable::Tie1GroundX, Variable::Tie1GroundZ],
+        stiffness: Variable::Tie1Stiffness,
+        pretension: Variable::Tie1Pretension,
+        slack: Variable::Tie1Slack,
+        damping: Variable::Tie1Damping,
+        strength: Variable::Tie1Strength,
+    },
+    TieVariables {
+        name: "tie_2",
+        block: [Variable::Tie2BlockX, Variable::Tie2BlockZ],
+        ground: [Variable::Tie2GroundX, Variable::Tie2GroundZ],
+        stiffness: Variable::Tie2Stiffness,
+        pretension: Variable::Tie2Pretension,
+        slack: Variable::Tie2Slack,
+        damping: Variable::Tie2Damping,
+        strength: Variable::Tie2Strength,
+    },
+];
+
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 
 impl Values {
@@ -80,14 +118,41 @@ impl Values {
     /// Makes the block from the parameters.
     pub fn block(&self) -> Result<Block, BlockError> {
         let (given, common) = self.given_block(|variable| self[variable]);
-        match given {
+        let block = match given {
             GivenBlock::Dimensionless(dimensionless) => Block::from_dimensionless(&dimensionless, &common),
             GivenBlock::Physical(physical) => Block::from_physical(&physical, &common),
+        }?;
+        let ties = self.ties(|variable| self[variable]);
+        for (tie, TieVariables { name, .. }) in ties.iter().zip(TIE_VARIABLES) {
+            // The limits of the variables leave nothing else to refuse.
+            tie.check().map_err(|_| BlockError::OutOfRange {
+                name,
+                value: tie.length(),
+                expected: "its ends, whose distance (m) this is, at two different places",
+            })?;
         }
+        block.with_ties(&ties)
+    }
+
+    /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.
+    pub(super) fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
+        let count = TIE_VARIABLES.iter().rposition(|tie| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
+        TIE_VARIABLES[..count]
+            .iter()
+            .map(|tie| Tie {
+                block: tie.block.map(&of),
+                ground: tie.ground.map(&of),
+                stiffness: of(tie.stiffness),
+                pretension: of(tie.pretension),
+                slack: of(tie.slack),
+                damping: of(tie.damping),
+                strength: of(tie.strength),
+            })
+            .collect()
     }
 
     /// Returns the parameters of the block, with the numbers of `of`.
-    pub(super) fn given_block<T: From<f64>>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
+    pub(super) fn given_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),
@@ -95,16 +160,21 @@ impl Values {
             gravity: of(Variable::G),
             foundation: self.foundation(),
             restitution_factor: of(Variable::RestitutionFactor),
-            eccentricity: T::from(0.0),
-            friction: T::from(0.0),
+            eccentricity: of(Variable::Eccentricity),
+            friction: of(Variable::Friction),
         };
         let given = if self.is_physical() {
+            let height = if self.has_center_height() {
+                of(Variable::PhysicalCenterHeight) * 2.0
+            } else {
+                of(Variable::PhysicalHeight)
+            };
             GivenBlock::Physical(Physical {
                 width: of(Variable::PhysicalWidth),
-                height: of(Variable::PhysicalHeight),
+                height,
                 stiffness: of(Variable::PhysicalK),
                 damping: of(Variable::PhysicalC),
-                inertia: None,
+                inertia: self.has_inertia().then(|| of(Variable::PhysicalInertia)),
             })
         } else {
             GivenBlock::Dimensionless(Dimensionless {
@@ -130,6 +200,16 @@ impl Values {
         }
     }
 
+    /// Whether the height of the centre of mass is read, if sizes are.
+    fn has_center_height(&self) -> bool {
+        self[Variable::PhysicalCenterHeight] != 0.0
+    }
+
+    /// Whether the moment of inertia is read, if sizes are.
+    fn has_inertia(&self) -> bool {
+        self[Variable::PhysicalInertia] != 0.0
+    }
+
     fn foundation(&self) -> Foundation {
         match self.choice(Variable::Foundation) {
             choices::Foundation::Viscoelastic => Foundation::Viscoelastic,
@@ -138,21 +218,32 @@ impl Values {
     }
 
     /// Returns the parameters of a physical parameterization whose defaults fit no real block. A mass matters only beside a
-    /// stiffness. Empty for a dimensionless parameterization.
-    pub fn sizes(&self) -> &'static [Variable] {
-        use Variable::{Mass, PhysicalC, PhysicalHeight, PhysicalK, PhysicalWidth};
-        match (self.is_physical(), self.foundation()) {
-            (false, _) => &[],
-            (true, Foundation::Rigid) => &[PhysicalWidth, PhysicalHeight],
-            (true, Foundation::Viscoelastic) => &[PhysicalWidth, PhysicalHeight, PhysicalK, PhysicalC, Mass],
+    /// stiffness, a moment of inertia or ties. Empty for a dimensionless parameterization.
+    pub fn sizes(&self) -> Vec<Variable> {
+        use Variable::{Mass, PhysicalC, PhysicalCenterHeight, PhysicalHeight, PhysicalK, PhysicalWidth};
+        if !self.is_physical() {
+            return Vec::new();
         }
+        let height = if self.has_center_height() { PhysicalCenterHeight } else { PhysicalHeight };
+        let mut sizes = vec![PhysicalWidth, height];
+        if self.foundation() == Foundation::Viscoelastic {
+            sizes.extend([PhysicalK, PhysicalC]);
+        }
+        if self.foundation() == Foundation::Viscoelastic || self.has_inertia() || self.has_ties() {
+            sizes.push(Mass);
+        }
+        sizes
     }
 
     /// The [`Values::sizes`] that have their start values, except the mass.
     pub fn unset_sizes(&self) -> impl Iterator<Item = Variable> {
         let is_unset = |variable: Variable| Some(self[variable]) == VARIABLES[variable as usize].start;
-        let sizes = self.sizes().iter().copied().filter(|&variable| variable != Variable::Mass);
+        let sizes = self.sizes().into_iter().filter(|&variable| variable != Variable::Mass);
         sizes.filter(move |&variable| is_unset(variable))
+    }
+
+    fn has_ties(&self) -> bool {
+        TIE_VARIABLES.iter().any(|tie| self[tie.stiffness] > 0.0)
     }
 
     /// Returns the setting that a parameter needs to be read, if the others lack it.
@@ -163,9 +254,34 @@ impl Values {
             | Parameter::DimensionlessP
             | Parameter::DimensionlessEta
             | Parameter::DimensionlessXiV => physical.then_some("parameterization = Dimensionless"),
-            Parameter::PhysicalWidth | Parameter::PhysicalHeight | Parameter::PhysicalK | Parameter::PhysicalC => {
-                (!physical).then_some("parameterization = Physical")
+            Parameter::PhysicalWidth
+            | Parameter::PhysicalHeight
+            | Parameter::PhysicalCenterHeight
+            | Parameter::PhysicalInertia
+            | Parameter::PhysicalK
+            | Parameter::PhysicalC
+                if !physical =>
+            {
+                Some("parameterization = Physical")
             }
+            Parameter::PhysicalHeight => self.has_center_height().then_some("physical.center_height = 0"),
+            Parameter::Gamma => (physical && self.has_inertia()).then_some("physical.inertia = 0"),
+            Parameter::Tie1BlockX
+            | Parameter::Tie1BlockZ
+            | Parameter::Tie1GroundX
+            | Parameter::Tie1GroundZ
+            | Parameter::Tie1Pretension
+            | Parameter::Tie1Slack
+            | Parameter::Tie1Damping
+            | Parameter::Tie1Strength => (self[Variable::Tie1Stiffness] == 0.0).then_some("tie_1.stiffness"),
+            Parameter::Tie2BlockX
+            | Parameter::Tie2BlockZ
+            | Parameter::Tie2GroundX
+            | Parameter::Tie2GroundZ
+            | Parameter::Tie2Pretension
+            | Parameter::Tie2Slack
+            | Parameter::Tie2Damping
+            | Parameter::Tie2Strength => (self[Variable::Tie2Stiffness] == 0.0).then_some("tie_2.stiffness"),
             Parameter::InitialV | Parameter::InitialVDot if rigid => Some(ON_SUPPORTS),
             Parameter::InitialV | Parameter::InitialVDot => {
                 (self[Variable::InitialSettled] != 0.0).then_some("initial.settled = false")
@@ -182,11 +298,19 @@ impl Values {
             }
             Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
             Parameter::Parameterization
+            | Parameter::PhysicalWidth
+            | Parameter::PhysicalCenterHeight
+            | Parameter::PhysicalInertia
+            | Parameter::PhysicalK
+            | Parameter::PhysicalC
             | Parameter::Mass
-            | Parameter::Gamma
+            | Parameter::Eccentricity
             | Parameter::Epsilon
             | Parameter::G
+            | Parameter::Friction
             | Parameter::Foundation
+            | Parameter::Tie1Stiffness
+            | Parameter::Tie2Stiffness
             | Parameter::OnSeparation
             | Parameter::OnOverturning
             | Parameter::InitialTheta
@@ -339,6 +463,8 @@ pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
     use DerivedSource::Block as OfBlock;
     match parameter {
         Derived::DerivedAlpha => OfBlock(|block| block.alpha),
+        Derived::DerivedAlphaL => OfBlock(|block| block.alpha_of(Corner::Left)),
+        Derived::DerivedAlphaR => OfBlock(|block| block.alpha_of(Corner::Right)),
         Derived::DerivedR0 => OfBlock(|block| block.r0),
         Derived::DerivedI0 => OfBlock(Block::inertia),
         Derived::DerivedP => OfBlock(|block| block.p),

@@ -126,6 +126,8 @@ fn parameters_that_are_not_read_are_warned_of() {
         ("pulse.shape", 1.0, "pulse.start", 1.0, "a pulse.shape"),
         ("foundation", 2.0, "initial.v", 0.1, "foundation = Viscoelastic"),
         ("initial.settled", 1.0, "initial.v_dot", 0.1, "initial.settled = false"),
+        ("parameterization", 1.0, "physical.inertia", 100.0, "parameterization = Physical"),
+        ("tie_2.stiffness", 0.0, "tie_2.strength", 100.0, "tie_2.stiffness"),
     ];
     for (other, value, name, unread, needed) in cases {
         let instance = Instance::new("block");

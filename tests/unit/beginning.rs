@@ -184,7 +184,7 @@ fn values_change_with_what_they_are_declared_to_depend_on() {
     let seldom = |unknown: &str, known: &str| {
         CANCELS.contains(&(unknown, known))
             || matches!(unknown, "regime" | "separated" | "overturned")
-            || (STEPS.contains(&unknown) && known == "physical.C")
+            || (STEPS.contains(&unknown) && matches!(known, "physical.C" | "physical.inertia"))
             || matches!(known, "on_separation" | "record.horizontal_channel" | "record.vertical_channel")
             // The vertical record has its own unit here.
             || (unknown, known) == ("record.PGA_vertical", "record.horizontal_unit")
@@ -229,6 +229,7 @@ fn beginning(draw: &Draw) -> [f64; 10] {
         gravity: draw.of("g"),
         foundation,
         restitution_factor: draw.of("restitution_factor"),
+        eccentricity: draw.of("eccentricity"),
         ..Common::default()
     };
     let block = if draw.of("parameterization") == 1.0 {
@@ -237,7 +238,10 @@ fn beginning(draw: &Draw) -> [f64; 10] {
     } else {
         let [width, height, stiffness, damping] =
             ["width", "height", "K", "C"].map(|name| draw.of(&format!("physical.{name}")));
-        Block::from_physical(&Physical { width, height, stiffness, damping, inertia: None }, &common).unwrap()
+        let [center_height, inertia] =
+            ["center_height", "inertia"].map(|name| Some(draw.of(&format!("physical.{name}"))).filter(|x| *x > 0.0));
+        let height = center_height.map_or(height, |h| 2.0 * h);
+        Block::from_physical(&Physical { width, height, stiffness, damping, inertia }, &common).unwrap()
     };
     let shapes = [PulseShape::None, PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
     let pulse = Pulse {

@@ -12,5 +12,6 @@ mod misuse;
 mod sealed;
 
 mod beginning;
+mod block;
 mod instances;
 mod sequences;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::block::Block;
+use crate::block::{Block, Ties};
 use crate::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use crate::ground::{Ground, Varied};
 use crate::numerics::dual::Dual64;
@@ -236,6 +236,7 @@ impl Unit {
             (GivenBlock::Dimensionless(given), common) => Block::of_dimensionless(&given, &common),
             (GivenBlock::Physical(given), common) => Block::of_physical(&given, &common),
         };
+        let block = Block { ties: Ties::of(&values.ties(of)), ..block };
         let time = Dual64::new(simulation.time(), direction.time);
         let motion =
             records.each_ref().map(|record| record.as_ref().map_or(Dual64::from(0.0), |record| record.at(time)));

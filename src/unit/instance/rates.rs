@@ -4,7 +4,7 @@ use crate::simulation::peaks;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
-use crate::unit::outputs::source;
+use crate::unit::outputs::{Rates, source};
 use crate::unit::values::PerInput;
 use crate::unit::variables::{Kind, Metadata};
 
@@ -43,9 +43,15 @@ impl Unit {
         }
         let (simulation, inputs) = self.preview()?;
         let observed = simulation.observe_rates(&inputs);
-        let (rates, channels) = (observed.map(|x| x.eps), peaks::channels(&observed));
-        let (energy_rates, peaks) = (simulation.energy_rates(&inputs), simulation.peaks());
-        let rate = move |output| source(output).rate(&rates, &energy_rates, &channels, &peaks);
+        let now = Rates {
+            observed: observed.map(|x| x.re),
+            rates: observed.map(|x| x.eps),
+            energies: simulation.energy_rates(&inputs),
+            channels: peaks::channels(&observed),
+            slip: simulation.slip(),
+            peaks: simulation.peaks(),
+        };
+        let rate = move |output| source(output).rate(&now);
         Ok(references.iter().map(move |&reference| output(reference).map(&rate)))
     }
 }

@@ -14,7 +14,7 @@ pub struct Known {
 }
 
 /// All known variables of FMI 2.0.
-pub const KNOWNS: [Known; 28] = {
+pub const KNOWNS: [Known; 31] = {
     const fn free(name: &'static str) -> Known {
         Known { name, least: None }
     }
@@ -33,10 +33,13 @@ pub const KNOWNS: [Known; 28] = {
         from_zero("dimensionless.xi_v"),
         free("physical.width"),
         free("physical.height"),
+        from_zero("physical.center_height"),
+        from_zero("physical.inertia"),
         free("physical.K"),
         from_zero("physical.C"),
         free("mass"),
         free("gamma"),
+        free("eccentricity"),
         from_zero("epsilon"),
         free("g"),
         from_zero("restitution_factor"),
@@ -80,6 +83,9 @@ impl Draw {
             // On stiff supports a displacement much smaller than the block changes a whole reaction.
             "initial.theta" | "initial.v" => 0.01,
             "physical.width" | "physical.height" => 0.1 * self.of(known),
+            "physical.center_height" => 0.1 * self.of(known).max(1.0),
+            "physical.inertia" => self.of(known).max(mass),
+            "eccentricity" => 0.1 * sizes.half_width,
             "pulse.start" | "record.start" => 0.1,
             "initial.theta_dot" | "initial.v_dot" => 0.5,
             "epsilon" => 0.5,
@@ -91,7 +97,7 @@ impl Draw {
 }
 
 /// Numbers from 0 to 1 that determine a draw.
-const NUMBERS: usize = 48;
+const NUMBERS: usize = 56;
 
 fn strategy() -> impl Strategy<Value = Draw> {
     prop::collection::vec(0.0..1.0_f64, NUMBERS).prop_map(|numbers| {
@@ -116,19 +122,32 @@ fn strategy() -> impl Strategy<Value = Draw> {
         let theta = or_zero(1.0);
         let theta_dot = or_zero(1.0);
         let damping = or_zero(1.0);
+        let [center_height, inertia] =
+            [between(0.0, 1.0), between(0.0, 1.0)].map(|chance| if chance < 0.5 { 0.0 } else { 1.0 });
+        let frequency = between(0.5, 2.5);
+        let (gamma, g, width) = (between(0.5, 4.5), between(2.0, 12.0), between(0.5, 2.5));
+        let half_width = if values[0].1 == 2.0 {
+            0.5 * width
+        } else {
+            gamma / (gamma + 1.0) * g / (frequency * frequency) * alpha.sin()
+        };
+        let uneven = if between(0.0, 1.0) < 0.3 { 0.0 } else { between(-0.5, 0.5) };
         values.extend([
+            ("physical.center_height", center_height * between(1.0, 4.0)),
+            ("physical.inertia", inertia * mass * between(0.3, 4.0)),
+            ("eccentricity", uneven * half_width),
             ("dimensionless.alpha", alpha),
-            ("dimensionless.p", between(0.5, 2.5)),
+            ("dimensionless.p", frequency),
             ("dimensionless.eta", between(3.0, 60.0)),
             ("dimensionless.xi_v", damping * between(0.01, 1.0)),
-            ("physical.width", between(0.5, 2.5)),
+            ("physical.width", width),
             ("physical.height", between(2.5, 7.0)),
             ("physical.K", mass * between(20.0, 5000.0)),
             ("physical.C", damping * mass * between(0.1, 10.0)),
             ("mass", mass),
-            ("gamma", between(0.5, 4.5)),
+            ("gamma", gamma),
             ("epsilon", between(0.01, 0.99)),
-            ("g", between(2.0, 12.0)),
+            ("g", g),
             ("restitution_factor", between(0.3, 0.9)),
             ("initial.theta", theta * alpha * between(-0.5, 0.5)),
             ("initial.theta_dot", theta_dot * between(-0.5, 0.5)),

@@ -40,7 +40,16 @@ pub fn declared(xml: &str) -> Declared {
 
 /// Returns the unknowns that have derivatives.
 pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
-    const OTHERS: [&str; 5] = ["regime", "events.impacts", "events.liftoffs", "separated", "overturned"];
+    const OTHERS: [&str; 8] = [
+        "regime",
+        "events.impacts",
+        "events.liftoffs",
+        "separated",
+        "overturned",
+        "slides",
+        "tie_1.broken",
+        "tie_2.broken",
+    ];
     declared.keys().map(String::as_str).filter(|name| !OTHERS.contains(name)).collect()
 }
 
@@ -48,6 +57,7 @@ pub fn real_unknowns(declared: &Declared) -> Vec<&str> {
 pub struct Sizes {
     mass: f64,
     r0: f64,
+    half_width: f64,
     force: f64,
     rate: f64,
     energy: f64,
@@ -55,7 +65,7 @@ pub struct Sizes {
 
 impl Sizes {
     pub fn of(host: &mut impl Host) -> Sizes {
-        let [mass, r0, g] = ["mass", "derived.R0", "g"].map(|name| host.get(name));
+        let [mass, r0, width, g] = ["mass", "derived.R0", "derived.width", "g"].map(|name| host.get(name));
         let greatest = |host: &mut dyn FnMut(&str) -> f64, names: &[&str], least: f64| {
             names.iter().map(|name| host(name).abs()).fold(least, f64::max)
         };
@@ -63,11 +73,11 @@ impl Sizes {
         let force = greatest(&mut get, &["N_L", "N_R", "H"], mass * g);
         let rate = greatest(&mut get, &["v_dot", "u_dot"], (g * r0).sqrt());
         let energy = greatest(&mut get, &["energy.kinetic", "energy.potential"], mass * g * r0);
-        Sizes { mass, r0, force, rate, energy }
+        Sizes { mass, r0, half_width: 0.5 * width, force, rate, energy }
     }
 
     pub fn unknown(&self, name: &str, value: f64) -> f64 {
-        let Sizes { mass, r0, force, rate, energy } = *self;
+        let Sizes { mass, r0, force, rate, energy, .. } = *self;
         match name {
             "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => force,
             "M_base" => force * r0,
@@ -91,6 +101,8 @@ struct Side {
     pressed: f64,
     /// θ_sep (rad).
     separation: f64,
+    /// Side of the centre of mass.
+    uneven: f64,
     lean: f64,
     heavier: f64,
     higher: f64,
@@ -105,6 +117,7 @@ impl Side {
             shear: sign(get("H"), sizes.force),
             pressed: (get("N_L") + get("N_R")) / sizes.force,
             separation: get("derived.theta_separation"),
+            uneven: sign(get("eccentricity"), sizes.half_width),
             lean: sign(get("theta"), 1.0),
             heavier: sign(get("N_L") - get("N_R"), sizes.force),
             higher: sign(get("uplift_L") - get("uplift_R"), sizes.r0),
@@ -120,6 +133,8 @@ impl Side {
         self.regime == other.regime
             && match unknown {
                 "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && steady,
+                // The smaller of two, which are equal without eccentricity.
+                "derived.e" => self.uneven == other.uneven,
                 // An arc sine, steep near its end at a quarter turn.
                 "derived.theta_separation" => self.separation < 0.8,
                 // Separated blocks remember which corner lifted first.

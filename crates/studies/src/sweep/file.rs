@@ -226,7 +226,7 @@ fn check(sweep: &Sweep, given: &[GivenParameter], study: &Section, source: Study
     let line = |name: &str| {
         given.iter().find(|GivenParameter { parameter, .. }| {
             let full = parameter.metadata.name;
-            full == name || full.ends_with(&format!(".{name}"))
+            full == name || full.ends_with(&format!(".{name}")) || full.starts_with(&format!("{name}."))
         })
     };
     let place = |key: &str| study.get(key).map_or(0..0, |value| value.span());

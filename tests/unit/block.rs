@@ -1,0 +1,112 @@
+//! Parameters of the unit → a block: measured bodies, ties, and what is not read.
+
+use rocking_block::unit::instance::{Interface, Unit};
+use rocking_block::unit::variables::{Metadata, VARIABLES};
+
+fn metadata(name: &str) -> &'static Metadata {
+    VARIABLES.iter().find(|metadata| metadata.name == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn unit(values: &[(&str, f64)]) -> Unit {
+    let mut unit = Unit::new(Interface::CoSimulation);
+    for (name, value) in values {
+        let Metadata { kind, variable, .. } = metadata(name);
+        unit.set(kind.base(), &[*variable as u32], &[*value], |value| value).unwrap();
+    }
+    unit
+}
+
+fn get(unit: &mut Unit, name: &str) -> f64 {
+    let Metadata { kind, variable, .. } = metadata(name);
+    unit.get(kind.base(), *variable as u32).unwrap()
+}
+
+/// Why initialization cannot end with these values.
+fn refusal(values: &[(&str, f64)]) -> String {
+    let mut unit = unit(values);
+    unit.enter_initialization_mode();
+    unit.exit_initialization_mode().unwrap_err().to_string()
+}
+
+/// The parameters that were set but are not read, each with the setting that it needs.
+fn unread(values: &[(&str, f64)]) -> Vec<(&'static str, &'static str)> {
+    let mut unit = unit(values);
+    unit.enter_initialization_mode();
+    unit.exit_initialization_mode().unwrap()
+}
+
+const MEASURED: [(&str, f64); 9] = [
+    ("parameterization", 2.0),
+    ("physical.width", 1.2),
+    ("physical.center_height", 1.4),
+    ("physical.inertia", 900.0),
+    ("physical.K", 1e6),
+    ("physical.C", 2e3),
+    ("mass", 800.0),
+    ("eccentricity", 0.2),
+    ("foundation", 1.0),
+];
+
+/// Any plane body with a flat base, as it is measured: its angles, radius, frequency and restitution in closed form.
+#[test]
+fn a_measured_body_is_given_by_its_sizes() {
+    let mut unit = unit(&MEASURED);
+    let (b, h, e, mass, inertia, g): (f64, f64, f64, f64, f64, f64) = (0.6, 1.4, 0.2, 800.0, 900.0, 9.81);
+    let squared = b * b + h * h;
+    let radius_of_gyration = inertia / mass;
+    // On a landing on I: (I0/M + h² − b_L b_R)/(I0/M + h² + b_I²).
+    let restitution = |corner: f64| {
+        let (near, far) = (b + corner * e, b - corner * e);
+        (radius_of_gyration + h * h - near * far) / (radius_of_gyration + h * h + near * near)
+    };
+    for (name, expected) in [
+        ("derived.alpha", (b / h).atan()),
+        ("derived.alpha_L", ((b + e) / h).atan()),
+        ("derived.alpha_R", ((b - e) / h).atan()),
+        ("derived.R0", squared.sqrt()),
+        ("derived.I0", inertia),
+        ("derived.p", (mass * g * squared.sqrt() / (inertia + mass * squared)).sqrt()),
+        ("derived.e", restitution(1.0).min(restitution(-1.0))),
+        ("derived.width", 2.0 * b),
+        ("derived.height", 2.0 * h),
+    ] {
+        let found = get(&mut unit, name);
+        assert!((found / expected - 1.0).abs() < 1e-14, "{name} = {found}, not {expected}");
+    }
+}
+
+/// A centre of mass at half the height, and the moment of inertia that follows from gamma, change no bit.
+#[test]
+fn zeros_stand_for_a_rectangle() {
+    let sizes = [("parameterization", 2.0), ("physical.width", 1.2), ("physical.height", 2.8), ("physical.K", 1e6)];
+    let mut plain = unit(&sizes);
+    let mut same = unit(&[&sizes[..], &[("physical.center_height", 1.4)]].concat());
+    for metadata in VARIABLES.iter().filter(|metadata| metadata.name.starts_with("derived")) {
+        let [plain, same] = [&mut plain, &mut same].map(|unit| get(unit, metadata.name));
+        assert_eq!(plain.to_bits(), same.to_bits(), "{}", metadata.name);
+    }
+}
+
+#[test]
+fn what_is_not_read_is_named_with_what_it_needs() {
+    let with = |others: &[(&'static str, f64)]| unread(&[&MEASURED[..], others].concat());
+    assert_eq!(with(&[]), []);
+    assert_eq!(with(&[("gamma", 2.0)]), [("gamma", "physical.inertia = 0")]);
+    assert_eq!(with(&[("physical.height", 2.8)]), [("physical.height", "physical.center_height = 0")]);
+    assert_eq!(with(&[("tie_2.ground_z", -1.0)]), [("tie_2.ground_z", "tie_2.stiffness")]);
+    assert_eq!(with(&[("tie_1.stiffness", 1e3), ("tie_1.ground_z", -1.0), ("tie_1.strength", 1e4)]), []);
+    assert_eq!(unread(&[("physical.inertia", 1.0)]), [("physical.inertia", "parameterization = Physical")]);
+    assert_eq!(unread(&[("gamma", 2.0), ("eccentricity", 0.1), ("friction", 0.5)]), []);
+}
+
+#[test]
+fn what_makes_no_block_is_refused_with_its_reason() {
+    for (values, words) in [
+        (&[("eccentricity", -2.0)][..], &["eccentricity = -2 m", "1.82"][..]),
+        (&[("tie_2.stiffness", 1e3)], &["tie_2 = 0", "two different places"]),
+        (&[("friction", 1.5), ("foundation", 2.0)], &["friction = 1.5", "rigid base", "1.333"]),
+    ] {
+        let refusal = refusal(values);
+        assert!(words.iter().all(|word| refusal.contains(word)), "{refusal}");
+    }
+}
