@@ -14,8 +14,8 @@ use rocking_studies::run::table::COLUMNS;
 use rocking_studies::run::{History, Run};
 
 use crate::block::Block;
-use crate::options::{PulseOptions, RunOptions, finite, ground, invalid};
-use crate::record::Record;
+use crate::options::{PulseOptions, RunOptions, finite, invalid};
+use crate::record::{Record, ground};
 use crate::work::wait;
 
 /// The initial state of a block: a dictionary with these keys.

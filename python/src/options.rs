@@ -1,4 +1,4 @@
-//! Words and numbers of Python → settings, pulses and ground motions of the engine.
+//! Words and numbers of Python → settings and pulses of the engine.
 
 use std::ops::RangeInclusive;
 
@@ -6,13 +6,10 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rocking_block::excitation::{Pulse, PulseShape};
-use rocking_block::ground::Ground;
 use rocking_block::simulation::{OnOverturning, OnSeparation, Settings};
 use rocking_block::words::Words;
 use rocking_studies::output::runner;
 use rocking_studies::run::{MAX_DURATION, MIN_STEP};
-
-use crate::record::Record;
 
 /// Converts an error of the engine to a `ValueError` with the same message.
 pub fn invalid(error: impl std::fmt::Display) -> PyErr {
@@ -142,11 +139,4 @@ pub fn pulse_acceleration(pulse: PulseOptions, times: Vec<f64>) -> PyResult<Vec<
 #[pyfunction]
 pub fn pulse_duration(pulse: PulseOptions) -> PyResult<f64> {
     Ok(pulse.without_amplitude()?.duration())
-}
-
-/// Horizontal and vertical ground motion, scaled.
-pub fn ground(horizontal: Option<&Bound<Record>>, vertical: Option<&Bound<Record>>, scale: f64) -> PyResult<Ground> {
-    finite("scale", scale, |_| true, "a finite factor")?;
-    let record = |record: Option<&Bound<Record>>| record.map(|record| record.get().record.clone());
-    Ok(Ground { horizontal: record(horizontal), vertical: record(vertical) }.scaled(scale))
 }

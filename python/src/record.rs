@@ -200,3 +200,10 @@ fn refused(error: RecordError) -> PyErr {
         _ => PyValueError::new_err(error.naming(|setting| RecordOption { setting, vertical: false }.key())),
     }
 }
+
+/// Horizontal and vertical ground motion, scaled.
+pub fn ground(horizontal: Option<&Bound<Record>>, vertical: Option<&Bound<Record>>, scale: f64) -> PyResult<Ground> {
+    finite("scale", scale, |_| true, "a finite factor")?;
+    let record = |record: Option<&Bound<Record>>| record.map(|record| record.get().record.clone());
+    Ok(Ground { horizontal: record(horizontal), vertical: record(vertical) }.scaled(scale))
+}

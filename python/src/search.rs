@@ -8,8 +8,8 @@ use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 
 use crate::block::Block;
-use crate::options::{PulseOptions, RunOptions, finite, ground, invalid, pool, whole};
-use crate::record::Record;
+use crate::options::{PulseOptions, RunOptions, finite, invalid, pool, whole};
+use crate::record::{Record, ground};
 use crate::work::wait;
 
 /// Range and resolution of a scan: a dictionary with these keys.

@@ -24,8 +24,8 @@ use rocking_studies::sweep::file;
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
 use crate::block::Blocks;
-use crate::options::{PulseOptions, RunOptions, choice, finite, ground, invalid, pool};
-use crate::record::{Record, measures};
+use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool};
+use crate::record::{Record, ground, measures};
 use crate::work::{Progress, wait};
 
 /// A horizontal and a vertical record; each may be missing.

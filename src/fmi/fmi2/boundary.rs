@@ -1,16 +1,17 @@
-//! FMI 2.0: instantiation and the importer's logger. The rest of the boundary is in [`crate::fmi::boundary`].
+//! FMI 2.0: instantiation. The rest of the boundary is in [`crate::fmi::boundary`].
 
 use std::ffi::{CStr, CString};
 
 use crate::fmi::arrays::text;
 use crate::fmi::boundary;
+use crate::fmi::fmi2::callbacks::Messenger;
 use crate::fmi::fmi2::calls::Call;
 use crate::fmi::fmi2::instance::{Answer, Fmi2, Instance};
 use crate::fmi::fmi2::types::{
     FMI2_CO_SIMULATION, FMI2_FALSE, FMI2_MODEL_EXCHANGE, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component,
     fmi2Status, fmi2String, fmi2Type,
 };
-use crate::fmi::log::{self, Category, Log, Wanted};
+use crate::fmi::log::Log;
 use crate::unit::instance::Interface;
 use crate::unit::variables::GUID;
 
@@ -85,45 +86,6 @@ pub unsafe fn free_instance(component: fmi2Component) {
     unsafe { boundary::free::<Fmi2>(component) }
 }
 
-/// The importer's logger and its environment.
-#[derive(Debug)]
-pub struct Messenger(fmi2CallbackFunctions);
-
-impl Messenger {
-    /// # Safety
-    /// The logger, if any, is a function of the standard's type (2.1.5), and may be called with `environment` during the life of
-    /// this value.
-    unsafe fn new(callbacks: fmi2CallbackFunctions) -> Messenger {
-        Messenger(callbacks)
-    }
-}
-
-impl log::Messenger for Messenger {
-    /// With `logging`, the listed categories, or all; otherwise warnings and errors.
-    ///
-    /// The switch of FMI 2.0 is for debug logging (standard, 2.1.5), and only discarded steps are messages of the debug mode
-    /// (2.1.3).
-    fn wanted(_: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
-        Category::ALL.map(|category| match (logging, listed) {
-            (true, None) => true,
-            (true, Some(listed)) => listed.contains(&category),
-            (false, _) => !matches!(category, Category::Discard | Category::Events | Category::Steps),
-        })
-    }
-
-    /// Passes the message as argument of the format `%s`, never as a format.
-    fn send(&self, instance: &CStr, status: Status, category: &CStr, message: &CStr) {
-        let Messenger(fmi2CallbackFunctions { logger, environment, .. }) = *self;
-        if let Some(logger) = logger {
-            let (instance, category, message) = (instance.as_ptr(), category.as_ptr(), message.as_ptr());
-            // SAFETY: by the contract of `new` the importer's logger, which takes these arguments and one string for `%s`
-            // (standard, 2.1.5); all strings end with 0 and outlive the call. The instance is in use meanwhile, but calls of
-            // the logger on it are refused before they access it; see [`boundary`].
-            unsafe { logger(environment, instance, status.code(), category, c"%s".as_ptr(), message) };
-        }
-    }
-}
-
 /// Whether a Boolean of C is true.
 pub fn is_true(value: fmi2Boolean) -> bool {
     value != FMI2_FALSE
@@ -151,8 +113,10 @@ mod tests {
             step_finished: None,
             environment: std::ptr::null_mut(),
         };
-        let mut instance =
-            Instance::new(Log::new(Messenger(callbacks), c"block".into(), false), Interface::CoSimulation, Fmi2);
+        // SAFETY: a logger of any arguments.
+        let messenger = unsafe { Messenger::new(callbacks) };
+        let log = Log::new(messenger, c"block".into(), false);
+        let mut instance = Instance::new(log, Interface::CoSimulation, Fmi2);
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Err(Fault::new("refused"))), Status::Fatal);
         assert_eq!(guarded(&mut instance, Call::SetReal, |_| Ok(Status::Ok)), Status::Fatal);
     }

@@ -1,7 +1,7 @@
 //! An instance of FMI 2.0: the part of [`crate::fmi::instance`] that depends on the version.
 
 use crate::fmi;
-use crate::fmi::fmi2::boundary::Messenger;
+use crate::fmi::fmi2::callbacks::Messenger;
 use crate::fmi::fmi2::calls::Call;
 use crate::fmi::fmi2::types::{Status, StatusKind};
 use crate::fmi::log::Category;

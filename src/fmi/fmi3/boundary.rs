@@ -1,14 +1,15 @@
-//! FMI 3.0: instantiation and the importer's callbacks. The rest of the boundary is in [`crate::fmi::boundary`].
+//! FMI 3.0: instantiation and steps in pieces. The rest of the boundary is in [`crate::fmi::boundary`].
 
 use std::ffi::{CStr, CString};
 
 use crate::fmi::arrays::{read, text};
 use crate::fmi::boundary;
+use crate::fmi::fmi3::callbacks::{Given, Messenger, Updater, is_true};
 use crate::fmi::fmi3::calls::Call;
 use crate::fmi::fmi3::instance::{Answer, Fmi3, Instance};
-use crate::fmi::fmi3::step::{Given, Look, Step};
+use crate::fmi::fmi3::step::Step;
 use crate::fmi::fmi3::types::*;
-use crate::fmi::log::{self, Category, Log, Wanted};
+use crate::fmi::log::Log;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Interface;
 use crate::unit::variables::TOKEN;
@@ -88,14 +89,17 @@ pub unsafe fn instantiate(function: &str, request: &Request, stepping: Option<St
         // SAFETY: by contract null or strings that end with 0 (standard, 2.2.1) and do not change during this call.
         let (name, token) = unsafe { (text(name), text(token)) };
         let shown = name.filter(|name| !name.is_empty()).unwrap_or(c"?");
-        let log = Log::new(Messenger { logger, environment }, CString::from(shown), is_true(logging));
+        // SAFETY: by contract the importer's logger, to be called during the life of the instance (standard, 2.3.1).
+        let messenger = unsafe { Messenger::new(logger, environment) };
+        let log = Log::new(messenger, CString::from(shown), is_true(logging));
         let interface = if stepping.is_some() { Interface::CoSimulation } else { Interface::ModelExchange };
         let how = match stepping {
             None => Ok(Fmi3::exchanged()),
             Some(Stepping { event_mode, early_return, required, required_count, update }) => {
                 // SAFETY: by contract an array of `required_count` references (standard, 2.3.1).
                 let required = unsafe { read("requiredIntermediateVariables", required, required_count) };
-                let updater = update.map(|callback| Updater { callback, environment });
+                // SAFETY: by contract the importer's function, to be called during the life of the instance (standard, 2.3.1).
+                let updater = update.map(|callback| unsafe { Updater::new(callback, environment) });
                 required
                     .map_err(|fault| fault.0)
                     .and_then(|required| Fmi3::stepped(is_true(event_mode), is_true(early_return), required, updater))
@@ -129,7 +133,8 @@ fn fit(name: Option<&CStr>, token: Option<&CStr>) -> Result<(), String> {
 pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
     let &Request { logging, environment, logger, .. } = request;
     boundary::create::<Fmi3>(|| {
-        let log = Log::new(Messenger { logger, environment }, c"?".into(), is_true(logging));
+        // SAFETY: by contract the importer's logger, to be called during this call (standard, 2.3.1).
+        let log = Log::new(unsafe { Messenger::new(logger, environment) }, c"?".into(), is_true(logging));
         log.status(Status::Error, reason);
         None
     })
@@ -142,71 +147,4 @@ pub unsafe fn refuse(request: &Request, reason: &str) -> fmi3Instance {
 pub unsafe fn free_instance(instance: fmi3Instance) {
     // SAFETY: by contract.
     unsafe { boundary::free::<Fmi3>(instance) }
-}
-
-/// The importer's logger and its environment.
-///
-/// Made only by [`instantiate`] and [`refuse`], by whose contract it may be called.
-#[derive(Debug)]
-pub struct Messenger {
-    logger: Option<fmi3LogMessageCallback>,
-    environment: fmi3InstanceEnvironment,
-}
-
-impl log::Messenger for Messenger {
-    /// Switches each category by itself. With none enabled the logger is never called, not even for a failed instantiation
-    /// (standard, 2.3.1).
-    fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
-        Category::ALL.map(|category| match listed {
-            Some(listed) if !listed.contains(&category) => before[category as usize],
-            Some(_) | None => logging,
-        })
-    }
-
-    fn send(&self, _: &CStr, status: Status, category: &CStr, message: &CStr) {
-        if let Some(logger) = self.logger {
-            // SAFETY: the importer's logger, which may be called during the life of the instance (standard, 2.3.1); both
-            // strings end with 0 and outlive the call. The instance is in use meanwhile, but calls of the logger on it are
-            // refused before they access it; see [`boundary`].
-            unsafe { logger(self.environment, status.code(), category.as_ptr(), message.as_ptr()) };
-        }
-    }
-}
-
-/// The importer's callback for intermediate updates and its environment.
-///
-/// Made only by [`instantiate`], by whose contract it may be called.
-#[derive(Clone, Copy, Debug)]
-pub struct Updater {
-    callback: fmi3IntermediateUpdateCallback,
-    environment: fmi3InstanceEnvironment,
-}
-
-impl Updater {
-    /// Calls the importer's `intermediateUpdate`.
-    fn show(look: Look) -> Given {
-        let Look { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
-        let (mut requested, mut return_time) = (FMI3_FALSE, time);
-        // SAFETY: the importer's function, which may be called with its environment during the life of the instance (standard,
-        // 2.3.1); both places are written before they are read. Calls on the instance are admitted meanwhile, and there is no
-        // reference to it; see `boundary::call_in_pieces`.
-        unsafe {
-            callback(
-                environment,
-                time,
-                asks.into(),
-                (!asks).into(),
-                (!asks).into(),
-                (can_return_early && !asks).into(),
-                &raw mut requested,
-                &raw mut return_time,
-            );
-        }
-        Given { early_return: (is_true(requested) && can_return_early && !asks).then_some(return_time) }
-    }
-}
-
-/// Whether a Boolean of C is true.
-pub fn is_true(value: fmi3Boolean) -> bool {
-    value != FMI3_FALSE
 }

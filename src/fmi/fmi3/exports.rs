@@ -14,7 +14,8 @@ use std::ffi::c_char;
 use libc::size_t;
 
 use crate::fmi::arrays::{place, read, room, texts};
-use crate::fmi::fmi3::boundary::{self, Request, Stepping, call, is_true};
+use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
+use crate::fmi::fmi3::callbacks::is_true;
 use crate::fmi::fmi3::calls::Call;
 use crate::fmi::fmi3::instance::{Instance, write};
 use crate::fmi::fmi3::step::Step;

@@ -1,7 +1,7 @@
 //! An instance of FMI 3.0: the part of [`crate::fmi::instance`] that depends on the version.
 
 use crate::fmi;
-use crate::fmi::fmi3::boundary::{Messenger, Updater};
+use crate::fmi::fmi3::callbacks::{Messenger, Updater};
 use crate::fmi::fmi3::calls::Call;
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;

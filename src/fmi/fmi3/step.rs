@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::fmi::fmi3::boundary::Updater;
+use crate::fmi::fmi3::callbacks::{Given, Look};
 use crate::fmi::fmi3::instance::{Answer, Instance};
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
@@ -43,26 +43,6 @@ pub struct Step {
     pub early: bool,
     /// The time that was reached (s).
     pub reached: f64,
-}
-
-/// A look of the importer into a step: an intermediate update.
-#[derive(Clone, Copy, Debug)]
-pub struct Look {
-    /// The importer's callback.
-    pub updater: Updater,
-    /// Its time (s).
-    pub time: f64,
-    /// Whether inputs at this time are requested. Otherwise the time has been reached, and outputs can be read.
-    pub asks: bool,
-    /// Whether the step may be left.
-    pub can_return_early: bool,
-}
-
-/// The importer's answer.
-#[derive(Clone, Copy, Debug)]
-pub struct Given {
-    /// The time at which it wants to leave the step (s).
-    pub early_return: Option<f64>,
 }
 
 impl Step {

@@ -1,0 +1,102 @@
+//! FMI 3.0: the importer's logger and its intermediate updates.
+
+use std::ffi::CStr;
+
+use crate::fmi::fmi3::types::*;
+use crate::fmi::log::{self, Category, Wanted};
+
+/// The importer's logger and its environment.
+#[derive(Debug)]
+pub struct Messenger {
+    logger: Option<fmi3LogMessageCallback>,
+    environment: fmi3InstanceEnvironment,
+}
+
+impl Messenger {
+    /// # Safety
+    /// The logger, if any, may be called with `environment` during the life of this value (standard, 2.3.1).
+    pub unsafe fn new(logger: Option<fmi3LogMessageCallback>, environment: fmi3InstanceEnvironment) -> Messenger {
+        Messenger { logger, environment }
+    }
+}
+
+impl log::Messenger for Messenger {
+    /// Switches each category by itself. With none enabled the logger is never called, not even for a failed instantiation
+    /// (standard, 2.3.1).
+    fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
+        Category::ALL.map(|category| match listed {
+            Some(listed) if !listed.contains(&category) => before[category as usize],
+            Some(_) | None => logging,
+        })
+    }
+
+    fn send(&self, _: &CStr, status: Status, category: &CStr, message: &CStr) {
+        if let Some(logger) = self.logger {
+            // SAFETY: by the contract of `new` the importer's logger, which may be called (standard, 2.3.1); both strings
+            // end with 0 and outlive the call. The instance is in use meanwhile, but calls of the logger on it are
+            // refused before they access it; see [`crate::fmi::boundary`].
+            unsafe { logger(self.environment, status.code(), category.as_ptr(), message.as_ptr()) };
+        }
+    }
+}
+
+/// The importer's callback for intermediate updates and its environment.
+#[derive(Clone, Copy, Debug)]
+pub struct Updater {
+    callback: fmi3IntermediateUpdateCallback,
+    environment: fmi3InstanceEnvironment,
+}
+
+impl Updater {
+    /// # Safety
+    /// The callback may be called with `environment` during the life of this value and its copies (standard, 2.3.1).
+    pub unsafe fn new(callback: fmi3IntermediateUpdateCallback, environment: fmi3InstanceEnvironment) -> Updater {
+        Updater { callback, environment }
+    }
+
+    /// Calls the importer's `intermediateUpdate`.
+    pub fn show(look: Look) -> Given {
+        let Look { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
+        let (mut requested, mut return_time) = (FMI3_FALSE, time);
+        // SAFETY: by the contract of `new` the importer's function, which may be called (standard, 2.3.1); both places are written before they are read. Calls on the instance are admitted meanwhile, and there is no
+        // reference to it; see `crate::fmi::boundary::call_in_pieces`.
+        unsafe {
+            callback(
+                environment,
+                time,
+                asks.into(),
+                (!asks).into(),
+                (!asks).into(),
+                (can_return_early && !asks).into(),
+                &raw mut requested,
+                &raw mut return_time,
+            );
+        }
+        Given { early_return: (is_true(requested) && can_return_early && !asks).then_some(return_time) }
+    }
+}
+
+/// A look of the importer into a step: an intermediate update.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// The importer's callback.
+    pub updater: Updater,
+    /// Its time (s).
+    pub time: f64,
+    /// Whether inputs at this time are requested. Otherwise the time has been reached, and outputs can be read.
+    pub asks: bool,
+    /// Whether the step may be left.
+    pub can_return_early: bool,
+}
+
+/// The importer's answer.
+#[derive(Clone, Copy, Debug)]
+pub struct Given {
+    /// The time at which it wants to leave the step (s).
+    pub early_return: Option<f64>,
+}
+
+/// Whether a Boolean of C is true.
+pub fn is_true(value: fmi3Boolean) -> bool {
+    value != FMI3_FALSE
+}
