@@ -7,12 +7,12 @@ use crate::numerics::dual::Dual64;
 use crate::numerics::scalar::Elementary;
 use rocking_records::Record;
 
-/// Ground motion: records, linear between samples and zero outside, each with a time step of its own.
+/// Ground motion from records, each with its own time step; linear between samples and zero outside.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
-    /// Horizontal ground acceleration, positive to the right.
+    /// Horizontal ground acceleration (m/s²), positive to the right.
     pub horizontal: Option<Record>,
-    /// Vertical ground acceleration, positive up.
+    /// Vertical ground acceleration (m/s²), positive up.
     pub vertical: Option<Record>,
 }
 
@@ -26,47 +26,48 @@ impl Ground {
         self.records().next().is_none()
     }
 
-    /// Time of the first sample (s); 0 without a record.
+    /// Returns the time of the first sample (s); 0 without a record.
     pub fn start(&self) -> f64 {
         self.records().map(|record| record.start_time).reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// Time of the last sample (s), if there is a record.
+    /// Returns the time of the last sample (s), if there is a record.
     pub fn end(&self) -> Option<f64> {
         self.records().map(|record| record.start_time + record.duration()).reduce(f64::max)
     }
 
-    /// Least time step of the records (s), if there is one.
+    /// Returns the smallest time step of the records (s), if there is one.
     pub fn time_step(&self) -> Option<f64> {
         self.records().map(|record| record.time_step).reduce(f64::min)
     }
 
-    /// Both records multiplied by a factor.
+    /// Returns both records multiplied by a factor.
     pub fn scaled(self, factor: f64) -> Ground {
         let scaled = |record: Option<Record>| record.map(|record| record.scaled(factor));
         Ground { horizontal: scaled(self.horizontal), vertical: scaled(self.vertical) }
     }
 
-    /// Both records with the zero of their time axes at this time (s).
+    /// Returns both records, delayed by `time` (s).
     pub fn shifted(self, time: f64) -> Ground {
         let shifted =
             |record: Option<Record>| record.map(|record| Record { start_time: record.start_time + time, ..record });
         Ground { horizontal: shifted(self.horizontal), vertical: shifted(self.vertical) }
     }
 
-    /// Whether these can be records.
+    /// Whether both records are valid.
     pub fn is_valid(&self) -> bool {
         self.records().all(Record::is_valid)
     }
 
-    /// Both records in a line, see [`fingerprint`].
+    /// Describes both records in one line, see [`fingerprint`].
     pub fn fingerprint(&self) -> String {
         let of = |record: &Option<Record>| record.as_ref().map_or("none".into(), fingerprint);
         format!("horizontal {}; vertical {}", of(&self.horizontal), of(&self.vertical))
     }
 
-    /// The piece that acts at `time` (s), between two samples of any record: its inputs, with their reference at its beginning, and
-    /// its end (s).
+    /// Returns the inputs between the samples around `time` (s), and the time of the next sample (s).
+    ///
+    /// The reference time of the inputs is that of the last sample of any record.
     pub fn piece_at(&self, time: f64) -> (Inputs, f64) {
         let last = |record: &Record| match record.sample_at(time) {
             Some(i) if i + 1 < record.acceleration.len() => record.sample_time(i),
@@ -77,14 +78,15 @@ impl Ground {
         self.inputs_from(beginning.unwrap_or(time))
     }
 
-    /// Inputs from `time` on, and the time until which they hold: the next sample of any record (s).
+    /// Returns the inputs from `time` (s) on, and the end of their validity: the next sample of any record (s).
     pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
         let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
         self.inputs_near(time, &mut [guess(&self.horizontal), guess(&self.vertical)])
     }
 
-    /// The same where the samples before `time` are near those of these numbers, horizontal and vertical: the numbers of those
-    /// that were found last, if one goes from sample to sample.
+    /// Returns the same as [`Ground::inputs_from`], with the search for the samples before `time` beginning at these indices.
+    ///
+    /// Stores the indices found, so that going from sample to sample needs no search.
     pub fn inputs_near(&self, time: f64, [horizontal, vertical]: &mut [usize; 2]) -> (Inputs, f64) {
         let mut until = f64::INFINITY;
         let mut ramp = |record: &Option<Record>, near: &mut usize| match record {
@@ -100,7 +102,7 @@ impl Ground {
     }
 }
 
-/// A record in a line: what is needed to tell it from another one, wherever its file is.
+/// Describes a record in one line that distinguishes it from any other, independent of its file's place.
 pub fn fingerprint(record: &Record) -> String {
     let Record { acceleration, time_step, start_time, .. } = record;
     let mut hasher = crc32fast::Hasher::new();
@@ -109,8 +111,9 @@ pub fn fingerprint(record: &Record) -> String {
     format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}", acceleration.len())
 }
 
-/// The straight line on which a record is from `time` on, and the time of its end; `near` as in [`Record::sample_near`], and the
-/// sample that was found.
+/// Returns the line of a record from `time` (s) on, and the time of its end (s).
+///
+/// `near` is the index of [`Record::sample_near`] and receives the index found.
 fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
     let Some(i) = record.sample_near(time, *near) else { return (Ramp::default(), record.start_time) };
     *near = i;
@@ -120,26 +123,26 @@ fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
     }
 }
 
-/// The straight line from one sample to the next, a step later, seen from a time `elapsed` after the first.
+/// Returns the line from sample `a` to the next one, with its reference time `elapsed` after `a`.
 fn line<T: Elementary>(a: T, b: T, step: T, elapsed: T) -> Ramp<T> {
     let rate = (b - a) / step;
     Ramp { value: a + rate * elapsed, rate }
 }
 
-/// A record with the derivatives of its samples and of its time axis in some direction.
+/// A record with the derivatives of its samples and of its time axis in a direction.
 pub struct Varied<'a, F> {
     /// The record.
     pub record: &'a Record,
-    /// The derivative of the sample of this number [m/s²].
+    /// Returns the derivative of the sample with this index (m/s²).
     pub sample: F,
-    /// The derivative of the time of the first sample (s).
+    /// Derivative of the time of the first sample (s).
     pub start_time: f64,
-    /// The derivative of the time between two samples (s).
+    /// Derivative of the time between two samples (s).
     pub time_step: f64,
 }
 
 impl<F: Fn(usize) -> f64> Varied<'_, F> {
-    /// What acts at `time` (s), as [`Ground::piece_at`] has it, and its derivative.
+    /// Returns the acceleration at `time` (s), as in [`Ground::piece_at`], with its derivative.
     pub fn at(&self, time: Dual64) -> Dual64 {
         let Varied { record, .. } = self;
         let zero = Dual64::from(0.0);
@@ -153,8 +156,9 @@ impl<F: Fn(usize) -> f64> Varied<'_, F> {
         line(a, b, step, time - (start + step * i as f64)).value
     }
 
-    /// How the peak ground acceleration changes: with the sample of largest magnitude, and where several are that large, or all
-    /// are zero, with the one whose magnitude grows most.
+    /// Returns the derivative of the peak ground acceleration (m/s²): that of the sample of largest magnitude.
+    ///
+    /// If several are equally large, or all are zero, that of the sample whose magnitude grows most.
     pub fn peak(&self) -> f64 {
         let peak = self.record.peak().acceleration.abs();
         let samples = self.record.acceleration.iter().enumerate().filter(|(_, a)| a.abs() == peak);
@@ -165,7 +169,7 @@ impl<F: Fn(usize) -> f64> Varied<'_, F> {
         grows.reduce(f64::max).unwrap_or(0.0)
     }
 
-    /// How the time of the last sample changes.
+    /// Returns the derivative of the time of the last sample (s).
     pub fn end(&self) -> f64 {
         self.start_time + self.time_step * self.record.acceleration.len().saturating_sub(1) as f64
     }
@@ -182,7 +186,7 @@ mod tests {
         parse("record", text.as_bytes(), &options).unwrap()
     }
 
-    /// Whatever the order of samples, the inputs are those of the records, and no sample is stepped over.
+    /// The inputs equal the records for any order of samples, and no sample is skipped.
     #[test]
     fn two_records_of_different_steps_are_followed() {
         let ground = Ground {
@@ -210,7 +214,7 @@ mod tests {
         assert!(stops.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{stops:?}");
     }
 
-    /// A time may be more samples after a record than there are integers; all is zero there.
+    /// A time may be more samples after a record than an integer holds; the acceleration is zero there.
     #[test]
     fn long_after_a_record_nothing_acts() {
         for (start, dt, time) in [(0.0, 1e-300, 1.0), (-1e308, 0.01, 1e308), (1.0, 1e-20, 1.0), (0.0, 1e308, f64::MAX)]

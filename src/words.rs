@@ -1,4 +1,4 @@
-//! Choices of a user ↔ their words, the same on the command line, in study files, tables, messages and Python.
+//! A user's choices ↔ their words, the same on the command line, in study files, tables, messages and Python.
 
 use crate::block::Foundation;
 use crate::excitation::PulseShape;
