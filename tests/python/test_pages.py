@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMAND_PAGES = [ROOT / page for page in ("README.md", "docs/program.md", "docs/python.md")]
+COMMAND_PAGES = [ROOT / page for page in ("README.md", "docs/program.md", "docs/python.md", "docs/foundations.md")]
 PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md")]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
 FMU = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))

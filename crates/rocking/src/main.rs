@@ -21,6 +21,7 @@
 //! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
 //! | [`search`] | range → the values at which the outcome changes |
 //! | [`record`] | accelerograms → their contents and intensity measures |
+//! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
 //! | [`figures`] | numbers of figures → pictures with their tables |
 //! | [`shell`] | command line → completions, manual pages |
 
@@ -68,6 +69,8 @@ mod search;
 
 mod record;
 
+mod foundations;
+
 mod figures;
 
 mod shell;
@@ -108,6 +111,8 @@ enum Command {
     Search(Box<search::Options>),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
     Record(Box<record::Options>),
+    /// List friction and restitution of pairs of surfaces, or compute supports of rubber or soil
+    Foundations(Box<foundations::Options>),
     /// Compute the figures of Palmeri and Makris (2008) anew, as pictures with their tables
     Figures(figures::Options),
     /// Print a script that completes commands and options in a shell
@@ -193,6 +198,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
         Some(Command::Search(options)) => search::run(&options, &explicit),
         Some(Command::Record(options)) => record::run(&options),
+        Some(Command::Foundations(options)) => foundations::run(&options),
         Some(Command::Figures(options)) => figures::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, command()),
         Some(Command::Man(options)) => shell::man(&options, command()),

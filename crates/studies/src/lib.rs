@@ -5,6 +5,7 @@
 //! | [`statistics`] | deviates and seeds → probabilities, random samples |
 //! | [`input`] | study files and accelerogram files → parameters and records |
 //! | [`intensity`] | a record → its intensity measures |
+//! | [`foundations`] | materials and sizes → friction, restitution, stiffness and damping with their sources |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
 //! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
 //! | [`spectrum`] | blocks of all sizes under several ground motions → a table of peak rotations |
@@ -17,6 +18,8 @@ pub mod statistics;
 pub mod input;
 
 pub mod intensity;
+
+pub mod foundations;
 
 pub mod run;
 

@@ -5,9 +5,11 @@
 //! | `inputs` | options, study files and records: values, choices, refusals |
 //! | `simulate` | single runs: table, picture and summary |
 //! | `sketch` | pictures of a block and its values |
+//! | `foundations` | friction, restitution and supports with their sources |
 //! | `studies` | spectra, sweeps, searches, fragility curves, figures |
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
 
+mod foundations;
 mod inputs;
 #[cfg(unix)]
 mod outputs;

@@ -7,8 +7,19 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 10] =
-    ["simulate", "sketch", "spectrum", "sweep", "record", "search", "figures", "fragility", "completions", "man"];
+const COMMANDS: [&str; 11] = [
+    "simulate",
+    "sketch",
+    "spectrum",
+    "sweep",
+    "record",
+    "search",
+    "figures",
+    "foundations",
+    "fragility",
+    "completions",
+    "man",
+];
 
 /// Returns whether a tool exists; reports a partly skipped test otherwise.
 fn have(program: &str) -> bool {
@@ -55,7 +66,16 @@ fn there_is_a_manual_page_for_each_command() {
     let pages = path.join("new/man");
     assert_eq!(fs::read_to_string(pages.join("rocking.1")).unwrap(), main);
     let mut expected: Vec<String> = COMMANDS.map(|command| format!("rocking-{command}.1")).to_vec();
-    expected.extend(["rocking-search-damping.1", "rocking-search-overturning.1", "rocking.1"].map(String::from));
+    expected.extend(
+        [
+            "rocking-foundations-pad.1",
+            "rocking-foundations-soil.1",
+            "rocking-search-damping.1",
+            "rocking-search-overturning.1",
+            "rocking.1",
+        ]
+        .map(String::from),
+    );
     expected.sort();
     assert_eq!(files(&pages), expected);
     let has_groff = have("groff");

@@ -1,0 +1,12 @@
+//! Materials and sizes → friction, restitution, and the stiffness and damping of supports, each with its source.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `pairs` | the file of pairs of surfaces → friction and restitution with their sources |
+//! | `supports` | rubber pad, or footing and soil → stiffness and damping of a support |
+
+mod pairs;
+mod supports;
+
+pub use pairs::{Kind, Pair, Quantity, Source, pairs};
+pub use supports::{Pad, Soil, Support, SupportError};
