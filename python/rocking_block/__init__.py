@@ -11,6 +11,7 @@ up.
     table = rb.spectrum(alpha=0.2, p=np.geomspace(0.5, 5, 400), eta=[40, 80], xi_v=0.1, records=[record])
 """
 
+from rocking_block import foundations
 from rocking_block._block import Block
 from rocking_block._engine import __version__
 from rocking_block._fmu import fmu_path
@@ -36,6 +37,7 @@ __all__ = [
     "Table",
     "blocks",
     "fmu_path",
+    "foundations",
     "fragility",
     "intensity",
     "outcomes",

@@ -9,10 +9,12 @@
 //! | `history` | a block and its excitation → columns over time |
 //! | `studies` | many blocks under many ground motions → a column each |
 //! | `fragility` | outcomes over an intensity measure → a curve |
+//! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `search` | a range → the values at which the outcome changes |
 //! | `work` | long work → its result, while Python shows progress and handles Ctrl-C |
 
 mod block;
+mod foundations;
 mod fragility;
 mod history;
 mod options;
@@ -31,6 +33,8 @@ mod _engine {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::block::{Block, Blocks};
+    #[pymodule_export]
+    use super::foundations::{foundation_pairs, pad_support, soil_support};
     #[pymodule_export]
     use super::fragility::Fragility;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -158,6 +159,31 @@ def test_columns_have_one_name_and_words_one_spelling(path):
     assert made.units.items() <= outcomes.units.items()
     for name in set(made) - {"record", "vertical"}:
         assert np.array_equal(made[name], outcomes[name], equal_nan=made[name].dtype.kind == "f"), name
+
+
+def test_foundations_are_those_of_the_program(rocking):
+    told = rocking.json("foundations")["pairs"]
+    found = [asdict(pair) for pair in rb.foundations.pairs()]
+    for pair in told:
+        source = pair.pop("source")
+        pair |= {"source": source["name"], "citation": source["citation"], "doi": source["doi"]}
+    assert found == told
+    only = rb.foundations.pairs("friction", "Granite")
+    assert len(only) == 3 and all(pair.surfaces == "granite on granite" for pair in only)
+    pad = rb.foundations.pad(0.5, 12, 0.9e6, bulk_modulus=2e9)
+    command = "foundations pad --diameter=0.5 --shape-factor=12 --shear-modulus=0.9e6 --bulk-modulus=2e9"
+    values = rocking.json(*command.split())
+    assert (pad.K, pad.K_rocking) == (values["K"], values["K_rocking"]) and np.isnan(pad.C) and values["C"] is None
+    soil = rb.foundations.soil(2, 3, shear_wave_velocity=200, density=1800, poisson=0.3)
+    command = "foundations soil --width=2 --length=3 --shear-wave-velocity=200 --density=1800 --poisson=0.3"
+    values = rocking.json(*command.split())
+    assert asdict(soil) == {name: values[name] for name in ("K", "C", "K_rocking")}
+    for call, message in [
+        (lambda: rb.foundations.pairs("colour"), 'quantity = "colour"; expected one of "friction", "restitution_factor"'),
+        (lambda: rb.foundations.pad(1, 5, -1), "shear_modulus = -1 is not valid; expected a number > 0"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            call()
 
 
 def test_a_search_is_that_of_the_program(rocking, record, path, tmp_path):
