@@ -1,4 +1,4 @@
-//! Arrays as C has them: never written before, of no length, in the same memory as others.
+//! Arrays as C passes them: uninitialized, empty, or overlapping.
 
 use std::ffi::c_int;
 use std::ptr::null_mut;
@@ -23,10 +23,10 @@ fn real_outputs() -> Vec<Reference> {
 
 const INPUTS: [&str; 5] = ["a_gx", "a_gz", "F_x", "F_z", "M_y"];
 const DIRECTION: [f64; 5] = [0.5, -2.0, 300.0, 40.0, -7.0];
-/// As many outputs, all of which the inputs act on.
+/// Outputs that depend on the inputs, equal to these in number.
 const UNKNOWNS: [&str; 5] = ["theta_ddot", "v_ddot", "u_ddot", "H", "friction_demand"];
 
-/// An array that nothing was ever written to, as `malloc` gives it; memcheck tells if any of it is read.
+/// An uninitialized array, as from `malloc`; memcheck reports any read of it.
 fn fresh<T>(length: usize) -> Vec<T> {
     Vec::with_capacity(length)
 }
@@ -68,7 +68,7 @@ fn results_may_go_where_nothing_was_written() {
     instance.free(state);
 }
 
-/// Directions and sensitivities in one array, as `fmi2GetDirectionalDerivative` is called by solvers that work in place.
+/// Passes directions and sensitivities in one array, as solvers that work in place do.
 #[test]
 fn a_direction_may_be_where_its_sensitivities_go() {
     let instance = pushed();
@@ -84,7 +84,7 @@ fn a_direction_may_be_where_its_sensitivities_go() {
     assert_eq!(call!(instance, get_directional_derivative, of, 5, to, 5, both, both), OK);
     assert_eq!(in_place, apart);
 
-    // And one element further.
+    // Shifted by one element.
     let mut shifted = [0.0; 6];
     shifted[..5].copy_from_slice(&DIRECTION);
     let both = shifted.as_mut_ptr();
@@ -92,7 +92,7 @@ fn a_direction_may_be_where_its_sensitivities_go() {
     assert_eq!((shifted[0], &shifted[1..]), (DIRECTION[0], &apart[..]));
 }
 
-/// One buffer for everything: what is read lies where the results go.
+/// Passes one buffer for everything, so that inputs overlap the results.
 #[test]
 fn references_and_orders_may_be_where_the_values_go() {
     let instance = pushed();
@@ -125,7 +125,7 @@ fn references_and_orders_may_be_where_the_values_go() {
     assert_eq!(numbers.map(f64::from), [instance.get("regime"), instance.get("events.impacts")]);
 }
 
-/// What cannot be an array is refused before it is touched.
+/// A pointer that cannot be an array is refused before it is used.
 #[test]
 fn impossible_arrays_are_refused() {
     let instance = pushed();

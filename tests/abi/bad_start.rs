@@ -1,4 +1,4 @@
-//! Instances that are not to be had, and initializations that are refused.
+//! Refused instantiations and initializations.
 
 use std::ffi::{CString, c_int};
 use std::ptr::null;
@@ -6,13 +6,13 @@ use std::ptr::null;
 use crate::functions::*;
 use crate::host::{FMU, Instance, Message, Messages, call, callbacks};
 
-/// Name, type and GUID that are asked for.
+/// Requested name, type and GUID.
 type Request<'a> = (Option<&'a str>, c_int, Option<&'a str>);
 
 /// Tolerance, start and stop.
 type Experiment = (Option<f64>, f64, Option<f64>);
 
-/// What `fmi2Instantiate` says, and whether it gave an instance.
+/// Message of `fmi2Instantiate`, and whether it returned an instance.
 fn instantiate(name: Option<&str>, kind: c_int, guid: Option<&str>) -> (bool, Vec<Message>) {
     let messages = Messages::default();
     let callbacks = callbacks(&messages);
@@ -73,7 +73,7 @@ fn without_callbacks_there_is_no_instance_and_without_a_logger_no_message() {
     }
 }
 
-/// The resource location is not needed and not judged.
+/// The resource location is not used.
 #[test]
 fn any_resource_location_does() {
     let odd = ["", "file:/", "file:///", "file:///a b/%20%s%n", "no such place", "http://localhost/x"];
@@ -103,7 +103,7 @@ fn geometry_that_makes_no_block_is_refused_until_it_is_mended() {
     }
 }
 
-/// Each parameter is within its limits, and what they amount to overflows.
+/// Each parameter is within its limits, but the block made from them overflows.
 #[test]
 fn parameters_whose_product_overflows_are_refused() {
     let instance = Instance::new("block");
@@ -115,7 +115,7 @@ fn parameters_whose_product_overflows_are_refused() {
     instance.refuses(call!(instance, exit_initialization_mode), &["fmi2ExitInitializationMode"]);
 }
 
-/// A parameter that nothing reads with the others as they are is reported with what it needs, never silently ignored.
+/// A parameter that is not read is reported with the setting that it needs, never silently ignored.
 #[test]
 fn parameters_that_are_not_read_are_warned_of() {
     let cases = [
@@ -150,7 +150,7 @@ fn parameters_that_are_not_read_are_warned_of() {
 const SIZES: [(&str, f64); 4] =
     [("physical.width", 0.6), ("physical.height", 2.0), ("physical.K", 4e5), ("physical.C", 3e3)];
 
-/// The foundation of a block that is given by its sizes is never invented in silence.
+/// A block given by its sizes never gets default supports without a warning.
 #[test]
 fn sizes_that_were_not_set_are_warned_of() {
     let warned = |foundation: f64, sizes: &[(&str, f64)]| {
@@ -206,7 +206,7 @@ fn an_experiment_that_cannot_be_is_refused_and_the_one_before_stays() {
     instance.refuses(instance.try_step(4.0, 0.5), &["4.5", "stopTime = 4"]);
 }
 
-/// Whatever is in the instance's name comes back as it was: no text of the host is ever a format.
+/// The instance's name is passed back unchanged: no string of the host is used as a format.
 #[test]
 fn percent_signs_arrive_verbatim() {
     let name = "100%s%n%d {0} \u{e4}";

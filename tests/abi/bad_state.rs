@@ -1,4 +1,4 @@
-//! Serialized states that are refused: an error, and the instance as it was.
+//! Refused serialized states: an error, and an unchanged instance.
 
 use std::ffi::c_char;
 use std::ptr::null_mut;
@@ -40,7 +40,7 @@ fn cut_bytes() {
     assert_eq!(bytes_of(&instance), bytes);
 }
 
-/// Every byte in turn, with one bit and with all bits turned.
+/// Flips one bit, or all bits, of each byte in turn.
 #[test]
 fn altered_bytes() {
     let instance = rocking();
@@ -66,7 +66,7 @@ fn something_else_altogether() {
     instance.refuses(status, &["serializedState", "NULL"]);
 }
 
-/// The version stands behind the magic number; a later one is named.
+/// The version follows the magic number; the error names a later one.
 #[test]
 fn another_version() {
     let instance = rocking();

@@ -1,4 +1,4 @@
-//! Steps that are refused, and how much rounding of a master is forgiven.
+//! Refused steps, and the accepted rounding of a master's clock.
 
 use crate::functions::*;
 use crate::host::{Instance, call};
@@ -70,19 +70,19 @@ fn a_block_at_rest_takes_a_step_of_any_length() {
     }
 }
 
-/// Masters sum up their steps: 1e-9 of max(h, |t|) is forgiven, and the master's time becomes the instance's.
+/// Masters sum up their steps: an error of 1e-9 max(h, |t|) is accepted, and the master's time becomes the instance's.
 #[test]
 fn a_clock_off_by_rounding_is_accepted_and_taken() {
     for (time, step) in [(2.0 + 1.9e-9, 0.5), (2.0 - 1.9e-9, 0.5), (2.0 + 4.9e-9, 5.0), (2.0_f64.next_up(), 1e-3)] {
         let instance = at_two();
         instance.step(time, step);
         assert_eq!(instance.real_status(LAST_SUCCESSFUL_TIME), Ok(time + step));
-        // From the new time on, not from where the step would have ended.
+        // The next step begins at the new time, not at the exact end of the last one.
         instance.step(time + step, 0.5);
     }
 }
 
-/// At large times a part of |t| may be longer than the step.
+/// At large times 1e-9 |t| may be longer than the step.
 #[test]
 fn a_clock_never_skips_more_than_a_thousandth_of_a_step() {
     let start = 1e9;
@@ -96,7 +96,7 @@ fn a_clock_never_skips_more_than_a_thousandth_of_a_step() {
             assert_eq!(status, OK, "{off} s");
         } else {
             instance.refuses(status, &["currentCommunicationPoint"]);
-            // Nor does a step pass the stop time by more.
+            // A step may not pass the stop time by more, either.
             instance.refuses(instance.try_step(start, 10.0 + 0.02), &["stopTime"]);
             instance.step(start, 10.0);
         }
@@ -125,7 +125,7 @@ fn a_summed_clock_reaches_its_stop() {
     assert!(time != 1.0 && (time - 1.0).abs() < 1e-9);
 }
 
-/// An integration that fails says why, and the instance can be read and reset.
+/// A failed integration reports its reason, and the instance can be read and reset.
 #[test]
 fn an_overflow_is_an_error_with_the_time_of_the_last_good_state() {
     let instance = at_two();
@@ -138,10 +138,10 @@ fn an_overflow_is_an_error_with_the_time_of_the_last_good_state() {
     instance.step(0.0, 0.5);
 }
 
-/// Found by fuzzing: at time zero the clock resolves steps of any size, and there were 10¹⁶ to take.
+/// Found by fuzzing: at time zero the clock resolves steps of any size, so a step took 10¹⁶ of them.
 #[test]
 fn an_input_that_no_step_can_follow_is_an_error_at_time_zero_too() {
-    // A pulse that begins so soon that the resolution of its time is no number.
+    // The pulse begins so soon that the clock's resolution there underflows.
     for (start, pulse) in [(2.0, 0.0), (0.0, 0.0), (0.0, 1.2e-309)] {
         let instance = Instance::new("block");
         instance.set("pulse.shape", 2.0);

@@ -1,4 +1,4 @@
-//! Values that are refused: a message names what was wrong, and nothing has changed.
+//! Refused values: a message names the error, and nothing changes.
 
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};
@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 use crate::functions::*;
 use crate::host::{FMU, Instance, call, reference};
 
-/// An instance in each state that lets values be set: instantiated, initializing, stepping.
+/// An instance in each state where values can be set: instantiated, initializing, stepping.
 fn settable() -> [Instance; 3] {
     let instances = ["instantiated", "initializing", "stepping"].map(Instance::new);
     assert_eq!(call!(instances[1], enter_initialization_mode), OK);
@@ -30,7 +30,7 @@ fn unknown_value_references() {
         let words: &[&str] = &[&unknown.to_string(), "does not exist"];
         for instance in &settable() {
             let before = all_of(instance);
-            // A good reference in front: it is not set either.
+            // A valid reference before it is not set, either.
             let references = [reference("a_gx"), unknown];
             instance.refuses(call!(instance, set_real, references.as_ptr(), 2, [1.0, 2.0].as_ptr()), words);
             instance.refuses(call!(instance, set_integer, &unknown, 1, &1), words);
@@ -124,7 +124,7 @@ fn null_arrays() {
     instance.refuses(call!(instance, set_debug_logging, 1, 1, null()), &["categories", "NULL"]);
     instance.refuses(call!(instance, set_debug_logging, 1, 1, &null()), &["categories", "NULL"]);
     assert_eq!(all_of(&instance), before);
-    // With n = 0 nothing is read or written, and nothing is wrong.
+    // With n = 0 nothing is read or written, and the call succeeds.
     assert_eq!(call!(instance, get_real, null(), 0, null_mut()), OK);
     assert_eq!(call!(instance, set_real, null(), 0, null()), OK);
     assert_eq!(call!(instance, set_real_input_derivatives, null(), 0, null(), null()), OK);
@@ -143,7 +143,7 @@ fn what_cannot_be_set() {
                 "parameter" if stepping => &[name, "fixed parameter"],
                 _ => continue,
             };
-            // Even the value that it has.
+            // Even its present value is refused.
             let status = match (variable.kind.as_str(), variable.causality.as_str()) {
                 ("String", _) => instance.try_set_text(name, &instance.text(name)),
                 (_, "parameter") => instance.try_set(name, instance.get(name)),
@@ -166,7 +166,7 @@ fn numbers_that_are_none_or_out_of_limits() {
             let limits: Vec<String> = [min, max].iter().flatten().map(f64::to_string).collect();
             let beyond = [min.map(f64::next_down), max.map(f64::next_up)];
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].into_iter().chain(beyond.into_iter().flatten()) {
-                // The good value in front is not taken either.
+                // A valid value before it is not set, either.
                 let references = [reference("a_gz"), variable.reference];
                 let status = call!(instance, set_real, references.as_ptr(), 2, [3.0, value].as_ptr());
                 let mut words = vec![variable.name.as_str()];
@@ -177,7 +177,7 @@ fn numbers_that_are_none_or_out_of_limits() {
             }
         }
         assert_eq!(all_of(instance), before);
-        // The limits themselves are within.
+        // The limits themselves are accepted.
         for variable in FMU.description.variables.iter().filter(|v| v.causality == "parameter") {
             for limit in [variable.min, variable.max].into_iter().flatten() {
                 instance.set(&variable.name, limit);

@@ -1,4 +1,4 @@
-//! Derivatives in Initialization Mode, of what InitialUnknowns declares with respect to inputs and parameters.
+//! Derivatives of the initial unknowns in Initialization Mode, with respect to inputs and parameters.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -82,7 +82,7 @@ fn directions_add_up() {
     }
 }
 
-/// The derivative of the group of parameters that is not read is zero, as are those of what does not act.
+/// Derivatives with respect to parameters that are not read, or that do not act, are zero.
 #[test]
 fn what_is_not_read_has_no_effect() {
     let mut instance = begin(&[("initial.theta", 0.1)]);
@@ -94,8 +94,9 @@ fn what_is_not_read_has_no_effect() {
     }
 }
 
-/// A block at rest stands at many kinks: `|H|`, the greater of two equal reactions, the sign of a rotation that is zero. A peak
-/// grows whichever way it is left; for the rest it is the side on which the block is.
+/// A block at rest is at many kinks: `|H|`, the larger of two equal reactions, the sign of a zero rotation.
+///
+/// A peak grows in either direction; the other outputs have the derivative of the block's side.
 #[test]
 fn at_a_kink_it_is_one_side() {
     let mut rigid = begin(&[("foundation", 2.0), ("initial.theta", 0.0)]);
@@ -106,13 +107,13 @@ fn at_a_kink_it_is_one_side() {
     assert_eq!(rigid.derivatives(&["peak.theta", "peak.H", "H"], "initial.theta"), [1.0, 0.0, 0.0]);
     let [shear, peak] = rigid.derivatives(&["H", "peak.H"], "a_gx")[..] else { panic!() };
     assert_eq!([shear, peak], [1000.0, 1000.0]);
-    // Supports so soft that no corner lifts end the arc sine.
+    // On supports so soft no corner lifts, beyond the range of the arc sine.
     let mut soft = begin(&[("dimensionless.eta", 1.0)]);
     assert_eq!(soft.get("derived.theta_separation"), FRAC_PI_2);
     assert_eq!(soft.derivatives(&["derived.theta_separation"], "dimensionless.eta"), [0.0]);
 }
 
-/// A factor of zero leaves nothing of a record; it is read again for what a little of it would do.
+/// A scale of zero erases the record, which is read again for its derivative.
 #[test]
 fn a_record_can_be_scaled_from_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -122,7 +123,7 @@ fn a_record_can_be_scaled_from_nothing() {
     instance.set_text("record.horizontal", path.to_str().unwrap());
     instance.set_text("record.horizontal_unit", "g");
     let [shear, peak] = instance.derivatives(&["u_ddot", "record.PGA"], "record.scale")[..] else { panic!() };
-    // Half way from 0.3 g to −0.2 g; of the greatest sample 0.3 g.
+    // Halfway from 0.3 g to −0.2 g; the largest sample is 0.3 g.
     let whole = instance.derivatives(&["u_ddot"], "a_gx")[0] * 0.5;
     assert!((shear - whole).abs() < 1e-15 && (peak - 3.0).abs() < 1e-15, "{shear}, not {whole}; {peak}");
     std::fs::remove_file(&path).unwrap();
@@ -153,11 +154,11 @@ fn what_is_declared_nowhere_is_refused() {
     refuses(theta, none, 1.0, &[&words]);
     refuses(none, alpha, 1.0, &[&words]);
     refuses(theta, alpha, f64::NAN, &["NaN", "dimensionless.alpha", "finite"]);
-    // What makes no block has no derivatives.
+    // Parameters that make no block have no derivatives.
     instance.set("parameterization", 2.0);
     instance.set("physical.width", 0.0);
     refuses(theta, alpha, 1.0, &["width = 0"]);
-    // Once there is a block only inputs and states are directions.
+    // After initialization only inputs and states are directions.
     for (name, value) in [("physical.width", 3.0), ("physical.height", 9.0), ("physical.K", 1e6), ("physical.C", 5e3)] {
         instance.set(name, value);
     }
@@ -166,7 +167,7 @@ fn what_is_declared_nowhere_is_refused() {
     refuses(reference("derived.p"), a_gx, 1.0, &["derived.p is a calculated parameter", "only an output"]);
 }
 
-/// Asking for derivatives changes nothing.
+/// Reading derivatives changes nothing.
 #[test]
 fn asking_leaves_no_trace() {
     let (mut asked, other) = (begin(&[("initial.theta", 0.1)]), begin(&[("initial.theta", 0.1)]));

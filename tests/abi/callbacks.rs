@@ -1,4 +1,4 @@
-//! What an importer's logger does besides logging: calls of its own instance, and exceptions.
+//! Calls and exceptions of an importer's logger.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CString, c_int};
@@ -7,15 +7,15 @@ use std::ptr::{null, null_mut};
 use crate::functions::*;
 use crate::host::{FMU, reference};
 
-/// What the logger finds in its environment.
+/// The logger's environment.
 struct Meddler {
     component: Cell<Component>,
-    /// A state of the instance, saved before.
+    /// A saved state of the instance.
     saved: Cell<SavedState>,
     meddles: Cell<bool>,
     /// Messages so far.
     messages: Cell<usize>,
-    /// What calls from within the logger answered.
+    /// Statuses of the calls from the logger.
     answers: RefCell<Vec<(&'static str, Status)>>,
 }
 
@@ -82,7 +82,7 @@ unsafe extern "C" fn meddle(environment: Environment, _: Text, _: Status, _: Tex
     meddler.answers.borrow_mut().extend(answers);
 }
 
-/// A run with all categories logged; the numbers of messages and of answers to the logger, and all that was put out.
+/// Runs with all categories logged. Returns the numbers of messages and of statuses, and all outputs.
 fn run(meddles: bool) -> (usize, Vec<(&'static str, Status)>, Vec<u64>) {
     let f = &FMU.functions;
     let meddler = Meddler {
@@ -107,7 +107,7 @@ fn run(meddles: bool) -> (usize, Vec<(&'static str, Status)>, Vec<u64>) {
         assert!(!c.is_null());
         meddler.component.set(c);
         assert_eq!((f.set_real)(c, &reference("initial.theta"), 1, &0.1), OK);
-        // A parameter that is not read: the warning comes from within the call.
+        // A parameter that is not read causes a warning during the call.
         assert_eq!((f.set_real)(c, &reference("physical.width"), 1, &5.0), OK);
         let mut saved = null_mut();
         assert_eq!((f.get_fmu_state)(c, &mut saved), OK);
@@ -124,7 +124,7 @@ fn run(meddles: bool) -> (usize, Vec<(&'static str, Status)>, Vec<u64>) {
             assert_eq!((f.get_real)(c, outputs.as_ptr(), outputs.len(), values.as_mut_ptr()), OK);
             seen.extend(values.iter().map(|value| value.to_bits()));
         }
-        // A refused call, whose message comes after it.
+        // The message of a refused call follows it.
         assert_eq!((f.set_real)(c, &reference("theta"), 1, &0.0), ERROR);
         assert_eq!((f.free_fmu_state)(c, &mut saved), OK);
         meddler.saved.set(null_mut());
@@ -134,7 +134,7 @@ fn run(meddles: bool) -> (usize, Vec<(&'static str, Status)>, Vec<u64>) {
     (meddler.messages.get(), meddler.answers.into_inner(), seen)
 }
 
-/// A logger that calls its instance gets `fmi2Error`, with nothing logged and nothing changed, whatever it calls.
+/// Any call of the logger on its instance returns `fmi2Error`, logs nothing and changes nothing.
 #[test]
 fn calls_from_within_the_logger_are_refused() {
     let (messages, none, alone) = run(false);
@@ -148,10 +148,10 @@ fn calls_from_within_the_logger_are_refused() {
     assert_eq!(meddled, alone);
 }
 
-/// The answers of an instance in use do not come from another instance in the same process.
+/// The logger of an instance may call another instance.
 #[test]
 fn another_instance_can_be_called_from_within_the_logger() {
-    /// The other instance, and what it answered.
+    /// The other instance and its statuses.
     type Other = (Component, Cell<Option<Status>>);
     unsafe extern "C" fn read_other(environment: Environment, _: Text, _: Status, _: Text, _: Text, _: Text) {
         // SAFETY: the environment is an `Other` that outlives the instance.
@@ -186,8 +186,9 @@ fn another_instance_can_be_called_from_within_the_logger() {
 /// Set for the process in which the logger throws.
 const THROWS: &str = "ROCKING_BLOCK_TEST_THROWS";
 
-/// An exception that leaves the logger ends the process with a message, as the documentation says. The panic of this
-/// program is foreign to the library, which has a Rust runtime of its own, just as one of C++ would be.
+/// An exception that leaves the logger ends the process with a message, as documented.
+///
+/// This program's panic is foreign to the library, which has its own Rust runtime, as an exception of C++ is.
 #[test]
 fn an_exception_from_the_logger_ends_the_process() {
     unsafe extern "C-unwind" fn throw(_: Environment, _: Text, _: Status, _: Text, _: Text, _: Text) {

@@ -1,4 +1,4 @@
-//! Derivatives of the outputs against differences of the outputs themselves.
+//! Derivatives of the outputs, compared with finite differences.
 
 use std::ffi::c_int;
 
@@ -10,7 +10,7 @@ const G: f64 = 9.81;
 /// R0 of the default block: gamma/(1 + gamma) g/p².
 const R0: f64 = 0.75 * G;
 
-/// The inputs and the sizes that make a weight, or a weight at the end of R0, of each.
+/// The inputs, each with the size of a weight, or of a weight with the lever R0.
 const INPUTS: [(&str, f64); 5] =
     [("a_gx", G), ("a_gz", G), ("F_x", MASS * G), ("F_z", MASS * G), ("M_y", MASS * G * R0)];
 
@@ -29,7 +29,7 @@ const SCENES: [Scene; 7] = [
 
 const START: f64 = 0.05;
 
-/// A block in this regime at t = 0.05 s, all inputs in use and changing.
+/// Returns a block in this regime at t = 0.05 s, with all inputs changing.
 fn set_up(scene: &Scene) -> Instance {
     let instance = Instance::new(scene.0);
     for (name, value) in scene.1 {
@@ -45,14 +45,14 @@ fn set_up(scene: &Scene) -> Instance {
     instance
 }
 
-/// All inputs go on changing, a weight in a few seconds.
+/// All inputs continue to change, by a weight in a few seconds.
 fn ramp(instance: &Instance) {
     for (i, (input, size)) in INPUTS.into_iter().enumerate() {
         instance.set_rate(input, (0.1 - 0.07 * i as f64) * size);
     }
 }
 
-/// How large an output is in this scene: what a relative error is meant relative to.
+/// Returns the scale of an output in this scene, for relative errors.
 fn size(output: &str) -> f64 {
     match output {
         "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => MASS * G,
@@ -63,7 +63,7 @@ fn size(output: &str) -> f64 {
     }
 }
 
-/// Derivatives of an output in a direction of inputs.
+/// Returns the derivatives of an output in a direction of inputs.
 fn exact(instance: &Instance, output: &str, direction: &[(&str, f64)]) -> f64 {
     let known: Vec<Reference> = direction.iter().map(|(input, _)| reference(input)).collect();
     let along: Vec<f64> = direction.iter().map(|(_, component)| *component).collect();
@@ -82,7 +82,7 @@ fn exact(instance: &Instance, output: &str, direction: &[(&str, f64)]) -> f64 {
     result
 }
 
-/// The output with an input moved off by `shift`, and the input set back.
+/// Returns the output with an input changed by `shift`, and restores the input.
 fn shifted(instance: &Instance, output: &str, input: &str, shift: f64) -> f64 {
     let value = instance.get(input);
     instance.set(input, value + shift);
@@ -120,7 +120,7 @@ fn directional_derivatives_are_those_of_the_outputs() {
     }
 }
 
-/// Every dependency that ModelStructure declares is one in some regime.
+/// Every dependency declared in ModelStructure exists in some regime.
 #[test]
 fn declared_dependencies_are_there() {
     let instances: Vec<Instance> = SCENES.iter().map(set_up).collect();
@@ -148,7 +148,7 @@ fn directions_add_up() {
     }
 }
 
-/// Asking for derivatives changes nothing.
+/// Reading derivatives changes nothing.
 #[test]
 fn asking_leaves_no_trace() {
     for scene in &SCENES {
@@ -166,7 +166,7 @@ fn asking_leaves_no_trace() {
     }
 }
 
-/// The derivative of an output in time.
+/// Returns the time derivative of an output.
 fn rate(instance: &Instance, output: &str) -> f64 {
     let (order, mut result): (c_int, f64) = (1, f64::NAN);
     let status = call!(instance, get_real_output_derivatives, &reference(output), 1, &order, &mut result);

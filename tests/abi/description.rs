@@ -12,11 +12,11 @@ pub struct Variable {
     pub causality: String,
     pub min: Option<f64>,
     pub max: Option<f64>,
-    /// Names of the variables that ModelStructure lets an output depend on.
+    /// Names of the variables on which an output depends by ModelStructure.
     pub dependencies: Vec<String>,
 }
 
-/// What is read.
+/// The parts of the description that the tests read.
 pub struct Description {
     pub guid: String,
     pub variables: Vec<Variable>,
@@ -57,7 +57,7 @@ pub fn read(text: &str) -> Description {
 }
 
 impl Description {
-    /// The variable of this name.
+    /// Returns the variable with this name.
     pub fn variable(&self, name: &str) -> &Variable {
         self.variables.iter().find(|v| v.name == name).unwrap_or_else(|| panic!("there is no variable {name}"))
     }

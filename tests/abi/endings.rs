@@ -1,4 +1,4 @@
-//! Complete separation and overturning, ended or held.
+//! Complete separation and overturning, terminated or held.
 
 use crate::common::{Case, cases};
 use crate::functions::*;
@@ -12,7 +12,7 @@ fn case(name: &str) -> Case {
     cases().into_iter().find(|case| case.name == name).unwrap()
 }
 
-/// The case at its beginning, at a tight tolerance.
+/// Returns the case at its beginning, with a tight tolerance.
 fn start(case: &Case, hold: bool) -> Instance {
     let instance = Instance::new("block");
     prepare(&instance, case);
@@ -24,7 +24,7 @@ fn start(case: &Case, hold: bool) -> Instance {
     instance
 }
 
-/// Steps of 0.01 s to right before the end of the run; the time that is reached.
+/// Steps by 0.01 s until just before the end of the run, and returns the time.
 fn approach(instance: &Instance, case: &Case) -> f64 {
     let steps = (case.t_final / 0.01).floor();
     instance.go(0.0, steps * 0.01, 0.01);
@@ -69,7 +69,7 @@ fn the_end_of_a_run_is_discarded_with_its_time_and_the_outputs_of_that_time() {
             assert!((instance.get("theta").abs() - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
         } else {
             assert_eq!([instance.get("N_L"), instance.get("N_R"), instance.get("H")], [0.0; 3]);
-            // In flight from t_e on: the motion is that of the last instant of contact.
+            // In flight after t_e; the motion is that of the last instant of contact.
             assert!((instance.get("v_ddot") + 9.81).abs() < 1e-9 && instance.get("theta_ddot").abs() < 1e-9);
         }
         let bits = instance.bits();
@@ -128,13 +128,13 @@ fn a_block_that_is_held_is_frozen_where_the_run_would_have_ended() {
     }
 }
 
-/// The bits of all outputs but the heights over the supports.
+/// Returns the bits of all outputs except the heights above the supports.
 fn still_bits(instance: &Instance) -> Vec<u64> {
     let outputs = FMU.description.outputs().filter(|output| !output.name.starts_with("uplift"));
     outputs.map(|output| instance.get(&output.name).to_bits()).collect()
 }
 
-/// The supports under a frozen block are frozen, too: heights over them neither change nor have a rate.
+/// The supports under a frozen block are frozen, too: heights above them are constant and have no rate.
 #[test]
 fn a_block_that_is_held_keeps_its_height_over_the_supports() {
     let case = case("sine_separates");
@@ -149,7 +149,7 @@ fn a_block_that_is_held_keeps_its_height_over_the_supports() {
     }
 }
 
-/// A block that begins in the air has ended before it began.
+/// The run of a block that begins in the air ends at its start.
 #[test]
 fn a_start_in_the_air() {
     for hold in [false, true] {
@@ -170,7 +170,7 @@ fn a_start_in_the_air() {
     }
 }
 
-/// A block that may fly does, and the run goes on.
+/// With `Fly` the run continues after separation.
 #[test]
 fn a_separation_that_ends_in_a_landing() {
     let case = case("sine_separates");
@@ -195,7 +195,7 @@ fn a_separation_that_ends_in_a_landing() {
     assert_eq!([instance.get("separated"), instance.get("overturned")], [0.0; 2]);
 }
 
-/// A master that can go back does, and takes a step that ends before the end.
+/// A master that can restore a state repeats the step with an end before that of the run.
 #[test]
 fn a_discarded_step_can_be_taken_back() {
     let case = case("sine_separates");
@@ -215,7 +215,7 @@ fn a_discarded_step_can_be_taken_back() {
     assert!((instance.real_status(LAST_SUCCESSFUL_TIME).unwrap() - ended).abs() < 1e-9);
 }
 
-/// A block on supports that topples leaves them before it lies on its side: it is separated and overturned.
+/// A toppling block on supports leaves them before it lies on its side: it is separated and overturned.
 #[test]
 fn a_block_that_separates_on_its_way_over_has_overturned() {
     for (choice, ended) in [(1.0, DISCARD), (2.0, OK)] {

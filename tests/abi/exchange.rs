@@ -1,4 +1,4 @@
-//! Model Exchange (the standard, chapter 3): the block stepped by a solver of the importer, here a simple one.
+//! Model Exchange (the standard, chapter 3): a simple solver of the importer steps the block.
 
 use crate::functions::*;
 use crate::host::{Instance, call, reference};
@@ -11,12 +11,12 @@ const DERIVATIVES: [&str; STATES] =
 
 type States = [f64; STATES];
 
-/// Ground accelerations that no polynomial of first degree follows.
+/// Ground accelerations that are not linear in time.
 fn ground(time: f64) -> [f64; 2] {
     [7.5 * (4.0 * time).sin(), 14.0 * (17.0 * time).cos()]
 }
 
-/// The importer's side: classical Runge–Kutta with steps of one length, and bisection of a step that holds an event.
+/// The importer: classical Runge–Kutta with constant steps, and bisection of a step that contains an event.
 struct Solver {
     instance: Instance,
     time: f64,
@@ -24,7 +24,7 @@ struct Solver {
     events: u32,
     ended: bool,
     last: EventInfo,
-    /// Whether no input is set.
+    /// Whether the inputs are constant.
     still: bool,
     /// Whether steps are not completed.
     quiet: bool,
@@ -40,7 +40,7 @@ impl Solver {
         Solver::of(instance, false)
     }
 
-    /// Of an instance that has been initialized; `still` for one whose inputs stay as they are.
+    /// Wraps an initialized instance; `still` if its inputs are constant.
     fn of(instance: Instance, still: bool) -> Solver {
         let (states, last) = ([f64::NAN; STATES], EventInfo::default());
         let mut solver = Solver { instance, time: 0.0, states, events: 0, ended: false, last, still, quiet: false };
@@ -50,7 +50,7 @@ impl Solver {
         solver
     }
 
-    /// Clock, inputs and, unless an event has changed them, states.
+    /// Sets time, inputs and, if given, states.
     fn set(&self, time: f64, states: Option<&States>) {
         assert_eq!(call!(self.instance, set_time, time), OK);
         if !self.still {
@@ -88,7 +88,7 @@ impl Solver {
         indicators
     }
 
-    /// Where a step leads, and whether an event is behind.
+    /// Returns the end of a step, and whether an event lies within it.
     fn attempt(&self, h: f64) -> (States, bool) {
         let plus = |k: &States, part: f64| -> States { std::array::from_fn(|i| self.states[i] + part * h * k[i]) };
         let k1 = self.derivatives(self.time, &self.states);
@@ -111,7 +111,7 @@ impl Solver {
         assert_eq!((event, terminate), (0, 0));
     }
 
-    /// One step, or the part of it before an event and the event.
+    /// Does a step, or its part up to an event and the event.
     fn step(&mut self, h: f64) {
         let (end, fallen) = self.attempt(h);
         if !fallen {
@@ -144,8 +144,7 @@ const FLYING: [(&str, f64); 6] = [
     ("on_separation", 3.0),
 ];
 
-/// In flight and under inputs that are no straight lines: the same motion as in Co-Simulation with steps so small that straight
-/// lines follow these.
+/// In flight and under nonlinear inputs, the motion is that of Co-Simulation in steps short enough for linear inputs.
 #[test]
 fn a_simple_solver_follows_flights_under_arbitrary_inputs() {
     let mut solver = Solver::begin(&FLYING);
@@ -181,7 +180,7 @@ fn a_simple_solver_follows_flights_under_arbitrary_inputs() {
     }
 }
 
-/// States, their derivatives and nominal sizes are those of the variables that the description names.
+/// States, derivatives and nominal values are those of the variables named in the description.
 #[test]
 fn states_are_the_variables_that_they_are_declared_to_be() {
     let mut solver = Solver::begin(&FLYING);
@@ -201,7 +200,7 @@ fn states_are_the_variables_that_they_are_declared_to_be() {
     assert!(nominals.iter().all(|&nominal| nominal.is_finite() && nominal > 0.0), "{nominals:?}");
 }
 
-/// Derivatives with respect to states are those of differences, in all regimes that the run passes.
+/// Derivatives with respect to states equal finite differences in all regimes of the run.
 #[test]
 fn directional_derivatives_with_respect_to_states_are_exact() {
     let mut broad = FLYING;
@@ -262,7 +261,7 @@ fn saved_states_resume_with_the_same_bits() {
     solver.go(1.4, 1e-3);
     assert_eq!(solver.instance.bits(), expected);
 
-    // Neither is a state of the other interface one of this.
+    // A state of the other interface type is refused, too.
     let slave = Instance::new("slave");
     slave.refuses(call!(slave, set_fmu_state, state), &["ModelExchange", "CoSimulation"]);
     solver.instance.free(state);
@@ -295,7 +294,7 @@ fn time_events_and_the_end_of_the_run() {
         (info.next_event_time_defined != 0).then_some(info.next_event_time)
     };
     assert_eq!(next(0.0), Some(0.25));
-    // Up to the event the excitation is that before it, and the cosine begins at once after it.
+    // Before the event the pulse does not act; after it the cosine has its full value.
     assert_eq!(call!(instance, set_time, 0.25), OK);
     assert_eq!(instance.get("H"), 0.0);
     assert_eq!(next(0.25), Some(0.75));
@@ -323,7 +322,7 @@ fn arrays_of_another_length_and_numbers_that_are_none_are_refused() {
     assert_eq!(i.bits(), before);
 }
 
-/// The derivatives of a variable with respect to the states.
+/// Returns the derivatives of a variable with respect to the states.
 fn jacobian(instance: &Instance, unknown: &str) -> States {
     NAMES.map(|name| {
         let (unknown, known, mut found) = (reference(unknown), reference(name), f64::NAN);
@@ -332,7 +331,7 @@ fn jacobian(instance: &Instance, unknown: &str) -> States {
     })
 }
 
-/// Each state reads back as it was set, in each regime, on supports and on the rigid base; so says the Jacobian.
+/// In each regime, on supports and on the rigid base, states read back as set, and the Jacobian agrees.
 #[test]
 fn states_read_back_in_each_regime() {
     for foundation in [1.0, 2.0] {
@@ -391,7 +390,7 @@ fn every_event_says_that_states_changed() {
     }
 }
 
-/// Held, the block has no rates: its states, the variables, and the derivatives say so.
+/// States, variables and derivatives of a held block have zero rates.
 #[test]
 fn a_held_block_has_no_rates() {
     let overturns = [("foundation", 2.0), ("initial.theta", 0.2), ("initial.theta_dot", 1.0)];
@@ -428,7 +427,7 @@ fn a_held_block_has_no_rates() {
             let (a, b) = (slave.get(name), solver.instance.get(name));
             assert!((a - b).abs() <= 1e-7 * b.abs(), "{name}: {b}, in Co-Simulation {a}");
         }
-        // What is shown follows where the states are set.
+        // The outputs follow the states as set.
         let [mut low, mut high] = [solver.states; 2];
         (low[0], high[0]) = (low[0] - 1e-6, high[0] + 1e-6);
         for name in ["theta", "theta_ddot", "v_L", "energy.potential"] {
@@ -444,7 +443,7 @@ fn a_held_block_has_no_rates() {
     }
 }
 
-/// Peaks of a record between its samples, seen in single steps from one to the next.
+/// Peaks between the samples of a record are found in single steps from sample to sample.
 #[test]
 fn peaks_between_samples_of_a_record_are_seen() {
     let folder = tempfile::tempdir().unwrap();
@@ -461,7 +460,7 @@ fn peaks_between_samples_of_a_record_are_seen() {
     inside.step(0.0, 2.0);
     let mut solver = Solver::of(outside, true);
     for i in 1..=200 {
-        // A step of the importer's that is made of ten of its solver's.
+        // A step of the importer consists of ten steps of its solver.
         let end = 0.01 * f64::from(i);
         solver.quiet = true;
         solver.go(end - 1e-9, 1e-3);
@@ -497,7 +496,7 @@ fn states_out_of_all_proportion_are_discarded() {
     huge[1] = 1e200;
     solver.set(time, Some(&huge));
     assert_eq!(call!(solver.instance, get_derivatives, [0.0; STATES].as_mut_ptr(), STATES), DISCARD);
-    // The solver goes back and on.
+    // The solver goes back and continues.
     solver.set(time, Some(&states));
     solver.go(0.5, 1e-3);
     assert!(solver.instance.get("peak.theta") < 1.0);
@@ -519,11 +518,11 @@ fn states_can_be_set_as_variables() {
     assert_eq!(call!(solver.instance, get_continuous_states, found[0].as_mut_ptr(), STATES), OK);
     assert_eq!(call!(solver.instance, get_derivatives, found[1].as_mut_ptr(), STATES), OK);
     assert_eq!(found, [expected, derivatives]);
-    // Nothing else that is put out can be set.
+    // No other output can be set.
     solver.instance.refuses(call!(solver.instance, set_real, &reference("theta_ddot"), 1, &0.0), &["theta_ddot"]);
 }
 
-/// The sizes in the file are those of the block with the start values.
+/// The nominal values in the file are those of the block with the start values.
 #[test]
 fn nominal_values_of_the_states_are_those_of_the_default_block() {
     let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);

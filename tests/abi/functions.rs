@@ -39,7 +39,7 @@ pub struct Callbacks {
     pub environment: Environment,
 }
 
-/// What an importer has to know after an event of Model Exchange.
+/// Information for the importer after an event of Model Exchange.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Debug)]
 pub struct EventInfo {

@@ -39,7 +39,7 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
     Fmu { functions, description, xml, binary }
 });
 
-/// A message as the logger got it.
+/// A message received by the logger.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     pub instance: String,
@@ -50,7 +50,7 @@ pub struct Message {
     pub text: String,
 }
 
-/// What the logger collects.
+/// The messages collected by the logger.
 pub type Messages = Mutex<Vec<Message>>;
 
 unsafe extern "C" fn logger(
@@ -103,7 +103,7 @@ impl Drop for Instance {
     }
 }
 
-/// A variable's reference.
+/// Returns the value reference of a variable.
 pub fn reference(name: &str) -> Reference {
     FMU.description.variable(name).reference
 }
@@ -119,17 +119,17 @@ macro_rules! call {
 pub(crate) use call;
 
 impl Instance {
-    /// A new instance with a logger, but only warnings and errors logged.
+    /// Makes an instance that logs only warnings and errors.
     pub fn new(name: &str) -> Instance {
         Instance::at(name, None, false)
     }
 
-    /// A new instance with a resource location, all categories logged if `logging`.
+    /// Makes an instance with a resource location; logs all categories if `logging`.
     pub fn at(name: &str, location: Option<&str>, logging: bool) -> Instance {
         Instance::of(CO_SIMULATION, name, location, logging)
     }
 
-    /// The same for an interface.
+    /// Makes an instance of an interface type.
     pub fn of(interface: c_int, name: &str, location: Option<&str>, logging: bool) -> Instance {
         let messages = Box::new(Messages::default());
         let callbacks = Box::new(callbacks(&messages));
@@ -146,12 +146,12 @@ impl Instance {
         Instance { component, messages, _callbacks: callbacks }
     }
 
-    /// What was logged since this was last asked.
+    /// Returns the messages since the last call.
     pub fn messages(&self) -> Vec<Message> {
         std::mem::take(&mut self.messages.lock().unwrap())
     }
 
-    /// Expects a refusal with one message that holds all these words.
+    /// Expects a refusal with one message that contains all these words.
     #[track_caller]
     pub fn refuses(&self, status: Status, words: &[&str]) {
         let messages = self.messages();
@@ -181,13 +181,13 @@ impl Instance {
         call!(self, set_string, &reference(name), 1, &text.as_ptr())
     }
 
-    /// Sets a text and expects no trouble.
+    /// Sets a text and expects success.
     #[track_caller]
     pub fn set_text(&self, name: &str, text: &str) {
         assert_eq!(self.try_set_text(name, text), OK, "{name} = {text}: {:?}", self.messages());
     }
 
-    /// Reads a text and expects no trouble.
+    /// Reads a text and expects success.
     #[track_caller]
     pub fn text(&self, name: &str) -> String {
         let mut text = null();
@@ -196,7 +196,7 @@ impl Instance {
         unsafe { CStr::from_ptr(text) }.to_str().expect("texts are UTF-8").to_string()
     }
 
-    /// Sets a variable of any type and expects no trouble.
+    /// Sets a variable of any type and expects success.
     #[track_caller]
     pub fn set(&self, name: &str, value: f64) {
         assert_eq!(self.try_set(name, value), OK, "{name} = {value}: {:?}", self.messages());
@@ -209,7 +209,7 @@ impl Instance {
         assert_eq!(status, OK, "{:?}", self.messages());
     }
 
-    /// Reads a variable of any type but a text.
+    /// Reads a variable of any type except a text.
     pub fn try_get(&self, name: &str) -> Result<f64, Status> {
         let variable = FMU.description.variable(name);
         let (mut real, mut integer) = (f64::NAN, c_int::MIN);
@@ -222,20 +222,20 @@ impl Instance {
         if status == OK { Ok(value) } else { Err(status) }
     }
 
-    /// Reads a variable of any type and expects no trouble.
+    /// Reads a variable of any type and expects success.
     #[track_caller]
     pub fn get(&self, name: &str) -> f64 {
         self.try_get(name).unwrap_or_else(|status| panic!("{name}: {status}, {:?}", self.messages()))
     }
 
-    /// The bits of all variables but texts.
+    /// Returns the bits of all variables except texts.
     #[track_caller]
     pub fn bits(&self) -> Vec<u64> {
         let numbers = FMU.description.variables.iter().filter(|variable| variable.kind != "String");
         numbers.map(|variable| self.get(&variable.name).to_bits()).collect()
     }
 
-    /// The bits of all outputs.
+    /// Returns the bits of all outputs.
     #[track_caller]
     pub fn output_bits(&self) -> Vec<u64> {
         FMU.description.outputs().map(|variable| self.get(&variable.name).to_bits()).collect()
@@ -247,7 +247,7 @@ impl Instance {
         call!(self, setup_experiment, tolerance_defined, tolerance, start, stop_defined, stop)
     }
 
-    /// From instantiation to the first step at t = 0.
+    /// Initializes the instance at t = 0.
     #[track_caller]
     pub fn initialize(&self, tolerance: Option<f64>) {
         assert_eq!(self.setup(tolerance, 0.0, None), OK, "{:?}", self.messages());
@@ -259,13 +259,13 @@ impl Instance {
         call!(self, do_step, time, step, 1)
     }
 
-    /// A step that is expected to be done.
+    /// Does a step and expects success.
     #[track_caller]
     pub fn step(&self, time: f64, step: f64) {
         assert_eq!(self.try_step(time, step), OK, "{:?}", self.messages());
     }
 
-    /// Steps of one length to a time, which is a multiple of it.
+    /// Does steps of one length to a time, a multiple of it.
     #[track_caller]
     pub fn go(&self, from: f64, to: f64, step: f64) {
         let last = (to / step).round() as u64;
@@ -287,7 +287,7 @@ impl Instance {
         if status == OK { Ok(value != 0) } else { Err(status) }
     }
 
-    /// A saved state; to be freed by `free`.
+    /// Saves the state, to be freed by `free`.
     #[track_caller]
     pub fn save(&self) -> SavedState {
         let mut state = null_mut();
@@ -307,7 +307,7 @@ impl Instance {
         assert!(state.is_null(), "the standard, 2.1.8: the pointer is set to NULL");
     }
 
-    /// The bytes of a saved state.
+    /// Returns a saved state as bytes.
     #[track_caller]
     pub fn serialize(&self, state: SavedState) -> Vec<c_char> {
         let mut size = 0;

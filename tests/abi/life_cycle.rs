@@ -26,7 +26,7 @@ const SET: &[State] = &[Instantiated, InitializationMode, StepComplete];
 /// `fmi2GetXXXStatus`.
 const STATUS: &[State] = &[StepComplete, StepFailed, Terminated];
 
-/// A function, the states in which the standard allows it, and a call that is fine but for the state.
+/// A function, the states in which it is legal, and a call that is valid except for the state.
 type Row = (&'static str, &'static [State], fn(&Instance) -> Status);
 
 const TABLE: &[Row] = &[
@@ -79,7 +79,7 @@ const TABLE: &[Row] = &[
         call!(i, get_real_output_derivatives, &reference("theta"), 1, &1, &mut 0.0)
     }),
     ("fmi2DoStep", &[StepComplete], |i| i.try_step(1.0, 0.01)),
-    // Only while a step is in progress, which a synchronous FMU never is.
+    // Legal only while a step is in progress, which never happens in a synchronous FMU.
     ("fmi2CancelStep", NONE, |i| call!(i, cancel_step)),
     ("fmi2GetStatus", STATUS, |i| call!(i, get_status, DO_STEP_STATUS, &mut 0)),
     ("fmi2GetRealStatus", STATUS, |i| call!(i, get_real_status, LAST_SUCCESSFUL_TIME, &mut 0.0)),
@@ -96,7 +96,7 @@ const TABLE: &[Row] = &[
     ("fmi2GetNominalsOfContinuousStates", NONE, |i| call!(i, get_nominals, [0.0; 8].as_mut_ptr(), 8)),
 ];
 
-/// Functions of the table that act on no instance, end it, or answer in no state.
+/// Functions that act on no instance, end it, or are never answered.
 const ELSEWHERE: [&str; 6] = [
     "fmi2GetTypesPlatform",
     "fmi2GetVersion",
@@ -145,7 +145,7 @@ fn instance_in(state: State) -> Instance {
     instance
 }
 
-/// The complete state as bytes: it can be saved in every state.
+/// Returns the complete state as bytes, which is legal in every state.
 fn all_of(instance: &Instance) -> Vec<std::ffi::c_char> {
     let state = instance.save();
     let bytes = instance.serialize(state);
@@ -197,8 +197,9 @@ fn every_call_in_every_state_is_allowed_or_refused_as_the_standard_says() {
 const EXCHANGED: [&str; 6] =
     ["instantiated", "initializationMode", "eventMode", "continuousTimeMode", "terminated", "error"];
 
-/// The functions that Model Exchange has, with the states in which the table of 3.2.3 (2.0.5) allows them: a letter each, in the
-/// order of [`EXCHANGED`].
+/// The functions of Model Exchange, with the states in which they are legal by the table of 3.2.3 (2.0.5).
+///
+/// Each state has a letter, in the order of [`EXCHANGED`]; X is the error.
 const OF_EXCHANGE: [(&str, &str); 31] = [
     ("fmi2SetDebugLogging", "IMECTX"),
     ("fmi2SetupExperiment", "I"),
@@ -225,7 +226,7 @@ const OF_EXCHANGE: [(&str, &str); 31] = [
     ("fmi2NewDiscreteStates", "E"),
     ("fmi2EnterContinuousTimeMode", "E"),
     ("fmi2CompletedIntegratorStep", "C"),
-    // In Event Mode for FMUs without states only: taken here for importers that set the time before the first step.
+    // The standard allows Event Mode only without continuous states; several importers set the time there before the first step.
     ("fmi2SetTime", "EC"),
     ("fmi2SetContinuousStates", "C"),
     ("fmi2GetEventIndicators", "MECTX"),
@@ -295,7 +296,7 @@ fn every_call_of_model_exchange_is_allowed_or_refused_as_the_standard_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Asked for where they have no answer, the two statuses that no synchronous FMU has say so in every state.
+/// The two statuses that no synchronous FMU has are refused in every state.
 #[test]
 fn integer_and_string_statuses_are_never_answered() {
     for state in STATES {
@@ -303,12 +304,12 @@ fn integer_and_string_statuses_are_never_answered() {
         assert_eq!(call!(instance, get_integer_status, PENDING_STATUS, &mut 0), ERROR, "{state:?}");
         let status = call!(instance, get_string_status, PENDING_STATUS, &mut null());
         assert!(status >= DISCARD, "{state:?}");
-        // What is discarded is told in debug mode only (2.1.3).
+        // Discarded calls are logged in debug mode only (2.1.3).
         assert_eq!(instance.messages().len(), if status == DISCARD { 1 } else { 2 }, "{state:?}");
     }
 }
 
-/// Values read right before and after a refused call are the same bits, and so is the run that follows.
+/// A refused call changes neither the values read after it nor the rest of the run, bit by bit.
 #[test]
 fn refused_calls_leave_no_trace_in_the_run() {
     let run = |disturbed: bool| {
@@ -330,7 +331,7 @@ fn refused_calls_leave_no_trace_in_the_run() {
     assert_eq!(run(true), run(false));
 }
 
-/// In initialization mode the outputs are those under the inputs as they are set then: in full contact
+/// In Initialization Mode the outputs follow the inputs as they are set: in full contact
 /// `θ̈ = −h a_gx/(i0 + h²)`.
 #[test]
 fn outputs_follow_the_inputs_in_initialization_mode() {
@@ -365,7 +366,7 @@ fn a_whole_life_twice() {
     assert_eq!(run(), first);
 }
 
-/// The standard, 2.1.5: a function that gets no instance cannot do more than say so.
+/// A function without an instance returns an error (standard, 2.1.5).
 #[test]
 fn without_an_instance_every_function_answers_an_error() {
     let f = &crate::host::FMU.functions;

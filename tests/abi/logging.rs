@@ -1,11 +1,11 @@
-//! What is logged, and who chooses it.
+//! Logged messages, and their choice by category.
 
 use std::ffi::CString;
 
 use crate::functions::*;
 use crate::host::{FMU, Instance, Message, call};
 
-/// An event as its line tells it.
+/// An event, parsed from its line.
 #[derive(Debug, PartialEq)]
 pub struct Told {
     pub time: f64,
@@ -31,14 +31,14 @@ impl Told {
     }
 }
 
-/// `fmi2SetDebugLogging` with these categories.
+/// Calls `fmi2SetDebugLogging` with these categories.
 fn choose(instance: &Instance, logging: bool, categories: &[&str]) -> Status {
     let texts: Vec<CString> = categories.iter().map(|name| CString::new(*name).unwrap()).collect();
     let pointers: Vec<Text> = texts.iter().map(|text| text.as_ptr()).collect();
     call!(instance, set_debug_logging, logging.into(), pointers.len(), pointers.as_ptr())
 }
 
-/// Ten seconds of rocking from a tilt in 100 steps, and what was logged of it.
+/// Returns the messages of ten seconds of rocking in 100 steps.
 fn rock(instance: &Instance) -> Vec<Message> {
     instance.set("initial.theta", 0.1);
     instance.initialize(None);
@@ -98,7 +98,7 @@ fn categories_are_chosen_by_name() {
     assert_eq!(count(false, &[]), (false, 0, 1), "errors are told without logging, too");
 }
 
-/// The categories of the description are those that exist.
+/// The categories of the description exist, and no others.
 #[test]
 fn categories_are_those_of_the_description() {
     let categories = &FMU.description.log_categories;
@@ -111,6 +111,6 @@ fn categories_are_those_of_the_description() {
     for unknown in ["logAll", "LOGEVENTS", "", "logEvents "] {
         instance.refuses(choose(&instance, true, &["logSteps", unknown]), &["fmi2SetDebugLogging", "does not exist"]);
     }
-    // What was refused has chosen nothing.
+    // The refused call has changed nothing.
     assert_eq!(rock(&instance), []);
 }

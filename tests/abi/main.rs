@@ -1,4 +1,4 @@
-//! The FMU as an importer meets it: the packed library, through its C interface, against the FMI standard 2.0.4.
+//! The packed FMU through its C interface, tested against the FMI standard 2.0.4.
 
 #[path = "../common/mod.rs"]
 #[allow(dead_code, reason = "the solver's own tests use the rest")]

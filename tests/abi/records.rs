@@ -1,4 +1,4 @@
-//! Accelerograms inside the FMU: followed exactly, resumed from any state, refused with a reason.
+//! The FMU's own accelerograms: followed exactly, resumed from any state, refused with a reason.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::host::{Instance, call};
 const HORIZONTAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/0111a.smc");
 const VERTICAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/np01002p_4225a_a.smc");
 
-/// Slender enough, under records that are scaled up, to rock with impacts and flights.
+/// A slender block under scaled records, which rocks with impacts and flights.
 const BLOCK: [(&str, f64); 5] = [
     ("dimensionless.alpha", 0.15),
     ("dimensionless.p", 2.0),
@@ -33,7 +33,7 @@ fn driven() -> Instance {
     instance
 }
 
-/// The same block under the same records, without the FMU.
+/// Runs the same block under the same records without the FMU.
 fn simulation(ground: &Ground) -> Simulation {
     let dimensionless = Dimensionless { alpha: 0.15, p: 2.0, eta: 30.0, xi_v: 0.1 };
     let block = Block::from_dimensionless(&dimensionless, &Common { mass: 1000.0, ..Common::default() }).unwrap();
@@ -41,7 +41,7 @@ fn simulation(ground: &Ground) -> Simulation {
     Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &ground.inputs_from(0.0).0)
 }
 
-/// A step that is a power of two, so that times are exact.
+/// A step whose length is a power of two, so that times are exact.
 const STEP: f64 = 1.0 / 64.0;
 
 #[test]
@@ -71,7 +71,7 @@ fn a_record_inside_is_followed_as_the_solver_follows_it() {
     assert!(counts.impacts > 5 && counts.liftoffs > 5, "{counts:?}");
 }
 
-/// Neither the communication step nor who gives the record makes a difference but for rounding and tolerance.
+/// The communication step and the record's source change the motion only within rounding and tolerance.
 #[test]
 fn any_communication_step_gives_the_same_motion() {
     let follow = |step: f64| {
@@ -88,7 +88,7 @@ fn any_communication_step_gives_the_same_motion() {
     }
 }
 
-/// What holds the block gives it the ground's acceleration, of the record and of the input, beside its own.
+/// The horizontal reaction includes the ground's acceleration, of the record and of the input.
 #[test]
 fn inputs_are_added() {
     let instance = driven();
@@ -186,7 +186,7 @@ fn a_record_that_cannot_be_read_fails_the_initialization_and_can_be_corrected() 
     instance.refuses(instance.try_set_text("record.horizontal", ""), &["record.horizontal", "fixed parameter"]);
 }
 
-/// A file without a header needs unit and time step; the message names the variables that give them.
+/// A file without a header needs unit and time step; the message names their variables.
 #[test]
 fn units_and_time_steps_of_bare_files_come_from_variables() {
     let folder = tempfile::tempdir().unwrap();
@@ -238,7 +238,7 @@ fn texts_are_utf8() {
     instance.refuses(status, &["fmi2SetString", "expected UTF-8"]);
 }
 
-/// A pipe without a writer would wait for one, and a device never ends.
+/// Opening a pipe waits for a writer, and a device never ends.
 #[cfg(unix)]
 #[test]
 fn only_files_are_read() {
@@ -254,7 +254,7 @@ fn only_files_are_read() {
     }
 }
 
-/// Messages are one line of text, in which # would begin the number of a variable.
+/// Messages are one line of text, where # would begin a variable's number.
 #[test]
 fn names_of_files_are_printed_in_one_line() {
     let instance = Instance::new("block");
@@ -274,7 +274,7 @@ fn numbers_are_printed_with_the_digits_that_they_have() {
     instance.refuses(instance.setup(None, 1e300, Some(-1e300)), &["stopTime = -1e300;"]);
 }
 
-/// A file of a format without channels has one.
+/// A file of a format without channels has one channel.
 #[test]
 fn a_channel_that_a_file_has_not_is_refused() {
     let ready = |channel: f64| {

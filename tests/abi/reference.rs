@@ -1,4 +1,4 @@
-//! The reference trajectories through the FMU: parameters by name, records through inputs and their derivatives.
+//! The reference trajectories, computed by the FMU, with records as inputs and their derivatives.
 
 use rocking_block::block::Foundation;
 
@@ -9,7 +9,7 @@ use crate::host::{Instance, call};
 use crate::logging::Told;
 use crate::skipped::skip;
 
-/// |a − b| over |b|.
+/// Returns |a − b|/|b|.
 pub fn relative(a: f64, b: f64) -> f64 {
     (a - b).abs() / b.abs()
 }
@@ -41,7 +41,7 @@ pub fn prepare(instance: &Instance, case: &Case) {
     }
 }
 
-/// Runs a case beside its trajectory, or tells which record is missing.
+/// Compares a case with its trajectory, or names the missing record.
 fn run(case: &Case, tolerance: Tolerance) -> Result<Vec<String>, String> {
     let records = case.records()?;
     let instance = Instance::at(&case.name, None, true);

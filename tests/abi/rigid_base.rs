@@ -1,11 +1,11 @@
-//! The rigid base as an importer sees it: a corner that would have to be pulled has lifted, whenever the outputs are read.
+//! The rigid base: no output ever shows a corner that is pulled down.
 
 use crate::functions::*;
 use crate::host::{FMU, Instance, call, reference};
 
 const MASS: f64 = 1000.0;
 const G: f64 = 9.81;
-/// Three times what lifts the default block.
+/// Three times the acceleration that lifts the default block.
 const PUSH: f64 = 7.27;
 
 fn rigid() -> Instance {
@@ -39,7 +39,7 @@ fn derivative(instance: &Instance, of: &str, to: &str) -> f64 {
     result
 }
 
-/// In initialization mode, after it, and between two steps, the outputs follow from the inputs as they are now.
+/// In Initialization Mode, after it and between steps, the outputs follow the present inputs.
 #[test]
 fn a_block_that_must_lift_has_lifted_in_the_outputs_of_that_instant() {
     let instance = rigid();
@@ -59,12 +59,12 @@ fn a_block_that_must_lift_has_lifted_in_the_outputs_of_that_instant() {
         rests(&instance);
         instance.step(time, 0.1);
     }
-    // What was only looked at did not happen, and left no peak but that of the first instant.
+    // Inputs that were only previewed leave no peak, except at the first instant.
     assert_eq!([instance.get("events.liftoffs"), instance.get("events.last_time")], [0.0; 2]);
     assert!((instance.get("peak.N") - 10_667.0).abs() < 1.0, "{}", instance.get("peak.N"));
 }
 
-/// The next step takes the jump for an event, and its reaction for a peak: the push gets weaker.
+/// The next step counts the jump as an event and its reaction as a peak; the push decreases.
 #[test]
 fn a_jump_at_a_communication_point_is_an_event_of_the_step_after() {
     let instance = rigid();
@@ -81,7 +81,7 @@ fn a_jump_at_a_communication_point_is_an_event_of_the_step_after() {
     assert_eq!([instance.get("regime"), instance.get("peak.N")], [-1.0, first]);
 }
 
-/// Derivatives at such an instant are those of the outputs that are shown, to both sides, by differences.
+/// Derivatives at such an instant are those of the outputs shown, by differences to both sides.
 #[test]
 fn derivatives_are_those_of_the_lifted_block() {
     let instance = rigid();
@@ -102,12 +102,12 @@ fn derivatives_are_those_of_the_lifted_block() {
             assert!(error <= 1e-6 * instance.get(name).abs().max(1.0), "d{name}/d{input} = {found} or {difference}");
         }
     }
-    // The regime depends on the inputs, and ModelStructure says so.
+    // The regime depends on the inputs, as declared in ModelStructure.
     let regime = FMU.description.outputs().find(|output| output.name == "regime").unwrap();
     assert_eq!(regime.dependencies.len(), 5);
 }
 
-/// Ground that falls away faster than the block: the three choices.
+/// Ground that falls faster than the block, with each of the three choices.
 #[test]
 fn a_block_separates_from_ground_that_falls_faster() {
     for choice in [1.0, 2.0, 3.0] {
@@ -140,7 +140,7 @@ fn a_block_separates_from_ground_that_falls_faster() {
             rests(&instance);
             assert_eq!([instance.get("separated"), instance.get("events.impacts")], [0.0, 2.0]);
             let landed = instance.bits();
-            // A flight on the rigid base can be taken up from bytes.
+            // A flight above the rigid base can be resumed from bytes.
             let mut again = std::ptr::null_mut();
             assert_eq!(call!(instance, deserialize, bytes.as_ptr(), bytes.len(), &mut again), OK);
             instance.restore(again);
@@ -172,7 +172,7 @@ fn the_restitution_factor() {
     instance.set("restitution_factor", 0.9);
     assert_eq!(call!(instance, exit_initialization_mode), OK);
 
-    // On supports nothing reads it.
+    // It is not read on supports.
     let instance = Instance::new("block");
     instance.set("restitution_factor", 0.9);
     assert_eq!(instance.setup(None, 0.0, None), OK);

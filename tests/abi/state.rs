@@ -1,11 +1,11 @@
-//! Saved states: back and on again gives the same bits (the standard, 2.1.8).
+//! Saved states: a restored run gives the same bits (standard, 2.1.8).
 
 use std::ptr::null_mut;
 
 use crate::functions::*;
 use crate::host::{Instance, call};
 
-/// A block that rocks, with everything in use that a state has to hold: rates of inputs, a pulse, creeping supports.
+/// A rocking block that uses all parts of a state: rates of inputs, a pulse, creeping supports.
 fn prepared() -> Instance {
     let instance = Instance::new("block");
     instance.set("pulse.shape", 4.0);
@@ -16,7 +16,7 @@ fn prepared() -> Instance {
     instance
 }
 
-/// From t = 0 on; what is seen after each of the steps from `first` on.
+/// Runs from t = 0, and returns the outputs after each step from `first` on.
 fn go_on(instance: &Instance, first: i32) -> Vec<Vec<u64>> {
     (first..80)
         .map(|i| {
@@ -47,7 +47,7 @@ fn back_to_any_step_and_on_again_gives_the_same_bits() {
         let instance = prepared();
         instance.initialize(None);
         to_step(&instance, steps);
-        // A rate that is set and not yet used is part of the state.
+        // A rate that is not yet used is part of the state.
         instance.set_rate("F_x", 100.0);
         uplifted += i32::from(instance.get("uplift_L") > 0.0 || instance.get("uplift_R") > 0.0);
         let (state, seen) = (instance.save(), instance.bits());
@@ -97,7 +97,7 @@ fn a_state_is_saved_and_restored_in_every_phase() {
     instance.restore(terminated);
     assert_eq!(instance.bits(), *run.last().unwrap());
     instance.refuses(instance.try_step(4.0, 0.05), &["fmi2DoStep", "terminated"]);
-    // Out of a reset, too, and out of an error.
+    // Restores after a reset and after an error, too.
     assert_eq!(call!(instance, reset), OK);
     instance.restore(initialized);
     instance.set("a_gx", 1e300);
@@ -125,7 +125,7 @@ fn a_serialized_state_goes_on_in_another_instance_with_the_same_bits() {
 
     let other = Instance::new("another name");
     let mut state = null_mut();
-    // Room after the state is the importer's own.
+    // The importer's buffer may be longer than the state.
     let mut padded = bytes.clone();
     padded.extend([42; 100]);
     assert_eq!(call!(other, deserialize, padded.as_ptr(), padded.len(), &mut state), OK, "{:?}", other.messages());
@@ -151,7 +151,7 @@ fn a_state_is_written_over() {
     instance.free(state);
 }
 
-/// A state is a copy: neither the instance nor another state changes it.
+/// A saved state is a copy, which neither the instance nor another state changes.
 #[test]
 fn states_do_not_depend_on_each_other() {
     let instance = prepared();
@@ -165,13 +165,13 @@ fn states_do_not_depend_on_each_other() {
     assert_eq!(instance.serialize(first), bytes);
     assert_eq!(call!(instance, reset), OK);
     assert_eq!(instance.serialize(first), bytes);
-    // The standard, 2.1.8: a state outlives neither its FMU nor the call that frees it, but it does outlive a reset.
+    // A state survives a reset (standard, 2.1.8).
     instance.restore(first);
     instance.step(0.0, 0.05);
     instance.free(first);
 }
 
-/// What is chosen for the log is the importer's, not the state's.
+/// The logged categories are not part of a state.
 #[test]
 fn a_state_does_not_turn_logging_on_or_off() {
     let instance = prepared();

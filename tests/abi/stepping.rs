@@ -1,4 +1,4 @@
-//! Communication steps, inputs between them, and the same bits every time.
+//! Communication steps and inputs between them, reproducible to the bit.
 
 use crate::functions::*;
 use crate::host::{Instance, call, reference};
@@ -15,7 +15,7 @@ fn under_a_pulse(tolerance: f64) -> Instance {
     instance
 }
 
-/// A run that uses inputs, their rates and irregular steps; its outputs after each step.
+/// Returns the outputs after each step of a run with inputs, rates and irregular steps.
 fn busy_run(instance: &Instance) -> Vec<Vec<u64>> {
     let mut time = 0.0;
     (0..60)
@@ -40,7 +40,7 @@ fn busy_step(instance: &Instance, i: i32, time: f64, step: f64) {
 
 #[test]
 fn any_communication_step_gives_the_same_motion() {
-    // Of alpha; the bounds that the reference trajectories are held to at these tolerances.
+    // Relative to alpha; the bounds for the reference trajectories at these tolerances.
     for (tolerance, bound) in [(1e-8, 1e-5), (1e-10, 1e-7)] {
         let run = |steps: &dyn Fn(i32) -> f64| {
             let instance = under_a_pulse(tolerance);
@@ -73,7 +73,7 @@ fn any_communication_step_gives_the_same_motion() {
     }
 }
 
-/// A ramp with its derivative is the same signal in one step or in ten, the values set again or carried on.
+/// A ramp with its derivative is the same signal in one step or in ten, with values set again or not.
 #[test]
 fn a_ramp_is_followed_exactly() {
     let ramped = |steps: i32, set_again: bool| {
@@ -107,7 +107,7 @@ fn a_ramp_is_followed_exactly() {
     }
 }
 
-/// The step answers to the ramp as the equations of motion do: at rest on the rigid base, `H = M a_gx` at its end.
+/// Outputs follow the ramp to the end of the step: at rest on the rigid base, `H = M a_gx`.
 #[test]
 fn outputs_at_the_end_of_a_step_see_the_input_of_that_time() {
     let instance = Instance::new("block");
@@ -129,7 +129,7 @@ fn without_derivatives_the_input_is_held() {
         let mut trace = Vec::new();
         for i in 0..20 {
             let time = f64::from(i) * 0.125;
-            // A rate lasts for one step only.
+            // A rate holds for one step only.
             if i == 3 {
                 instance.set_rate("a_gx", 20.0);
             } else if zero_rates {
@@ -146,7 +146,7 @@ fn without_derivatives_the_input_is_held() {
     assert_eq!(run(false), run(true));
 }
 
-/// An input that is held is not the same signal as its ramp: the test above would not see an FMU without derivatives.
+/// A constant input differs from the ramp, so the test above notices an FMU without derivatives.
 #[test]
 fn a_held_input_differs_from_a_ramp() {
     let run = |rate: f64| {
@@ -190,7 +190,7 @@ fn derivatives_may_come_before_initialization_ends() {
     assert_eq!([run(0), run(1), run(2)], [run(3); 3]);
 }
 
-/// Inputs may be set in any order and any number of calls; the last value counts.
+/// Inputs may be set in any order and number of calls; the last value counts.
 #[test]
 fn several_values_in_one_call() {
     let one = Instance::new("one");
@@ -272,7 +272,7 @@ fn instances_in_several_threads_give_the_same_bits() {
     }
 }
 
-/// libcosim sets values right after instantiation, without an experiment; some masters give no stop time.
+/// libcosim sets values right after instantiation, without `fmi2SetupExperiment`; some masters set no stop time.
 #[test]
 fn no_experiment_is_needed() {
     let bare = Instance::new("block");
@@ -290,7 +290,7 @@ fn no_experiment_is_needed() {
     assert_eq!(bare.bits(), full.bits());
 }
 
-/// Only differences of time matter to a block without a pulse; a start far from 0 costs digits of time.
+/// Without a pulse only differences of time matter; a start far from 0 loses digits of time.
 #[test]
 fn the_start_time_is_where_time_begins() {
     let run = |start: f64| {
@@ -310,14 +310,14 @@ fn the_start_time_is_where_time_begins() {
     }
 }
 
-/// What is seen in initialization mode is that of the inputs as they are, whatever was read before.
+/// Outputs in Initialization Mode follow the present inputs, independent of earlier reads.
 #[test]
 fn inputs_act_at_once_in_initialization_mode() {
     let instance = Instance::new("block");
     assert_eq!(call!(instance, enter_initialization_mode), OK);
     for a_gx in [2.0, -1.0, 0.5] {
         instance.set("a_gx", a_gx);
-        // A block that stands still on its supports: only H, which moves it along with the ground, and its lever turn it.
+        // For a block at rest on its supports, only the moment of H turns it.
         let (h, u_ddot) = (instance.get("H"), instance.get("u_ddot"));
         assert!((h - instance.get("mass") * (u_ddot + a_gx)).abs() < 1e-9 * h.abs(), "H = {h} N at {a_gx} m/s2");
         let mut derivative = f64::NAN;
@@ -327,7 +327,7 @@ fn inputs_act_at_once_in_initialization_mode() {
     }
 }
 
-/// Whether outputs are read between two calls makes no difference to any bit that follows.
+/// Reading outputs between calls changes no later bit.
 #[test]
 fn reading_between_calls_changes_no_bit() {
     let run = |reads: bool| {

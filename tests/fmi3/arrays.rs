@@ -72,7 +72,7 @@ fn arrays_are_read_as_they_were_set_among_scalars() {
     assert_eq!(call!(block, set_float64, settable.as_ptr(), 3, given.as_ptr(), 7), OK);
     assert_eq!(call!(block, get_float64, references.as_ptr(), 5, values.as_mut_ptr(), 9), OK);
     assert_eq!(values, [500.0, 1.0, 2.0, 3.0, 0.0, 4.0, 5.0, 6.0, 0.005]);
-    // Wrong in one place: none is set.
+    // One wrong element: none is set.
     for (wrong, words) in [
         ([700.0, 7.0, f64::NAN, 7.0, 7.0, 7.0, 7.0], "record.vertical_samples = NaN"),
         ([-1.0, 7.0, 7.0, 7.0, 7.0, 7.0, 7.0], "mass = -1"),

@@ -1,5 +1,4 @@
-//! Derivatives in Initialization Mode, of what InitialUnknowns declares with respect to inputs, parameters, a record in arrays
-//! and time.
+//! Derivatives of the initial unknowns in Initialization Mode, with respect to inputs, parameters, a record in arrays and time.
 
 use proptest::test_runner::TestRunner;
 use roxmltree::Document;
@@ -12,7 +11,7 @@ use crate::host::{FMU, Instance, Wanted, call, reference};
 const SAMPLES: [[f64; 5]; 2] = [[1.0, 3.0, -2.0, 2.5, 1.0], [2.0, -1.0, -2.2, 1.5, 1.0]];
 const ARRAYS: [&str; 2] = ["record.horizontal_samples", "record.vertical_samples"];
 
-/// What InitialUnknowns of FMI 3.0 says.
+/// The initial unknowns of FMI 3.0.
 fn declared() -> Declared {
     let text = std::str::from_utf8(&FMU.files["modelDescription.xml"]).unwrap();
     let document = Document::parse(text).unwrap();
@@ -66,7 +65,7 @@ fn directional(instance: &Instance, unknowns: &[&str], knowns: &[&str], seed: &[
     found
 }
 
-/// Derivatives of the weighted sum, `count` of them.
+/// Returns `count` derivatives of the weighted sum.
 fn adjoint(instance: &Instance, unknowns: &[&str], knowns: &[&str], seed: &[f64], count: usize) -> Vec<f64> {
     let (unknowns, knowns) = (references(unknowns), references(knowns));
     let mut found = vec![f64::NAN; count];
@@ -120,7 +119,7 @@ fn derivatives_are_those_of_the_values() {
     }
 }
 
-/// Of the samples only those between which the block begins act, linearly: a difference over 1 m/s² is exact but for rounding.
+/// Only the samples around the start act, and linearly, so a difference over 1 m/s² is exact up to rounding.
 #[test]
 fn samples_are_directions() {
     let declared = declared();
@@ -158,7 +157,7 @@ fn samples_are_directions() {
     assert!(nonzero > 100, "{nonzero}");
 }
 
-/// Where the run starts decides how far pulse and records are; nothing else of a beginning knows the time.
+/// The start time acts only through the pulse and the records.
 #[test]
 fn time_is_a_direction() {
     let declared = declared();
@@ -197,7 +196,7 @@ fn time_is_a_direction() {
     assert_eq!(dependent, smooth.map(|name| name.to_string()).collect());
 }
 
-/// `seed^T J direction` is the same from both sides, the samples of a record among the knowns.
+/// `seed^T J direction` is the same from both derivatives, with samples of a record among the knowns.
 #[test]
 fn adjoint_and_directional_derivatives_belong_together() {
     let mut runner = TestRunner::deterministic();

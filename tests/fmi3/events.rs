@@ -1,4 +1,4 @@
-//! Event Mode and early return: events at their time, and the bits of a run that does not stop.
+//! Event Mode and early return: events at their times, and the same bits as an uninterrupted run.
 
 use crate::functions::OK;
 use crate::host::{Instance, Stepped, Wanted, call};
@@ -39,7 +39,7 @@ fn stopping_at_events_or_not_gives_the_same_bits() {
     for values in [&[][..], &[("foundation", 2.0)], &[("foundation", 2.0), ("a_gz", -9.0)], &[("initial.theta", 0.1)]] {
         let reference = rocking(false, false, values);
         whole(&reference, ends());
-        // A master that has Event Mode but does not let steps be left gets events handled inside.
+        // With Event Mode but without early return, events are handled inside the step.
         let unbroken = rocking(true, false, values);
         whole(&unbroken, ends());
         assert_eq!(unbroken.output_bits(), reference.output_bits());
@@ -73,7 +73,7 @@ fn an_event_is_where_a_closed_form_has_it() {
     assert!((stepped.reached - 0.4).abs() < 1e-12, "{stepped:?}");
 }
 
-/// Before the event is handled outputs are those before it, afterwards those after it.
+/// Outputs are those before the event until it is handled.
 #[test]
 fn an_impact_is_seen_from_both_sides() {
     let values = [("foundation", 2.0), ("initial.theta", 0.05)];
@@ -95,7 +95,7 @@ fn an_impact_is_seen_from_both_sides() {
     assert!((after / before - block.get("derived.e")).abs() < 1e-12, "{after} after {before}");
 }
 
-/// Whoever goes on without having handled the event comes to the same bits, too.
+/// A master that does not handle the event gets the same bits.
 #[test]
 fn an_event_that_is_not_handled_is_applied_in_the_next_step() {
     let [handled, forgotten] = [(), ()].map(|()| rocking(true, true, &[]));
@@ -130,7 +130,7 @@ fn the_end_of_the_run_is_told_by_the_step() {
         assert_eq!(stepped, expected);
         assert_eq!((block.get("separated"), block.get("events.last_time"), block.get("regime")), (1.0, here, 2.0));
         let bits = block.output_bits();
-        // Time stands still from then on.
+        // Time stands still after that.
         assert_eq!(block.step(here, 1.0), expected);
         assert_eq!(block.output_bits(), bits);
         assert_eq!(call!(block, terminate), OK);
@@ -156,7 +156,7 @@ fn overturning_ends_the_run_or_is_an_event_of_a_held_block() {
     assert!(!held.step(at.reached, 20.0 - at.reached).early);
 }
 
-/// A rest of a step that its master rounds by an ulp or so ends where the whole step would have.
+/// The rest of a step ends exactly at the step's planned end, although the master's rounding differs by an ulp.
 #[test]
 fn the_rest_of_a_step_ends_where_the_step_would_have() {
     let reference = rocking(false, false, &[]);

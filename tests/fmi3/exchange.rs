@@ -1,4 +1,4 @@
-//! Model Exchange: a solver of this test steps the block, and comes to what Co-Simulation has.
+//! Model Exchange: the test's own solver steps the block, and agrees with Co-Simulation.
 
 use std::ptr::null_mut;
 
@@ -11,7 +11,7 @@ const RELEASED: [(&str, f64); 2] = [("foundation", 2.0), ("initial.theta", 0.1)]
 const STATES: usize = 8;
 const INDICATORS: usize = 4;
 
-/// What `fmi3UpdateDiscreteStates` gave.
+/// Result of `fmi3UpdateDiscreteStates`.
 #[derive(Debug)]
 struct Updated {
     terminates: bool,
@@ -119,7 +119,7 @@ fn a_solver_outside_comes_to_the_impacts_of_co_simulation() {
         impacts += 1.0;
         inside.step(inside.get("time"), time + 1e-6 - inside.get("time"));
         assert_eq!((inside.get("events.impacts"), block.get("events.impacts")), (impacts, impacts));
-        // Runge-Kutta steps of 1 ms of a motion with p = 1 rad/s are good for ten digits.
+        // Runge–Kutta steps of 1 ms give ten digits of a motion with p = 1 rad/s.
         assert!((inside.get("events.last_time") - time).abs() < 1e-9, "{time}");
     }
     assert_eq!(block.get("time"), time);
@@ -149,7 +149,7 @@ fn what_belongs_to_the_other_interface_is_refused() {
     block.refuses(block.try_step(0.0, 0.1).0, &["fmi3DoStep", other]);
     block.refuses(call!(block, enter_step_mode), &["fmi3EnterStepMode", other]);
     block.refuses(call!(block, set_time, 0.5 / 0.0), &["time = inf"]);
-    // Neither are states of one interface those of the other.
+    // A state of the other interface type is refused, too.
     let stepped = Instance::new(Wanted::default());
     let mut state = null_mut();
     assert_eq!(call!(stepped, get_fmu_state, &mut state), OK);
@@ -173,7 +173,7 @@ fn structure(element: &str) -> Vec<(u32, Vec<u32>)> {
         .collect()
 }
 
-/// What changes with time alone, under a pulse or over a support that creeps, says so.
+/// Unknowns that change with time alone, under a pulse or above a creeping support, declare it.
 #[test]
 fn dependence_on_time_is_declared() {
     let supports: &[(&str, f64)] = &[("initial.theta", 0.05), ("initial.theta_dot", 0.1)];
@@ -205,7 +205,7 @@ fn dependence_on_time_is_declared() {
     for name in ["theta_ddot", "u_ddot", "H", "power.input", "friction_demand"] {
         assert!(found.contains(name), "{name}: {found:?}");
     }
-    // A corner that has just been left moves no more, while its support creeps up.
+    // A support creeps up after its corner has left it.
     let time = reference("time");
     for name in ["uplift_L", "uplift_R"] {
         let declared = structure("Output").into_iter().find(|(unknown, _)| *unknown == reference(name));
@@ -213,7 +213,7 @@ fn dependence_on_time_is_declared() {
     }
 }
 
-/// States may jump at events, and all indicators are numbers without a unit.
+/// States may jump at events, and indicators have no unit.
 #[test]
 fn the_file_says_what_states_and_indicators_are() {
     for name in ["theta", "theta_dot", "v", "v_dot", "u", "u_dot"] {
@@ -224,7 +224,7 @@ fn the_file_says_what_states_and_indicators_are() {
     }
 }
 
-/// With respect to time, where it is declared: under a pulse and over a support that creeps, against differences at the same states.
+/// Derivatives with respect to time equal differences at the same states, under a pulse and above a creeping support.
 #[test]
 fn derivatives_with_respect_to_time_are_those_of_the_values() {
     for foundation in [1.0, 2.0] {

@@ -70,12 +70,12 @@ pub static FMU: LazyLock<Fmu> = LazyLock::new(|| {
     Fmu { functions, files, token, variables }
 });
 
-/// A variable's reference.
+/// Returns the value reference of a variable.
 pub fn reference(name: &str) -> u32 {
     FMU.variables.get(name).unwrap_or_else(|| panic!("there is no variable {name}")).reference
 }
 
-/// What the importer does in an intermediate update: it gets the instance and the update.
+/// The importer's reaction to an intermediate update.
 pub type OnUpdate = Box<dyn FnMut(&Instance, Update) -> Option<f64>>;
 
 /// An intermediate update.
@@ -88,7 +88,7 @@ pub struct Update {
     pub can_return_early: bool,
 }
 
-/// What the callbacks get back.
+/// The environment of the callbacks.
 pub struct Environment {
     pub messages: Mutex<Vec<(Status, String, String)>>,
     handle: Mutex<Handle>,
@@ -137,10 +137,10 @@ unsafe extern "C" fn update(
     }
 }
 
-/// How an instance is wanted.
+/// Options of an instance.
 #[derive(Default)]
 pub struct Wanted<'a> {
-    /// Whether lines on events and steps are logged, too.
+    /// Whether events and steps are logged, too.
     pub logging: bool,
     pub event_mode: bool,
     pub early_return: bool,
@@ -171,7 +171,7 @@ macro_rules! call {
 }
 pub(crate) use call;
 
-/// What `fmi3DoStep` gave.
+/// Result of `fmi3DoStep`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
     pub event: bool,
@@ -181,7 +181,7 @@ pub struct Stepped {
 }
 
 impl Instance {
-    /// One for Model Exchange.
+    /// Makes an instance for Model Exchange.
     pub fn exchanged() -> Instance {
         let environment = Rc::<Environment>::default();
         // SAFETY: texts end with 0, and the environment lives as long as the instance.
@@ -200,7 +200,7 @@ impl Instance {
         Instance { handle, environment }.without_log_lines()
     }
 
-    /// With messages on what is refused alone.
+    /// Logs only messages of refused calls.
     fn without_log_lines(self) -> Instance {
         let lines = [c"logEvents".as_ptr(), c"logSteps".as_ptr()];
         self.ok(call!(self, set_debug_logging, false, lines.len(), lines.as_ptr()));
@@ -236,12 +236,12 @@ impl Instance {
         if logging { instance } else { instance.without_log_lines() }
     }
 
-    /// What was logged since this was last asked: status, category, message.
+    /// Returns the messages since the last call: status, category, message.
     pub fn messages(&self) -> Vec<(Status, String, String)> {
         std::mem::take(&mut self.environment.messages.lock().unwrap())
     }
 
-    /// Expects a refusal with one message that holds all these words.
+    /// Expects a refusal with one message that contains all these words.
     #[track_caller]
     pub fn refuses(&self, status: Status, words: &[&str]) {
         let messages = self.messages();
@@ -256,7 +256,7 @@ impl Instance {
         assert_eq!(status, OK, "{:?}", self.messages());
     }
 
-    /// Sets a scalar of any type but a text.
+    /// Sets a scalar of any type except a text.
     pub fn try_set(&self, name: &str, value: f64) -> Status {
         let variable = &FMU.variables[name];
         let vr = &variable.reference;
@@ -280,7 +280,7 @@ impl Instance {
         values.iter().for_each(|(name, value)| self.set(name, *value));
     }
 
-    /// Reads a scalar of any type but a text.
+    /// Reads a scalar of any type except a text.
     pub fn try_get(&self, name: &str) -> Result<f64, Status> {
         let variable = &FMU.variables[name];
         let vr = &variable.reference;
@@ -301,14 +301,14 @@ impl Instance {
         self.try_get(name).unwrap_or_else(|status| panic!("{name}: {status}, {:?}", self.messages()))
     }
 
-    /// The bits of all outputs.
+    /// Returns the bits of all outputs.
     #[track_caller]
     pub fn output_bits(&self) -> Vec<u64> {
         let outputs = FMU.variables.iter().filter(|(_, variable)| variable.causality == "output");
         outputs.map(|(name, _)| self.get(name).to_bits()).collect()
     }
 
-    /// From instantiation to the first step at t = 0.
+    /// Initializes the instance at t = 0.
     #[track_caller]
     pub fn initialize(&self, event_mode: bool) {
         self.ok(call!(self, enter_initialization_mode, false, 0.0, 0.0, false, 0.0));
@@ -318,7 +318,7 @@ impl Instance {
         }
     }
 
-    /// From Event Mode to Step Mode.
+    /// Handles an event and enters Step Mode.
     #[track_caller]
     pub fn handle_event(&self) {
         let [mut more, mut terminates, mut nominals, mut values, mut defined] = [true; 5];
@@ -351,7 +351,7 @@ impl Instance {
         stepped
     }
 
-    /// A communication step as a master does it that stops at events; the times of the events.
+    /// Does a communication step that stops at events, and returns their times.
     #[track_caller]
     pub fn step_by_events(&self, time: f64, end: f64, event_mode: bool) -> Vec<f64> {
         let (mut here, mut events) = (time, Vec::new());

@@ -1,4 +1,4 @@
-//! Intermediate update: inputs that vary inside a communication step, outputs that are read there, and steps that are left.
+//! Intermediate updates: inputs that vary within a communication step, outputs read within it, and early return.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -37,7 +37,7 @@ fn instance(early_return: bool, on_update: OnUpdate) -> Instance {
     instance
 }
 
-/// What a record inside the FMU gives, which is followed exactly.
+/// Runs under the FMU's own record, which is followed exactly.
 fn by_record() -> Instance {
     let samples: Vec<f64> = (0..=400).map(|i| ground(0.005 * f64::from(i))).collect();
     let instance = Instance::new(Wanted::default());
@@ -121,10 +121,10 @@ fn the_importer_leaves_a_step() {
     let stepped = block.step(0.0, 0.1);
     assert!(stepped.early && !stepped.event && !stepped.terminates, "{stepped:?}");
     assert!((stepped.reached - 0.01).abs() < 1e-15, "{stepped:?}");
-    // At a time to come.
+    // The importer asks to leave at a later time.
     let block = instance(true, Box::new(|_, update| (update.time > 0.0099).then_some(0.0123)));
     assert_eq!(block.step(0.0, 0.1).reached, 0.0123);
-    // Who did not allow it at instantiation is not asked.
+    // Without permission at instantiation the request is ignored.
     let block = instance(false, Box::new(|_, _| Some(0.0)));
     let stepped = block.step(0.0, 0.1);
     assert!(!stepped.early && stepped.reached == 0.1);
@@ -148,14 +148,14 @@ fn what_is_not_for_an_update_is_refused() {
             refused(instance.try_step(0.0, 0.1).0, &["fmi3DoStep", "Intermediate Update Mode"]);
             refused(call!(instance, reset), &["fmi3Reset"]);
             refused(call!(instance, terminate), &["fmi3Terminate"]);
-            // Nothing happens: the step goes on with the instance.
+            // Freeing does nothing: the step still uses the instance.
             call!(instance, free_instance);
             None
         }),
     );
     block.step(0.0, 0.02);
     assert_eq!(call!(block, terminate), OK);
-    // Variables that cannot be looked at inside a step.
+    // These variables cannot be read inside a step.
     for name in ["regime", "mass", "time"] {
         // SAFETY: as in `Instance::new`; the instance is refused.
         let handle = unsafe {
@@ -214,12 +214,12 @@ fn a_block_at_rest_is_looked_at_when_the_step_ends() {
     let (block, looks) = counted(&["theta"], &[], 0.0);
     block.step(0.0, 1e6);
     assert_eq!(looks.take(), [1e6]);
-    // A pulse is still to come.
+    // A later pulse follows.
     let pulse = [("pulse.shape", 2.0), ("pulse.amplitude", 1.0), ("pulse.start", 0.5)];
     let (block, looks) = counted(&["theta"], &pulse, 0.0);
     block.step(0.0, 1.0);
     assert_eq!(looks.take().len(), 200);
-    // Inputs may move it at any time, but not at more than a million times in a step.
+    // Inputs may move it at any time, but there are at most a million updates in a step.
     let (block, looks) = counted(&["a_gx"], &[], 0.0);
     block.step(0.0, 1e4);
     assert!((999_000..=1_000_000).contains(&looks.take().len()));

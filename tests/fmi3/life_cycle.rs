@@ -1,4 +1,4 @@
-//! States, saved in every mode; the same bits after a reset and from a saved state; two instances beside one another.
+//! Modes and saved states: the same bits after a reset and from a saved state, and in interleaved instances.
 
 use std::ptr::{null, null_mut};
 
@@ -72,7 +72,7 @@ fn a_reset_in_any_mode_gives_a_new_instance() {
     assert_eq!(block.output_bits(), bits);
 }
 
-/// Which of the functions that change the state are refused in it, by name.
+/// Each mode refuses the functions that are illegal in it.
 #[test]
 fn each_mode_admits_what_the_standard_says() {
     let block = new();
@@ -87,7 +87,7 @@ fn each_mode_admits_what_the_standard_says() {
         ("fmi3DoStep", |block| block.try_step(0.0, 0.1).0),
         ("fmi3Terminate", |block| call!(block, terminate)),
     ];
-    // The ways to each mode, and what is admitted there.
+    // The calls that lead to each mode, and the functions legal there.
     let modes: [(&[usize], &[usize], &str); 6] = [
         (&[], &[0, 2], "Instantiated"),
         (&[0], &[1], "Configuration Mode"),
@@ -162,7 +162,7 @@ fn log_lines_come_as_they_were_chosen() {
     assert!(block.messages().is_empty());
 }
 
-/// Without `loggingOn` the logger is never called, whatever is refused; categories are switched one by one from there.
+/// Without `loggingOn` the logger is never called, even for refused calls; categories are then switched one by one.
 #[test]
 fn without_logging_nothing_is_logged() {
     let environment = Environment::default();

@@ -1,4 +1,4 @@
-//! The FMU of FMI 3.0 as an importer meets it: the packed library, through its C interface, against the FMI standard 3.0.1.
+//! The packed FMU of FMI 3.0 through its C interface, tested against the FMI standard 3.0.1.
 
 mod arrays;
 mod beginning;

@@ -1,4 +1,4 @@
-//! What bad use gets: a message that names it, and nothing changed.
+//! Misuse: a message names it, and nothing changes.
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
@@ -57,7 +57,7 @@ fn variables_have_one_type_each() {
     block.refuses(call!(block, get_uint64, &theta, 1, &mut 0, 1), &["theta", "not UInt64"]);
     block.refuses(call!(block, get_int8, &u32::MAX, 1, &mut 0, 1), &["4294967295", "does not exist"]);
     block.refuses(call!(block, get_binary, &theta, 1, null_mut(), null_mut(), 0), &["theta", "not Binary"]);
-    // Of no variables there are values of every type.
+    // An empty list of variables is valid for every type.
     block.ok(call!(block, get_float32, null(), 0, null_mut(), 0));
     block.ok(call!(block, set_uint16, null(), 0, null(), 0));
     block.refuses(call!(block, get_float64, &theta, 1, null_mut(), 0), &["nValues = 0", "expected 1"]);

@@ -1,4 +1,4 @@
-//! What the FMU of FMI 3.0 holds, and what its library exports.
+//! Content of the FMU of FMI 3.0, and exports of its library.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ fn holds_what_the_standard_names() {
     assert!(FMU.files.contains_key("documentation/licenses/license.txt"));
 }
 
-/// The page is that of this version: its variables, its functions, its file.
+/// The documentation page is that of this version: its variables, functions and file.
 #[test]
 fn page_describes_this_unit() {
     let page = std::str::from_utf8(&FMU.files["documentation/index.html"]).unwrap();

@@ -120,7 +120,7 @@ const TABLE: &[Row] = &[
     ("fmi3GetOutputDerivatives", "-", |b| call!(b, get_output_derivatives, &reference("theta"), 1, &1, &mut 0.0, 1)),
 ];
 
-/// What makes instances, or ends them.
+/// Functions that make or free instances.
 const ELSEWHERE: [&str; 5] = [
     "fmi3GetVersion",
     "fmi3InstantiateModelExchange",

@@ -1,4 +1,4 @@
-//! Values and derivatives as FMI 2.0 gives them, which tests/abi holds against closed forms and references.
+//! Values and derivatives equal those of FMI 2.0, which tests/abi compares with closed forms and references.
 
 use rocking_block::unit::instance::{Interface, Unit};
 use rocking_block::unit::variables::{Causality, Fmi3Only, Kind, VARIABLES};
@@ -16,7 +16,7 @@ fn fmi3() -> Instance {
     block
 }
 
-/// The same run without any interface.
+/// Makes the same run without a C interface.
 fn unit() -> Unit {
     let mut unit = Unit::new(Interface::CoSimulation);
     for (name, value) in ROCKING {
@@ -42,7 +42,7 @@ fn outputs_are_those_of_fmi_2() {
     }
 }
 
-/// `seed^T J direction` is the same from both sides.
+/// `seed^T J direction` is the same from both derivatives.
 #[test]
 fn adjoint_and_directional_derivatives_belong_together() {
     let block = fmi3();
@@ -81,7 +81,7 @@ fn adjoint_and_directional_derivatives_belong_together() {
     let (one, other) = (dot(&seed, &forward), dot(&direction, &backward));
     // Rounding of sums of some thirty terms.
     assert!(one.abs() > 0.1 && (one - other).abs() < 1e-12 * dot(&seed.map(f64::abs), &forward.map(f64::abs)));
-    // Accelerations are linear in the inputs: a difference is exact but for rounding.
+    // Accelerations are linear in the inputs, so a difference is exact up to rounding.
     let before = block.get("theta_ddot");
     block.set("a_gx", 1e-3);
     let difference = (block.get("theta_ddot") - before) / 1e-3;
