@@ -34,8 +34,20 @@ struct Values {
     block: Parameters,
     #[serde(flatten)]
     supports: Option<Supports>,
-    /// Horizontal acceleration of the ground at which the block begins to rock on a rigid base (m/s²).
-    rocking_acceleration: f64,
+    /// How the block begins to move on a rigid base; a block with ties has no such closed form.
+    #[serde(flatten)]
+    start: Option<Start>,
+}
+
+/// Least horizontal acceleration of the ground that moves a block on a rigid base (m/s²).
+#[derive(Serialize)]
+enum Start {
+    /// Towards the corner that is nearer to the centre of mass.
+    #[serde(rename = "rocking_acceleration")]
+    Rocks(f64),
+    /// Friction gives way before a corner lifts.
+    #[serde(rename = "sliding_acceleration")]
+    Slides(f64),
 }
 
 /// Values of viscoelastic supports, by the names of the FMU's variables.
@@ -83,19 +95,65 @@ impl Values {
             }),
             Foundation::Rigid => None,
         };
-        Values { block: Parameters::of(block), supports, rocking_acceleration: block.gravity * block.b / block.h }
+        let slope = (block.b - block.eccentricity.abs()) / block.h;
+        let start = match block.friction {
+            _ if !block.ties.is_empty() => None,
+            friction if friction > 0.0 && friction < slope => Some(Start::Slides(friction * block.gravity)),
+            _ => Some(Start::Rocks(slope * block.gravity)),
+        };
+        Values { block: Parameters::of(block), supports, start }
     }
 
     fn text(&self, block: &Block) -> String {
         let mut text = format!("block         {}, M = {} kg\n", block_line(block), block.mass);
         if let Some(Supports { stiffness, damping, delta_s, theta_separation }) = &self.supports {
             text += &format!(
-                "supports      K = {stiffness:.4e} N/m, C = {damping:.4e} N.s/m each, δ_s = {:.3} mm; a corner lifts at |θ|/α = \
-                 {:.4}\n",
-                1e3 * delta_s,
-                theta_separation / block.alpha
+                "supports      K = {stiffness:.4e} N/m, C = {damping:.4e} N.s/m each, δ_s = {:.3} mm",
+                1e3 * delta_s
             );
+            if block.eccentricity == 0.0 && block.ties.is_empty() {
+                text += &format!("; a corner lifts at |θ|/α = {:.4}", theta_separation / block.alpha);
+            }
+            text.push('\n');
         }
-        text + &format!("rocks         beyond g tan α = {:.4} m/s² on a rigid base\n", self.rocking_acceleration)
+        match self.start {
+            None => {}
+            Some(Start::Rocks(acceleration)) => {
+                text += &format!("rocks         beyond g tan α = {acceleration:.4} m/s² on a rigid base\n");
+            }
+            Some(Start::Slides(acceleration)) => {
+                text += &format!("slides        beyond μ g = {acceleration:.4} m/s² on a rigid base\n");
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rocking_block::block::{Common, Physical, Tie};
+
+    /// Shenton (1996): a block rocks beyond g tan α of its nearer corner, and slides beyond μ g if that is less.
+    #[test]
+    fn the_start_of_the_motion_follows_the_nearer_corner_and_friction() {
+        let block = |eccentricity: f64, friction: f64| {
+            let physical = Physical { width: 0.8, height: 2.0, stiffness: 1e7, damping: 0.0, inertia: None };
+            let foundation = Foundation::Rigid;
+            let common = Common { eccentricity, friction, gravity: 10.0, foundation, ..Common::default() };
+            Block::from_physical(&physical, &common).unwrap()
+        };
+        let text = |block: Block| Values::of(&block).text(&block).lines().last().unwrap().to_string();
+        for (eccentricity, friction, expected) in [
+            (0.0, 0.0, "rocks         beyond g tan α = 4.0000 m/s² on a rigid base"),
+            (0.1, 0.0, "rocks         beyond g tan α = 3.0000 m/s² on a rigid base"),
+            (-0.1, 0.35, "rocks         beyond g tan α = 3.0000 m/s² on a rigid base"),
+            (-0.1, 0.25, "slides        beyond μ g = 2.5000 m/s² on a rigid base"),
+        ] {
+            assert_eq!(text(block(eccentricity, friction)), expected);
+        }
+        let tie = Tie { block: [0.4, 1.8], ground: [0.6, 1.8], stiffness: 1e6, ..Tie::default() };
+        let tied = block(0.0, 0.0).with_ties(&[tie]).unwrap();
+        assert!(Values::of(&tied).start.is_none() && text(tied).starts_with("block "));
     }
 }
