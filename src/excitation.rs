@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Block;
+use crate::block::ties::NO_TIES;
+use crate::block::{Block, TieStates};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, Real, Scalar};
 
@@ -210,6 +211,8 @@ pub struct Forcing<T> {
     pub z: T,
     /// `M_y/M` (m²/s²).
     pub moment: T,
+    /// The ties that pull at this instant: they are loads that follow from where the block is.
+    pub ties: TieStates,
 }
 
 impl<R: Real> Forcing<R> {
@@ -220,6 +223,7 @@ impl<R: Real> Forcing<R> {
             x: Dual::new(self.x, derivative.x),
             z: Dual::new(self.z, derivative.z),
             moment: Dual::new(self.moment, derivative.moment),
+            ties: self.ties,
         }
     }
 }
@@ -254,7 +258,7 @@ impl<T: Scalar> Excitation<T> {
         Excitation { time, x, z, moment: Ramp::held(T::from(0.0)), wave: None }
     }
 
-    /// The forcing at `time` (s).
+    /// The forcing at `time` (s), without ties.
     #[inline(always)]
     pub fn at(&self, time: T) -> Forcing<T> {
         let elapsed = time - self.time;
@@ -262,7 +266,7 @@ impl<T: Scalar> Excitation<T> {
             Some(wave) => wave.at(time),
             None => T::from(0.0),
         };
-        Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed) }
+        Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed), ties: NO_TIES }
     }
 
     /// The rate at which the forcing changes at `time` (s), per second.
@@ -272,7 +276,7 @@ impl<T: Scalar> Excitation<T> {
             Some(wave) => wave.rate_at(time),
             None => T::from(0.0),
         };
-        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate }
+        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate, ties: NO_TIES }
     }
 }
 

@@ -151,6 +151,14 @@ impl Block {
     }
 }
 
+impl<T: Elementary> Block<T> {
+    /// Whether it is more than the paper's block: uneven, tied, or with a limit of friction. Then its horizontal place is kept through changes
+    /// of the foot.
+    pub fn is_extended(&self) -> bool {
+        self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.ties.is_empty()
+    }
+}
+
 impl<T: Scalar> Block<T> {
     /// Rate K/C at which a lifted support creeps back to its free height (1/s); infinite without damping.
     pub fn creep_rate(&self) -> T {

@@ -11,7 +11,7 @@ use crate::numerics::{Equations, Quadratures, Rate, Real, State};
 
 /// An attempted step, kept whole for its dense output.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<R: Real = f64> {
+pub struct Step<R: Real = f64, const N: usize = 4> {
     /// Time at its beginning (s).
     pub time: R,
     /// Its size (s).
@@ -19,12 +19,12 @@ pub struct Step<R: Real = f64> {
     /// Time at its end (s).
     pub end_time: R,
     /// State at its beginning.
-    pub start: State<R>,
+    pub start: State<R, N>,
     /// State at its end.
-    pub end: State<R>,
+    pub end: State<R, N>,
     /// Integrals of the quadratures over the step.
     pub work: Quadratures<R>,
-    stages: [State<R>; 12],
+    stages: [State<R, N>; 12],
     quadratures: [Quadratures<R>; 12],
 }
 
@@ -34,11 +34,17 @@ pub const EVALUATIONS_PER_STEP: u64 = 11;
 /// Number of evaluations for the dense output of a step.
 pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
 
-impl<R: Real> Step<R> {
+impl<R: Real, const N: usize> Step<R, N> {
     /// Takes a step of `size` from `start` with known rate there. The right-hand side is evaluated
     /// [`EVALUATIONS_PER_STEP`] times, not at the end.
     #[inline(always)]
-    pub fn attempt(time: R, size: R, start: State<R>, first: Rate<R>, equations: &impl Equations<R>) -> Step<R> {
+    pub fn attempt(
+        time: R,
+        size: R,
+        start: State<R, N>,
+        first: Rate<R, N>,
+        equations: &impl Equations<R, N>,
+    ) -> Step<R, N> {
         let (mut k, mut q) = Step::begin(first);
         macro_rules! stages {
             ($($i:tt)*) => {$({
@@ -56,10 +62,10 @@ impl<R: Real> Step<R> {
     pub fn attempt_in_loop(
         time: R,
         size: R,
-        start: State<R>,
-        first: Rate<R>,
-        equations: &impl Equations<R>,
-    ) -> Step<R> {
+        start: State<R, N>,
+        first: Rate<R, N>,
+        equations: &impl Equations<R, N>,
+    ) -> Step<R, N> {
         let (mut k, mut q) = Step::begin(first);
         for stage in 1..12 {
             let increment = match stage {
@@ -83,7 +89,7 @@ impl<R: Real> Step<R> {
     }
 
     #[inline(always)]
-    fn begin(first: Rate<R>) -> ([State<R>; 12], [Quadratures<R>; 12]) {
+    fn begin(first: Rate<R, N>) -> ([State<R, N>; 12], [Quadratures<R>; 12]) {
         let mut k = [State::zeros(); 12];
         let mut q = [Quadratures::zeros(); 12];
         (k[0], q[0]) = (first.state, first.quadratures);
@@ -91,7 +97,7 @@ impl<R: Real> Step<R> {
     }
 
     #[inline(always)]
-    fn finish(time: R, size: R, start: State<R>, k: [State<R>; 12], q: [Quadratures<R>; 12]) -> Step<R> {
+    fn finish(time: R, size: R, start: State<R, N>, k: [State<R, N>; 12], q: [Quadratures<R>; 12]) -> Step<R, N> {
         Step {
             time,
             size,
@@ -109,7 +115,7 @@ impl<R: Real> Step<R> {
     /// `weights` are the reciprocals of the errors allowed in each component of the state. Not a number if a stage is not:
     /// such a step is to be repeated, too.
     #[inline(always)]
-    pub fn error(&self, weights: State<R>) -> R {
+    pub fn error(&self, weights: State<R, N>) -> R {
         let fifth = difference!(self.stages, 5).weighted(weights).square();
         let third = difference!(self.stages, 3).weighted(weights).square();
         let denominator = fifth + third * 0.01;
@@ -118,10 +124,10 @@ impl<R: Real> Step<R> {
     }
 }
 
-impl Step {
+impl<const N: usize> Step<f64, N> {
     /// The motion inside the step; evaluates `rate` three times. `end` is the rate at the end.
     #[inline(never)]
-    pub fn dense(&self, end: Rate, equations: &impl Equations) -> DenseOutput {
+    pub fn dense(&self, end: Rate<f64, N>, equations: &impl Equations<f64, N>) -> DenseOutput<N> {
         let mut k = [State::zeros(); 16];
         let mut q = [Quadratures::zeros(); 16];
         k[..12].copy_from_slice(&self.stages);
@@ -178,28 +184,28 @@ fn cubic<const N: usize>(
 
 /// The motion inside a step: polynomials, of degree 7 or less, that take on the step's ends and their rates.
 #[derive(Clone, Copy, Debug)]
-pub struct DenseOutput {
+pub struct DenseOutput<const N: usize = 4> {
     /// Time at the step's beginning (s).
     pub time: f64,
     /// Size of the step (s).
     pub size: f64,
-    state: Polynomial<4>,
+    state: Polynomial<N>,
     work: Polynomial<2>,
 }
 
-impl DenseOutput {
+impl<const N: usize> DenseOutput<N> {
     /// The motion between two states with known rates, of a system of second order: velocities and the works, `work` in all, by
     /// cubics, displacements by polynomials of degree 5 that take on the accelerations too. Their derivatives would be velocities
     /// that have the error of the displacements over the size of the step.
     pub fn between(
         time: f64,
         size: f64,
-        [(start, first), (end, last)]: [(State, Rate); 2],
+        [(start, first), (end, last)]: [(State<f64, N>, Rate<f64, N>); 2],
         work: Quadratures,
-    ) -> DenseOutput {
+    ) -> DenseOutput<N> {
         let mut state = cubic(start, end - start, size, &first.state, &last.state);
         let [_, _, second, third, fourth, fifth, ..] = &mut state;
-        for x in [0, 2] {
+        for x in [0, 2, 4].into_iter().filter(|x| x + 1 < N) {
             let half = 0.5 * size * size;
             fourth[x] = half * first.state[x + 1] + second[x] - third[x];
             fifth[x] = half * last.state[x + 1] + second[x] + 2.0 * third[x] - fourth[x];
@@ -209,7 +215,7 @@ impl DenseOutput {
     }
 
     /// State `elapsed` seconds after the beginning of the step.
-    pub fn state(&self, elapsed: f64) -> State {
+    pub fn state(&self, elapsed: f64) -> State<f64, N> {
         evaluate(&self.state, elapsed / self.size)
     }
 

@@ -26,17 +26,17 @@ pub use scalar::Real;
 
 use numbers::Numbers;
 
-/// The state of a system with four degrees, second-order in two of them: `[x, ẋ, y, ẏ]`.
-pub type State<R = f64> = Numbers<R, 4>;
+/// The state of a system, second-order in pairs of its numbers: `[x, ẋ, y, ẏ]`, and more where there are.
+pub type State<R = f64, const N: usize = 4> = Numbers<R, N>;
 
 /// Quantities that are integrated with the state and do not act back on it: their rates, or their integrals.
 pub type Quadratures<R = f64> = Numbers<R, 2>;
 
 /// The result of a right-hand side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rate<R: Real = f64> {
+pub struct Rate<R: Real = f64, const N: usize = 4> {
     /// Rate of the state.
-    pub state: State<R>,
+    pub state: State<R, N>,
     /// Rates of the quadratures.
     pub quadratures: Quadratures<R>,
 }
@@ -46,9 +46,9 @@ pub struct Rate<R: Real = f64> {
 /// Steps are one piece of machine code with it, inlined into each of their stages: its result is in registers then. A
 /// function would leave it in memory number by number, where the sums over stages, which load pairs of numbers, have to wait
 /// for it.
-pub trait Equations<R: Real = f64> {
+pub trait Equations<R: Real = f64, const N: usize = 4> {
     /// Rate of a state at a time (s).
-    fn rate(&self, time: R, state: &State<R>) -> Rate<R>;
+    fn rate(&self, time: R, state: &State<R, N>) -> Rate<R, N>;
 }
 
 impl<F: Fn(f64, &State) -> Rate> Equations for F {

@@ -38,14 +38,16 @@ impl<R: Real, const N: usize> Numbers<R, N> {
         self
     }
 
-    /// Sum of the squares; of four the first and the third are added, the second and the fourth, and then both sums.
+    /// Sum of the squares: of four the first and the third are added, the second and the fourth, and then both sums; of eight those of
+    /// both halves.
     #[inline(always)]
     pub fn square(self) -> R {
         let squares = self.weighted(self).0;
         match *squares.as_slice() {
             [a, b] => a + b,
             [a, b, c, d] => (a + c) + (b + d),
-            _ => unreachable!("a state has four numbers, the quadratures two"),
+            [a, b, c, d, e, f, g, h] => ((a + c) + (b + d)) + ((e + g) + (f + h)),
+            _ => unreachable!("a state has four or eight numbers, the quadratures two"),
         }
     }
 

@@ -39,6 +39,9 @@ pub trait Scalar:
         self.sin_cos().1
     }
 
+    /// The square root.
+    fn sqrt(self) -> Self;
+
     /// The value without its derivative.
     fn value(self) -> Self::Real;
 
@@ -48,9 +51,6 @@ pub trait Scalar:
 
 /// A number without a derivative, or one per lane: steps are made of these.
 pub trait Real: Scalar<Real = Self> + Default {
-    /// The square root.
-    fn sqrt(self) -> Self;
-
     /// The absolute value.
     fn abs(self) -> Self;
 }
@@ -70,9 +70,6 @@ pub trait Elementary: Scalar<Real = f64> {
 
     /// `√(self² + other²)`.
     fn hypot(self, other: Self) -> Self;
-
-    /// The square root.
-    fn sqrt(self) -> Self;
 
     /// Whether it is zero, and with it its derivative.
     fn is_zero(self) -> bool;
@@ -102,6 +99,11 @@ impl Scalar for f64 {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> f64 {
+        self.sqrt()
+    }
+
+    #[inline(always)]
     fn value(self) -> f64 {
         self
     }
@@ -113,11 +115,6 @@ impl Scalar for f64 {
 }
 
 impl Real for f64 {
-    #[inline(always)]
-    fn sqrt(self) -> f64 {
-        self.sqrt()
-    }
-
     #[inline(always)]
     fn abs(self) -> f64 {
         self.abs()
@@ -138,11 +135,6 @@ impl Elementary for f64 {
     #[inline]
     fn hypot(self, other: f64) -> f64 {
         libm::hypot(self, other)
-    }
-
-    #[inline]
-    fn sqrt(self) -> f64 {
-        self.sqrt()
     }
 
     #[inline]

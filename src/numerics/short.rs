@@ -8,20 +8,26 @@ pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
 
 /// A step of Tsitouras' pair 5(4).
 #[derive(Clone, Copy, Debug)]
-pub struct ShortStep<R: Real = f64> {
+pub struct ShortStep<R: Real = f64, const N: usize = 4> {
     /// State at its end.
-    pub end: State<R>,
+    pub end: State<R, N>,
     /// Integrals of the quadratures over the step.
     pub work: Quadratures<R>,
     size: R,
     /// Error estimate over the size of the step, without the share of the rate at its end.
-    of_stages: Rate<R>,
+    of_stages: Rate<R, N>,
 }
 
-impl<R: Real> ShortStep<R> {
+impl<R: Real, const N: usize> ShortStep<R, N> {
     /// Takes a step of `size` from `start` with known rate there.
     #[inline(always)]
-    pub fn attempt(time: R, size: R, start: State<R>, first: Rate<R>, equations: &impl Equations<R>) -> ShortStep<R> {
+    pub fn attempt(
+        time: R,
+        size: R,
+        start: State<R, N>,
+        first: Rate<R, N>,
+        equations: &impl Equations<R, N>,
+    ) -> ShortStep<R, N> {
         let (mut k, mut q) = ShortStep::begin(first);
         macro_rules! stages {
             ($($i:tt)*) => {$({
@@ -40,10 +46,10 @@ impl<R: Real> ShortStep<R> {
     pub fn attempt_in_loop(
         time: R,
         size: R,
-        start: State<R>,
-        first: Rate<R>,
-        equations: &impl Equations<R>,
-    ) -> ShortStep<R> {
+        start: State<R, N>,
+        first: Rate<R, N>,
+        equations: &impl Equations<R, N>,
+    ) -> ShortStep<R, N> {
         let (mut k, mut q) = ShortStep::begin(first);
         for stage in 1..6 {
             let increment = match stage {
@@ -61,7 +67,7 @@ impl<R: Real> ShortStep<R> {
     }
 
     #[inline(always)]
-    fn begin(first: Rate<R>) -> ([State<R>; 6], [Quadratures<R>; 6]) {
+    fn begin(first: Rate<R, N>) -> ([State<R, N>; 6], [Quadratures<R>; 6]) {
         let mut k = [State::zeros(); 6];
         let mut q = [Quadratures::zeros(); 6];
         (k[0], q[0]) = (first.state, first.quadratures);
@@ -69,7 +75,7 @@ impl<R: Real> ShortStep<R> {
     }
 
     #[inline(always)]
-    fn finish(size: R, start: State<R>, k: [State<R>; 6], q: [Quadratures<R>; 6]) -> ShortStep<R> {
+    fn finish(size: R, start: State<R, N>, k: [State<R, N>; 6], q: [Quadratures<R>; 6]) -> ShortStep<R, N> {
         ShortStep {
             end: start + short_increment!(k, 6).times(size),
             work: short_increment!(q, 6).times(size),
@@ -81,7 +87,7 @@ impl<R: Real> ShortStep<R> {
     /// Estimated error of the step with this rate at its end, in units of the allowed error; `weights` as in
     /// [`Step::error`](super::dop853::Step::error), `work_weight` the same of the works.
     #[inline(always)]
-    pub fn error(&self, end: Rate<R>, weights: State<R>, work_weight: R) -> R {
+    pub fn error(&self, end: Rate<R, N>, weights: State<R, N>, work_weight: R) -> R {
         let Rate { state, quadratures } = self.of_stages;
         let state = short_end_difference!(state, end.state).weighted(weights);
         let work = short_end_difference!(quadratures, end.quadratures).times(work_weight);

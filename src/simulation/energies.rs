@@ -55,7 +55,7 @@ impl Simulation {
     pub fn energies(&self) -> Energies {
         let (block, excitation) = (self.block(), Excitation::none());
         let now = self.now(block, &excitation);
-        let (kinetic, potential) = energy(block, now.regime, &now.instant);
+        let (kinetic, potential) = energy(block, now.regime, &now.forcing.ties, &now.instant);
         let EnergySums { initial, input, dashpots, friction, ties, impacts, constraint } = self.sums;
         let [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint] =
             [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint]
@@ -82,10 +82,12 @@ impl Simulation {
         }
         self.shown(inputs, |now| {
             let block = now.block;
-            let (kinetic, potential) = energy(block, now.regime, &now.with_rates(Forcing::default()));
+            let (kinetic, potential) =
+                energy(block, now.regime, &now.forcing.ties, &now.with_rates(Forcing::default()));
             let [input, dashpots] = now.instant.powers(block, now.regime, now.forcing);
-            let [kinetic, potential, input, dashpots] =
-                [kinetic.eps, potential.eps, input, dashpots].map(|part| part * block.mass);
+            let (friction, ties) = (now.friction_power(), now.tie_power());
+            let [kinetic, potential, input, dashpots, friction, ties] =
+                [kinetic.eps, potential.eps, input, dashpots, friction, ties].map(|part| part * block.mass);
             let total = kinetic + potential;
             Energies {
                 total,
@@ -93,7 +95,9 @@ impl Simulation {
                 potential,
                 input,
                 dashpots,
-                residual: total - input + dashpots,
+                friction,
+                ties,
+                residual: total - input + dashpots + friction + ties,
                 ..Energies::default()
             }
         })

@@ -14,23 +14,28 @@ use crate::numerics::roots::Sample;
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::Peaks;
-use crate::simulation::{Energies, Pending, Simulation, SimulationError};
+use crate::simulation::{Energies, EnergySums, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Footing, Held, Powers, State, energy, foot_height, instant, instant_held};
 use crate::system::evaluation::{Evaluation, Motion, Pose};
-use crate::system::events::{Event, ROUNDING, Surface, watched};
+use crate::system::events::{Event, ROUNDING, Surface, watched, watched_beyond};
 use crate::system::law::AnyLaw;
 
 /// How many continuous states there are.
-pub const STATES: usize = 8;
+pub const STATES: usize = 10;
 
-/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation and energy that the dashpots took (J).
+/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, energy that the dashpots, friction and the dashpots of the
+/// ties took (J).
 ///
 /// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these states
 /// are integrated along, and the motion does not depend on them. Each event sets them to the values that follow.
 pub type States = [f64; STATES];
 
-/// How many event indicators there are: of the corners L and R, of the quarter turn, and of a foot that slides.
-pub const INDICATORS: usize = 4;
+/// The number of ties of a block that is stepped from outside.
+pub const TIES: usize = 2;
+
+/// How many event indicators there are: of the corners L and R, of the quarter turn, of a foot that slides without friction or a
+/// corner that is held, two of friction, and two of each tie.
+pub const INDICATORS: usize = 6 + 2 * TIES;
 
 /// How far below the rigid base a corner is when its landing is found, as a part of R0: far less than the last of the
 /// impacts, with 1e-9 p, rises.
@@ -108,15 +113,16 @@ impl Simulation {
     pub fn states(&self, inputs: &Inputs) -> States {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let x = self.now(block, &excitation).instant;
-        let works = [self.sums.input, self.sums.dashpots].map(|work| work * block.mass);
+        let EnergySums { input, dashpots, friction, ties, .. } = self.sums;
+        let works = [input, dashpots, friction, ties].map(|work| work * block.mass);
         let [theta_dot, v_dot, u_dot] = if self.is_frozen() { [0.0; 3] } else { [x.theta_dot, x.v_dot, x.u_dot] };
-        [x.theta, theta_dot, x.v, v_dot, x.u, u_dot, works[0], works[1]]
+        [x.theta, theta_dot, x.v, v_dot, x.u, u_dot, works[0], works[1], works[2], works[3]]
     }
 
     /// Puts the block where these states say, at `time` (s), on the same contacts. A block that is held keeps the rates, and
     /// with them the energies, of the end of its run.
     pub fn set_states(&mut self, time: f64, states: &States) {
-        let [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots] = *states;
+        let [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots, friction, ties] = *states;
         let (block, regime) = (*self.block(), self.regime());
         if time != self.pose.time {
             self.events_in_this_instant = 0;
@@ -125,18 +131,24 @@ impl Simulation {
         let held = self.is_frozen().then_some(self.pose);
         let [w, w_dot] = foot_height(&block, regime, [theta, theta_dot, v, v_dot]);
         self.pose.state = State::from([theta, theta_dot, w, w_dot]);
-        if let Footing::Free { .. } = self.pose.footing {
-            self.pose.footing = Footing::Free { u, u_dot };
-        }
+        self.pose.footing = match self.pose.footing {
+            grips @ Footing::Grips { .. } => grips,
+            Footing::Free { .. } => Footing::Free { u, u_dot },
+            Footing::Slides { direction, .. } => Footing::Slides { u, u_dot, direction },
+        };
         if let Some(held) = held {
             (self.pose.state[1], self.pose.state[3]) = (held.state[1], held.state[3]);
-            if let (Footing::Free { u_dot, .. }, Footing::Free { u_dot: at_end, .. }) =
-                (&mut self.pose.footing, held.footing)
+            if let (
+                Footing::Free { u_dot, .. } | Footing::Slides { u_dot, .. },
+                Footing::Free { u_dot: at_end, .. } | Footing::Slides { u_dot: at_end, .. },
+            ) = (&mut self.pose.footing, held.footing)
             {
                 *u_dot = at_end;
             }
         }
-        (self.sums.input, self.sums.dashpots) = (input / block.mass, dashpots / block.mass);
+        let EnergySums { initial, impacts, constraint, .. } = self.sums;
+        let [input, dashpots, friction, ties] = [input, dashpots, friction, ties].map(|work| work / block.mass);
+        self.sums = EnergySums { initial, input, dashpots, friction, ties, impacts, constraint };
     }
 
     /// The derivatives of the states, per second; zeros once the run has ended.
@@ -147,8 +159,10 @@ impl Simulation {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let now = self.now(block, &excitation);
         let x = &now.instant;
-        let powers = x.powers(block, now.regime, now.forcing).map(|power| power * block.mass);
-        [x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot, powers[0], powers[1]]
+        let [input, dashpots] = x.powers(block, now.regime, now.forcing);
+        let [input, dashpots, friction, ties] =
+            [input, dashpots, now.friction_power(), now.tie_power()].map(|power| power * block.mass);
+        [x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot, input, dashpots, friction, ties]
     }
 
     /// The event indicators: an event is due where one falls below zero.
@@ -168,7 +182,10 @@ impl Simulation {
     }
 
     fn all_surfaces(&self) -> [Option<Surface>; INDICATORS] {
-        watched(AnyLaw::of(self.block(), &self.pose))
+        let law = AnyLaw::of(self.block(), &self.pose);
+        let beyond = watched_beyond(law, self.block());
+        let mut all = watched(law).into_iter().chain(beyond);
+        std::array::from_fn(|_| all.next().flatten())
     }
 
     /// What becomes of the block where it is: a new smooth piece of the excitation begins, and what has fallen through a
@@ -265,7 +282,7 @@ impl Simulation {
         }
         let last = self.piece.and_then(|piece| piece.last);
         if let Some(last) = last.filter(|last| last.time < there.time) {
-            let motion = Motion::from_pose(&block, &last, &excitation);
+            let motion: Motion = Motion::from_pose(&block, &last, &excitation);
             let here = motion.at(last.time, last.state);
             let ends = [(here.state, here.rate), (there.state, there.rate)];
             let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
@@ -305,6 +322,9 @@ impl Simulation {
         let footing = match now.footing {
             grips @ Footing::Grips { .. } => grips.map(Dual64::from),
             Footing::Free { u, u_dot } => Footing::Free { u: dual(u, 4), u_dot: dual(u_dot, 5) },
+            Footing::Slides { u, u_dot, direction } => {
+                Footing::Slides { u: dual(u, 4), u_dot: dual(u_dot, 5), direction }
+            }
         };
         let forcing = now.forcing.with_derivative(direction);
         let x = match now.held {
@@ -319,11 +339,13 @@ impl Simulation {
         let support_heights = Motion::from_pose(block, &self.pose, &excitation).support_heights(held_since);
         let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));
         let seen = observe(block, now.regime, &x, support_heights, forcing);
-        let (kinetic, potential) = energy(block, now.regime, &x);
+        let (kinetic, potential) = energy(block, now.regime, &now.forcing.ties, &x);
         let [kinetic, potential] = [kinetic, potential].map(|part| part.eps * block.mass);
-        let (total, input, dashpots) = (kinetic + potential, states[6], states[7]);
-        let residual = total - input + dashpots;
-        let energies = Energies { total, kinetic, potential, input, dashpots, residual, ..Energies::default() };
+        let [.., input, dashpots, friction, ties] = states;
+        let total = kinetic + potential;
+        let residual = total - input + dashpots + friction + ties;
+        let energies =
+            Energies { total, kinetic, potential, input, dashpots, friction, ties, residual, ..Energies::default() };
         if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }
     }
 
@@ -340,10 +362,20 @@ impl Simulation {
             let Sample { value, rate } = surface.sample(now);
             let rateless = rate.abs() <= NO_RATE * surface.rounding(now.block) * now.block.p;
             let follows = match (surface, now.block.foundation) {
-                (Surface::Gap(_), _) | (Surface::Reaction(_) | Surface::Slide, Foundation::Viscoelastic) => true,
-                // Others jump with the inputs.
+                (Surface::Gap(_) | Surface::Speed | Surface::Shortness(_) | Surface::Stretch(_), _)
+                | (Surface::Reaction(_) | Surface::Slide, Foundation::Viscoelastic) => true,
+                // Others jump with the inputs, or have no zero in common with another law.
                 (Surface::Reaction(_) | Surface::Slide, Foundation::Rigid)
-                | (Surface::Held(_) | Surface::Unloaded(_) | Surface::QuarterTurn, _) => false,
+                | (
+                    Surface::Held(_)
+                    | Surface::Unloaded(_)
+                    | Surface::Friction(_)
+                    | Surface::Tension(_)
+                    | Surface::Limpness(_)
+                    | Surface::Strength(_)
+                    | Surface::QuarterTurn,
+                    _,
+                ) => false,
             };
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
@@ -358,7 +390,7 @@ pub fn nominals(block: &Block) -> States {
         Foundation::Rigid => (r0 * alpha * alpha, p),
     };
     let barrier = mass * gravity * r0 * alpha * alpha;
-    [alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p, barrier, barrier]
+    [alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p, barrier, barrier, barrier, barrier]
 }
 
 /// The indicator of a surface with its `offset`, as a part of the function's size.
@@ -374,8 +406,18 @@ fn indicator_of(surface: Surface, now: &Evaluation, offset: f64) -> f64 {
     let indicator = match (surface, now.block.foundation) {
         // The rate depends on those of the inputs, which are not known.
         (Surface::Reaction(_), Foundation::Rigid)
-        | (Surface::Held(_) | Surface::Unloaded(_) | Surface::QuarterTurn, _) => value,
-        (Surface::Reaction(_), Foundation::Viscoelastic) | (Surface::Gap(_) | Surface::Slide, _) => {
+        | (
+            Surface::Held(_)
+            | Surface::Unloaded(_)
+            | Surface::Friction(_)
+            | Surface::Tension(_)
+            | Surface::Limpness(_)
+            | Surface::Strength(_)
+            | Surface::QuarterTurn,
+            _,
+        ) => value,
+        (Surface::Reaction(_), Foundation::Viscoelastic)
+        | (Surface::Gap(_) | Surface::Slide | Surface::Speed | Surface::Shortness(_) | Surface::Stretch(_), _) => {
             falling(sample.rate)
         }
     };

@@ -6,7 +6,7 @@ use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::{Rate, roots};
 use crate::system::dynamics::State;
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Surface, watched};
+use crate::system::events::{Surface, all_watched};
 use crate::system::law::Law;
 
 /// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
@@ -21,11 +21,16 @@ pub(super) const SMALL_TURN: f64 = 0.1;
 ///
 /// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
 #[inline(always)]
-pub(super) fn turn_in_flight(law: impl Law, start: &State, end: &State, size: f64) -> f64 {
+pub(super) fn turn_in_flight<const A: usize, const B: usize>(
+    law: impl Law,
+    start: &State<f64, A>,
+    end: &State<f64, B>,
+    size: f64,
+) -> f64 {
     if law.regime() != Regime::Separated {
         return 0.0;
     }
-    let ([theta, theta_dot, ..], [theta_after, theta_dot_after, ..]) = (start.0, end.0);
+    let [theta, theta_dot, theta_after, theta_dot_after] = [start[0], start[1], end[0], end[1]];
     let (first, last) = (size * theta_dot, size * theta_dot_after);
     let between = 3.0 * (theta_after - theta) - first - last;
     first.abs().max(between.abs()).max(last.abs())
@@ -43,7 +48,7 @@ pub(super) fn may_hold_event(law: impl Law, here: &Evaluation, there: &Evaluatio
             there.time - here.time,
         )
     };
-    watched(law).into_iter().flatten().any(may_fall)
+    all_watched(law, here.block).any(may_fall)
 }
 
 /// A fall through a surface between two instants.
@@ -60,12 +65,16 @@ pub(super) struct Fall {
 
 /// The first surface through which the motion falls between two instants.
 #[inline(always)]
-pub(super) fn first_event<L: Law>(here: &Evaluation, there: &Evaluation, inside: &mut Inside<L>) -> Option<Fall> {
+pub(super) fn first_event<L: Law, const N: usize>(
+    here: &Evaluation,
+    there: &Evaluation,
+    inside: &mut Inside<L, N>,
+) -> Option<Fall> {
     let mut first: Option<Fall> = None;
     let duration = there.time - here.time;
     let law = inside.motion.law();
-    let turns_far = turn_in_flight(law, &here.state, &there.state, duration) > SMALL_TURN;
-    for surface in watched(law).into_iter().flatten() {
+    let turns_far = turn_in_flight::<4, 4>(law, &here.state, &there.state, duration) > SMALL_TURN;
+    for surface in all_watched(law, here.block) {
         let rounding = surface.rounding(here.block);
         let (start, end) = (surface.sample(here), surface.sample(there));
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
@@ -90,24 +99,24 @@ pub(super) fn first_event<L: Law>(here: &Evaluation, there: &Evaluation, inside:
 
 /// The motion between the ends of a step.
 #[expect(clippy::large_enum_variant, reason = "it stays where it is, on the stack")]
-pub(super) enum Between<'s> {
+pub(super) enum Between<'s, const N: usize = 4> {
     /// As it is known.
-    Known(DenseOutput),
+    Known(DenseOutput<N>),
     /// As it will be known from the dense output of a step with this rate at its end, when it is first asked for.
-    Within(&'s Step, Rate),
+    Within(&'s Step<f64, N>, Rate<f64, N>),
 }
 
 /// The motion inside a step.
-pub(super) struct Inside<'s, 'a, L> {
-    pub(super) motion: Motion<'a, L>,
-    pub(super) between: Between<'s>,
+pub(super) struct Inside<'s, 'a, L, const N: usize = 4> {
+    pub(super) motion: Motion<'a, L, N>,
+    pub(super) between: Between<'s, N>,
     /// Evaluations of the right-hand side that the dense output took.
     pub(super) evaluations: u64,
 }
 
-impl<'a, L: Law> Inside<'_, 'a, L> {
+impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
     #[inline]
-    pub(super) fn dense(&mut self) -> &DenseOutput {
+    pub(super) fn dense(&mut self) -> &DenseOutput<N> {
         if let Between::Within(step, end) = self.between {
             self.between = Between::Known(step.dense(end, &self.motion));
             self.evaluations = EVALUATIONS_OF_DENSE_OUTPUT;

@@ -16,7 +16,7 @@ use crate::block::{Block, Corner, Regime, TieStates};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
-use crate::system::dynamics::State;
+use crate::system::dynamics::{Footing, State};
 use crate::system::evaluation::{Evaluation, Motion, Pose};
 use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
 use peaks::Peaks;
@@ -370,9 +370,15 @@ impl Simulation {
         let ends = match happened {
             None => return false,
             Some(EventKind::Overturning) => self.settings.on_overturning == OnOverturning::Terminate,
-            Some(EventKind::LiftOff(_) | EventKind::Landing(_) | EventKind::Slip | EventKind::Grip) => {
-                separates && self.settings.on_separation == OnSeparation::Terminate
-            }
+            Some(
+                EventKind::LiftOff(_)
+                | EventKind::Landing(_)
+                | EventKind::Slip
+                | EventKind::Grip
+                | EventKind::Taut(_)
+                | EventKind::Slack(_)
+                | EventKind::Break(_),
+            ) => separates && self.settings.on_separation == OnSeparation::Terminate,
         };
         !ends
     }
@@ -381,7 +387,7 @@ impl Simulation {
     /// is followed. The block is checked by the caller, who knows its parameters.
     pub fn is_valid(&self) -> bool {
         let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
-        let sums = [sums.initial, sums.input, sums.dashpots, sums.impacts, sums.constraint];
+        let sums = [sums.initial, sums.input, sums.dashpots, sums.friction, sums.ties, sums.impacts, sums.constraint];
         let others = [*last_event, pulse.amplitude, pulse.period, pulse.start];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
@@ -443,6 +449,11 @@ impl Simulation {
         !self.pose.footing.grips() && self.regime() != Regime::Separated
     }
 
+    /// The horizontal hold.
+    pub fn footing(&self) -> Footing<f64> {
+        self.pose.footing
+    }
+
     /// The states of the ties.
     pub fn ties(&self) -> TieStates {
         self.pose.ties
@@ -483,7 +494,11 @@ impl Simulation {
         self.counts.evaluations += evaluations + 1;
         self.sums.constraint += constraint;
         let after = self.now(now.block, now.excitation);
-        self.sums.impacts += now.energy() - after.energy();
+        let lost = now.energy() - after.energy();
+        match happened {
+            Some(EventKind::Break(_) | EventKind::Slack(_) | EventKind::Taut(_)) => self.sums.ties += lost,
+            _ => self.sums.impacts += lost,
+        }
         let Some(kind) = happened else { return Ok(after) };
         if kind == EventKind::Overturning {
             self.ending = Some((Ending::Overturned, time));

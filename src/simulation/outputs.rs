@@ -9,6 +9,7 @@ use crate::numerics::scalar::{Beside, Real, Scalar};
 use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
 use crate::system::dynamics::{Instant, instant};
 use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::forces;
 
 /// Greatest friction demand that is reported: where the supports bear almost nothing the ratio has no bound.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;
@@ -89,11 +90,11 @@ pub fn observe<P: Scalar, T: Beside<P>>(
         corner: x.corner,
         uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
         friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
-        slip_rate: T::from(0.0),
-        tension: [T::from(0.0); MOST_TIES],
+        slip_rate: x.slip_rate,
+        tension: forces::tie::tensions(block, &forcing.ties, x),
         power: [power[0] * block.mass, power[1] * block.mass],
-        friction_power: T::from(0.0),
-        tie_power: T::from(0.0),
+        friction_power: forces::friction::power(horizontal, x.slip_rate),
+        tie_power: forces::tie::power(block, &forcing.ties, x) * block.mass,
     }
 }
 

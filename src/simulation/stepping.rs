@@ -7,14 +7,15 @@ use crate::numerics::control::{
     LONGEST, ShortStepTo, eighth_root, is_resolved, near_a_peak, short_factor, shortest, size_factor,
 };
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
+use crate::numerics::roots;
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::inside::{
     Between, Fall, Inside, MOST_TURN, SMALL_TURN, first_event, may_hold_event, turn_in_flight,
 };
-use crate::simulation::peaks::{Channels, Peaks};
+use crate::simulation::peaks::{Channels, Peaks, greater};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Powers, State};
-use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::evaluation::{EXTENDED, Evaluation, Motion, Pose};
 use crate::system::events::{Event, Surface};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 
@@ -44,9 +45,9 @@ pub(super) struct StepStart {
 
 /// Limits of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(super) struct Limits<const N: usize = 4> {
     /// Reciprocals of the errors that a step may make in each component of the state.
-    pub(super) weights: State,
+    pub(super) weights: State<f64, N>,
     /// The reciprocal of the error that a step may make in each of the works.
     pub(super) work_weight: f64,
     /// The longest step (s).
@@ -95,7 +96,7 @@ impl Simulation {
         self.counts.evaluations += 1;
         let mut start = StepStart { of_piece: true, short_failed: false };
         while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
-            in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, start, budget, observer))?;
+            self.steps(&piece, start, budget, observer)?;
             start.of_piece = false;
         }
         Ok(())
@@ -122,12 +123,28 @@ impl Simulation {
         let block = &{ self.system.block };
         let since = self.pose.time;
         let piece = SmoothPiece { block, excitation, since, stop, end: stop, at_event: AtEvent::Apply, single: true };
-        in_law!(AnyLaw::of(block, &self.pose), law => self.steps(law, &piece, start, budget, observer))
+        self.steps(&piece, start, budget, observer)
     }
 
-    /// Steps under one law to the end of the piece, or of the law.
-    #[inline(never)]
+    /// Steps under the present law to the end of the piece, or of the law.
+    #[inline(always)]
     fn steps(
+        &mut self,
+        piece: &SmoothPiece,
+        start: StepStart,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let law = AnyLaw::of(piece.block, &self.pose);
+        match law.extended() {
+            Some(law) => self.steps_under::<EXTENDED>(law, piece, start, budget, observer),
+            None => in_law!(law, law => self.steps_under::<4>(law, piece, start, budget, observer)),
+        }
+    }
+
+    /// The same under a law by which N quantities are integrated.
+    #[inline(never)]
+    fn steps_under<const N: usize>(
         &mut self,
         law: impl Law,
         piece: &SmoothPiece,
@@ -137,11 +154,12 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
         // After an event the block is evaluated once more, which is not counted, rather than copied.
-        let mut here = Motion::under(law, block, &self.pose, excitation).at(self.pose.time, self.pose.state);
+        let start_of = |pose: &Pose| Motion::<_, 4>::under(law, block, pose, excitation).at(pose.time, pose.state);
+        let mut here = start_of(&self.pose);
         if start.of_piece
-            && let Some(corner) = self.system.leaving_rigid_base(&here)
+            && let Some(surface) = self.system.fallen(&here)
         {
-            return self.apply_or_stop(Surface::Reaction(corner), &here, piece, observer);
+            return self.apply_or_stop(surface, &here, piece, observer);
         }
         let steady = excitation.is_constant();
         let limits = self.limits(law, excitation.frequency());
@@ -154,16 +172,17 @@ impl Simulation {
                 return Ok(());
             }
             self.spend(budget, piece, limits.longest)?;
-            let motion = Motion::under(law, block, &self.pose, excitation);
+            let motion = Motion::<_, N>::under(law, block, &self.pose, excitation);
             if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
             }
             let step = self.accepted_step(stop, &motion, &here, &limits)?;
             let (mut there, mut work) = (motion.at(step.end_time, step.end), step.work);
-            if !there.state.0.iter().chain(&there.rate.state.0).all(|x| x.is_finite()) {
+            let end_rate = motion.rate_of(&there);
+            if !step.end.0.iter().chain(&end_rate.state.0).all(|x| x.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let mut inside = Inside { motion, between: Between::Within(&step, there.rate), evaluations: 0 };
+            let mut inside = Inside { motion, between: Between::Within(&step, end_rate), evaluations: 0 };
             let size = there.time - here.time;
             let mut event = first_event(&here, &there, &mut inside);
             if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
@@ -177,20 +196,29 @@ impl Simulation {
                 }
                 *elapsed = size;
             }
+            let mut beyond = step.end;
             if let Some(Fall { elapsed, .. }) = event
                 && elapsed < size
             {
                 there = inside.at(elapsed);
                 work = inside.dense().work(elapsed);
+                if N > 4 {
+                    beyond = inside.dense().state(elapsed);
+                }
             }
             let elapsed = event.map_or(size, |fall| fall.elapsed);
             self.update_peaks(&here, &there, near_a_peak(elapsed, limits.longest), &mut inside);
             self.counts.evaluations += inside.evaluations;
-            work[0] += here.footing.free_work(&there.footing);
+            if N > 4 {
+                self.take_in_slip_and_ties(&here, &there, [beyond[6], beyond[7]], &mut inside);
+            } else {
+                work[0] += here.footing.free_work(&there.footing);
+            }
             self.go_to(&there, work);
             if law.held().is_some() {
                 // The corner lifts and lands so often that only the energy tells.
-                let made = there.energy() - here.energy() - work[0] + work[1];
+                let ties = if N > 4 { beyond[7] } else { 0.0 };
+                let made = there.energy() - here.energy() - work[0] + work[1] + ties;
                 self.sums.constraint += made;
                 self.sums.impacts -= made;
             }
@@ -251,15 +279,15 @@ impl Simulation {
 
     /// Goes to `stop` by a short step if that is close enough and nothing happens on the way; whether it went.
     #[inline(always)]
-    fn short_step<'a, L: Law>(
+    fn short_step<'a, L: Law, const N: usize>(
         &mut self,
         stop: f64,
-        motion: &Motion<'a, L>,
+        motion: &Motion<'a, L, N>,
         here: &Evaluation<'a>,
-        limits: &Limits,
+        limits: &Limits<N>,
     ) -> bool {
         let size = stop - self.pose.time;
-        if motion.law().held().is_some() {
+        if motion.law().held().is_some() || L::EXTENDED {
             return false;
         }
         match self.control.short_step(size, limits.longest) {
@@ -270,13 +298,13 @@ impl Simulation {
             }
             ShortStepTo::Stop => {}
         }
-        let step = ShortStep::attempt(here.time, size, here.state, here.rate, motion);
+        let step = ShortStep::attempt(here.time, size, motion.state_of(here), motion.rate_of(here), motion);
         let there = motion.at(stop, step.end);
         self.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        if turn_in_flight(motion.law(), &here.state, &step.end, size) > SMALL_TURN {
+        if turn_in_flight(motion.law(), &here.state, &there.state, size) > SMALL_TURN {
             return false;
         }
-        let error = step.error(there.rate, limits.weights, limits.work_weight) / limits.short_share;
+        let error = step.error(motion.rate_of(&there), limits.weights, limits.work_weight) / limits.short_share;
         let factor = short_factor(error);
         // A factor that is not a number is that of an error that is none.
         if factor.is_nan() || factor < 1.0 {
@@ -302,22 +330,23 @@ impl Simulation {
 
     /// A step within the tolerance, from `here` towards `stop`, and the instant it leads to.
     #[inline(always)]
-    fn accepted_step<'a, L: Law>(
+    fn accepted_step<'a, L: Law, const N: usize>(
         &mut self,
         stop: f64,
-        motion: &Motion<'a, L>,
+        motion: &Motion<'a, L, N>,
         here: &Evaluation<'a>,
-        &Limits { weights, longest, .. }: &Limits,
-    ) -> Result<Step, SimulationError> {
+        &Limits { weights, longest, .. }: &Limits<N>,
+    ) -> Result<Step<f64, N>, SimulationError> {
+        let (start, first) = (motion.state_of(here), motion.rate_of(here));
         let time = here.time;
         let shortest = shortest(time, stop);
         let mut attempt = self.control.attempt(stop - time, longest, shortest);
         loop {
-            let mut step = Step::attempt(time, attempt.size, here.state, here.rate, motion);
+            let mut step = Step::attempt(time, attempt.size, start, first, motion);
             self.counts.evaluations += EVALUATIONS_PER_STEP;
             let error = step.error(weights);
             let factor = size_factor(eighth_root(error));
-            let turn = turn_in_flight(motion.law(), &here.state, &step.end, attempt.size);
+            let turn = turn_in_flight(motion.law(), &start, &step.end, attempt.size);
             // Where the clock resolves no shorter step, none is asked for.
             let turns_far = turn > MOST_TURN && attempt.size > 2.0 * shortest;
             if error <= 1.0 && !turns_far {
@@ -349,11 +378,12 @@ impl Simulation {
     /// not more than a change of a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
-    pub(super) fn limits(&self, law: impl Law, pulse_frequency: f64) -> Limits {
-        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, .. } = self.system.block;
+    pub(super) fn limits<const N: usize>(&self, law: impl Law, pulse_frequency: f64) -> Limits<N> {
+        let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
         // A foot that slides lets the block turn about its centre of mass.
-        let arm = b + eccentricity.abs();
+        // Friction of a foot that slides turns the block too.
+        let arm = b + eccentricity.abs() + if law.grips() { 0.0 } else { friction * h };
         let turning = if law.grips() { arm * arm / (i0 + h * h) } else { arm * arm / i0 };
         let (rocking, vertical) = match (law.foundation(), law.regime()) {
             (Foundation::Rigid, _) | (_, Regime::Separated) => (p, p),
@@ -373,25 +403,68 @@ impl Simulation {
             Foundation::Viscoelastic => (r0 * alpha * p).min(OF_WEIGHT * gravity / (omega_v * (2.0 * xi_v).max(1.0))),
         };
         let upright = 1.0 / (self.settings.tolerance * most);
-        let weights = State::from([rocking * allowed, allowed, vertical * upright, upright]);
-        let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency);
+        let across = 1.0 / (self.settings.tolerance * r0 * alpha * p);
+        // The energy of a block that rocks with the velocity of the other weights.
+        let work_weight = allowed / ((i0 + r0 * r0) * alpha * p);
+        let all =
+            [rocking * allowed, allowed, vertical * upright, upright, p * across, across, work_weight, work_weight];
+        let weights = State::from(std::array::from_fn(|i| all[i]));
+        let tied = if law.is_extended() { self.fastest_of_ties() } else { 0.0 };
+        let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(tied);
         Limits {
             weights,
-            // The energy of a block that rocks with the velocity of the other weights.
-            work_weight: allowed / ((i0 + r0 * r0) * alpha * p),
+            work_weight,
             longest,
             short_share: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_SHARE },
         }
     }
 
+    /// A bound on the circular frequencies and rates of decay that ties give the block (rad/s): that of a free block.
+    fn fastest_of_ties(&self) -> f64 {
+        let Block { mass, i0, h, eccentricity, ref ties, .. } = self.system.block;
+        let (mut stiffness, mut damping) = (0.0, 0.0);
+        for tie in ties.all() {
+            let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);
+            let mobility = (1.0 + (x * x + z * z) / i0) / mass;
+            stiffness += tie.stiffness * mobility;
+            damping += tie.damping * mobility;
+        }
+        stiffness.sqrt().max(damping)
+    }
+
+    /// Takes in how far the foot has slid in a step, the tensions, and the works of friction and of the dashpots of ties.
+    fn take_in_slip_and_ties<L: Law, const N: usize>(
+        &mut self,
+        here: &Evaluation,
+        there: &Evaluation,
+        [friction, ties]: [f64; 2],
+        inside: &mut Inside<L, N>,
+    ) {
+        self.sums.friction += friction;
+        self.sums.ties += ties;
+        if self.slides() {
+            let way = there.foot_place() - here.foot_place();
+            self.slip.now += way;
+            self.slip.total += way.abs();
+            self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
+        }
+        let duration = there.time - here.time;
+        for tie in 0..self.system.block.ties.all().len() {
+            let most = self.peaks.tension[tie];
+            let (start, end) = (here.tension(tie), there.tension(tie));
+            let most = roots::greatest(most, start, end, duration, |elapsed| inside.at(elapsed).tension(tie));
+            self.peaks.tension[tie] = most;
+        }
+    }
+
     /// Takes the step's peaks in.
     #[inline(always)]
-    pub(super) fn update_peaks<L: Law>(
+    pub(super) fn update_peaks<L: Law, const N: usize>(
         &mut self,
         here: &Evaluation,
         there: &Evaluation,
         near: f64,
-        inside: &mut Inside<L>,
+        inside: &mut Inside<L, N>,
     ) {
         let duration = there.time - here.time;
         if duration <= 0.0 {

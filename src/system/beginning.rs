@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::ties::NO_TIES;
-use crate::block::{Block, Foundation};
+use crate::block::{Block, Foot, Foundation, Regime};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::scalar::Elementary;
@@ -13,6 +13,7 @@ use crate::system::evaluation::Pose;
 use crate::system::events::Path;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
+use crate::system::forces::tie;
 use crate::system::impact::Velocities;
 
 /// Where the block is at the beginning.
@@ -33,21 +34,34 @@ impl System {
     pub fn beginning(&self, initial: &Initial, time: f64, excitation: &Excitation) -> Pose {
         match self.block.foundation {
             Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation).0,
-            Foundation::Rigid => beginning_on_rigid_base(initial, time),
+            Foundation::Rigid => self.tied(beginning_on_rigid_base(initial, time), excitation),
         }
     }
 
     /// The pose at the beginning, and the regimes through which the block comes there.
     pub(super) fn beginning_on_supports(&self, initial: &Initial, time: f64, excitation: &Excitation) -> (Pose, Path) {
-        let placement = Placement::on_supports(&self.block, initial);
+        let mut placement = Placement::on_supports(&self.block, initial);
         let touching = Corner::each(|corner| placement.corners[corner.index()].0 <= self.block.free_height(corner));
         let contacts = Contacts::touching(touching, time);
         let pose = Pose { time, state: State::zeros(), contacts, footing: Footing::AT_START, ties: NO_TIES };
+        let pose = Pose { state: placement.state(contacts.regime()).into(), ..pose };
+        let pose = self.tied(pose, excitation);
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = Change::begin(self, &pose, excitation);
+        placement.u = change.place_at_start(placement.u);
         change.settle(contacts.regime(), placement);
         debug_assert!(!change.path.overflows(), "{:?}", change.path);
         (change.pose, change.path)
+    }
+
+    /// A pose at the beginning with its ties as they are stretched.
+    fn tied(&self, pose: Pose, excitation: &Excitation) -> Pose {
+        if self.block.ties.is_empty() {
+            return pose;
+        }
+        let mut change = Change::begin(self, &pose, excitation);
+        change.begin_ties();
+        change.pose
     }
 }
 
@@ -71,6 +85,10 @@ impl<T: Elementary> Placement<T> {
             // On the lower corner alone, which sinks under the whole weight by the share that the other one bore, and does not move.
             None => (turn[upper] - free[upper], turn_dot[upper]),
         };
+        let middle = match vertical {
+            None if !block.ties.is_empty() => balanced(block, [sin, cos], middle),
+            _ => middle,
+        };
         let (v, v_dot) = (middle - sunk, middle_dot - sunk_dot);
         let velocities = Velocities { u_dot: h * cos * theta_dot - e * sin * theta_dot, v_dot, theta_dot };
         let corners = [0, 1].map(|i| (middle + turn[i], middle_dot + turn_dot[i]));
@@ -88,4 +106,55 @@ pub(super) fn beginning_on_rigid_base(initial: &Initial, time: f64) -> Pose {
         footing: Footing::AT_START,
         ties: NO_TIES,
     }
+}
+
+/// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of the ties, near `middle`, where
+/// they bear the weight alone. The rotation, of this sine and cosine, stays.
+fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
+    const DOUBLINGS: u32 = 60;
+    const HALVINGS: u32 = 200;
+    let surplus = |middle: T| surplus(block, [sin, cos], middle);
+    let value = |middle: f64| surplus(T::from(middle)).value();
+    let (start, mut reach) = (middle.value(), block.static_deflection().value());
+    let (mut low, mut high) = (start, start);
+    for _ in 0..DOUBLINGS {
+        let [sinks, rises] = [value(low) < 0.0, value(high) > 0.0];
+        if !sinks && !rises {
+            break;
+        }
+        (low, high) = (if sinks { low - reach } else { low }, if rises { high + reach } else { high });
+        reach *= 2.0;
+    }
+    for _ in 0..HALVINGS {
+        let half = 0.5 * (low + high);
+        if value(half) > 0.0 {
+            low = half;
+        } else {
+            high = half;
+        }
+    }
+    // A step by Newton's method brings the derivatives.
+    let apart = 1e-6 * block.static_deflection().value();
+    let slope = (value(high + apart) - value(high - apart)) / (2.0 * apart);
+    T::from(high) - surplus(T::from(high)) * (1.0 / slope)
+}
+
+/// The force (N) by which the supports push more than the weight and the ties pull, with the middle of the base at this height.
+fn surplus<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
+    let zero = T::from(0.0);
+    let mut sum = -(block.mass * block.gravity);
+    let mut touching = [false; 2];
+    for corner in Corner::BOTH {
+        let push = block.free_height(corner) - middle - block.half_base(corner) * sin;
+        touching[corner.index()] = push.value() > 0.0;
+        sum = sum + T::select_less(0.0, push.value(), push * block.stiffness, zero);
+    }
+    let foot = Regime::of_touching(touching).foot().unwrap_or(Foot::Middle);
+    let (versine, offset) = (sin * sin / (cos + 1.0), block.offset_from(foot));
+    let center = [sin * block.h - versine * offset, middle - versine * block.h - sin * block.eccentricity];
+    let place = tie::Place { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] };
+    for tie in block.ties.all() {
+        sum = sum - tie::static_pull(block, tie, &place)[1];
+    }
+    sum
 }

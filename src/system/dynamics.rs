@@ -9,16 +9,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
+use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime, TieStates};
 use crate::excitation::Forcing;
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
-use crate::system::forces::{self, support};
+use crate::system::forces::{self, friction, support, tie};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
-pub type State = numerics::State;
+pub type State<R = f64, const N: usize = 4> = numerics::State<R, N>;
 
 /// Powers that are integrated along (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
 pub type Powers = numerics::Quadratures;
@@ -58,6 +58,8 @@ pub struct Instant<T> {
     pub reaction: [T; 2],
     /// Horizontal reaction H/M on the block (m/s²), positive to the right.
     pub horizontal: T,
+    /// Velocity of the foot (m/s), positive to the right: zero where it grips, and in flight.
+    pub slip_rate: T,
 }
 
 /// The horizontal hold of the block.
@@ -70,10 +72,19 @@ pub enum Footing<T> {
     },
     /// Nothing: in flight, and where a support bears the block again but does not grip it yet.
     Free {
-        /// Horizontal place of the centre of mass over where the middle of the base was at the start (m).
+        /// Horizontal place of the centre of mass beside where it was at the start (m).
         u: T,
         /// u̇ relative to the ground (m/s).
         u_dot: T,
+    },
+    /// Friction: the foot slides.
+    Slides {
+        /// Horizontal place of the centre of mass beside where it was at the start (m).
+        u: T,
+        /// u̇ relative to the ground (m/s).
+        u_dot: T,
+        /// The sign of the foot's velocity: +1 to the right, −1 to the left.
+        direction: f64,
     },
 }
 
@@ -83,6 +94,7 @@ impl<T> Footing<T> {
         match self {
             Footing::Grips { offset } => Footing::Grips { offset: f(offset) },
             Footing::Free { u, u_dot } => Footing::Free { u: f(u), u_dot: f(u_dot) },
+            Footing::Slides { u, u_dot, direction } => Footing::Slides { u: f(u), u_dot: f(u_dot), direction },
         }
     }
 
@@ -101,6 +113,7 @@ impl Footing<f64> {
         match *self {
             Footing::Grips { offset } => offset.is_finite(),
             Footing::Free { u, u_dot } => u.is_finite() && u_dot.is_finite(),
+            Footing::Slides { u, u_dot, direction } => u.is_finite() && u_dot.is_finite() && direction.abs() == 1.0,
         }
     }
 
@@ -109,7 +122,8 @@ impl Footing<f64> {
     pub fn free_work(&self, after: &Footing<f64>) -> f64 {
         match (self, after) {
             (Footing::Free { u_dot: from, .. }, Footing::Free { u_dot: to, .. }) => 0.5 * (to - from) * (to + from),
-            (Footing::Grips { .. }, _) | (_, Footing::Grips { .. }) => 0.0,
+            (Footing::Grips { .. } | Footing::Slides { .. }, _)
+            | (_, Footing::Grips { .. } | Footing::Slides { .. }) => 0.0,
         }
     }
 }
@@ -214,6 +228,9 @@ where
     let footing = match footing {
         Footing::Grips { offset } => Footing::Grips { offset: Dual::new(offset, R::default()) },
         Footing::Free { u, u_dot } => Footing::Free { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot) },
+        Footing::Slides { u, u_dot, direction } => {
+            Footing::Slides { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot), direction }
+        }
     };
     instant_of(block, block.foundation, regime, state, footing, forcing, pick)
 }
@@ -257,9 +274,13 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
         let lever = self.block.lever(foot, self.sin, self.cos);
         let centripetal = lever.q * (self.theta_dot * self.theta_dot);
+        let forcing = self.with_ties(Some(foot), forcing);
         match (foundation, foot) {
             (Foundation::Viscoelastic, _) => {
-                let (reaction, lift, moment) = self.supports(foot);
+                let (reaction, lift, mut moment) = self.supports(foot);
+                if let Footing::Slides { direction, .. } = self.footing {
+                    moment = moment - lever.q * friction::reaction(self.block, direction, lift);
+                }
                 let theta_ddot = self.turning(lever, moment, None, forcing);
                 let v_ddot = lift - self.block.gravity - forcing.z;
                 let w_ddot = v_ddot + lever.x * theta_ddot + centripetal;
@@ -268,7 +289,12 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
             // The foot stays at its height: `v̈ = −X θ̈ − Q θ̇²`, and N follows.
             (Foundation::Rigid, Foot::Corner(corner)) => {
                 let weight = forcing.z + self.block.gravity;
-                let theta_ddot = self.turning(lever, lever.x * (weight - centripetal), Some(lever.x), forcing);
+                // The arm of N, and of the friction that N brings.
+                let arm = match self.footing {
+                    Footing::Slides { direction, .. } => lever.x - friction::reaction(self.block, direction, lever.q),
+                    Footing::Grips { .. } | Footing::Free { .. } => lever.x,
+                };
+                let theta_ddot = self.turning(lever, arm * (weight - centripetal), Some(arm), forcing);
                 let v_ddot = -(lever.x * theta_ddot) - centripetal;
                 let zero = T::from(0.0);
                 self.moving(foot, [theta_ddot, v_ddot, zero], at_corner(corner, v_ddot + weight), forcing)
@@ -301,13 +327,13 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
 
     /// θ̈ from the moments about the centre of mass: of the vertical reactions, of the loads, and of H, which acts Q below.
     ///
-    /// A foot that grips moves the centre of mass by `ü = Q θ̈ − X θ̇²`, one that cannot sink by `v̈ = −X θ̈ − Q θ̇²` with X =
-    /// `unyielding`; their reactions are H and N.
+    /// A foot that grips moves the centre of mass by `ü = Q θ̈ − X θ̇²`, one that cannot sink by `v̈ = −X θ̈ − Q θ̇²`; their reactions are H
+    /// and N. The arm of the latter is `unyielding`.
     #[inline(always)]
     fn turning(&self, Lever { x, q }: Lever<T>, vertical: T, unyielding: Option<T>, forcing: Forcing<T>) -> T {
         let (mut moment, mut inertia) = (vertical, T::from(self.block.i0));
-        if let Some(x) = unyielding {
-            inertia = x * x + inertia;
+        if let Some(arm) = unyielding {
+            inertia = x * arm + inertia;
         }
         if let Footing::Grips { .. } = self.footing {
             moment = -(q * (forcing.x - x * (self.theta_dot * self.theta_dot))) + moment;
@@ -323,8 +349,8 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         let &Posture { block, footing, .. } = self;
         let (zero, one) = (T::from(0.0), T::from(1.0));
         let upright = Posture { theta_dot: zero, w: zero, w_dot: zero, sin: zero, cos: one, footing, ..*self };
-        let x = upright.moving(Foot::Middle, [zero; 3], [zero; 2], forcing);
         let weight = forcing.z + block.gravity;
+        let x = upright.moving(Foot::Middle, [zero; 3], [weight, zero], forcing);
         let couple = (x.horizontal * block.h - forcing.moment) * (P::from(0.5) / block.b);
         // A corner bears the force that keeps the block from turning about the other one. Where rounding may decide whether it is
         // above zero, its moment is that of `turning` to the last bit: a corner that cannot stay is never pressed back at once.
@@ -344,6 +370,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let zero = T::from(0.0);
+        let forcing = self.with_ties(None, forcing);
         let theta_ddot = forcing.moment * T::from(P::from(1.0) / block.i0);
         let v_ddot = -forcing.z - block.gravity;
         let (h, e) = (block.h, block.eccentricity);
@@ -356,7 +383,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         ];
         let over = Posture { w: middle[0], w_dot: middle[1], ..*self };
         let x = over.moving(Foot::Middle, [theta_ddot, v_ddot, middle[2]], [zero; 2], forcing);
-        Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, ..x }
+        Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, ..x }
     }
 
     /// Both corners touch, and one of them is held on its support, which moves by itself. So the other one's reaction says how
@@ -365,6 +392,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         let Posture { block, theta_dot, sin, cos, .. } = self;
         let (offset, middle) = (block.half_base(corner), Foot::Middle);
         (self.w, self.w_dot) = (top - sin * offset, top_dot - cos * theta_dot * offset);
+        let forcing = self.with_ties(Some(middle), forcing);
         let other = corner.other();
         let n = support::reaction(block, other, self.height(other, middle), self.rate(other, middle));
         let v_ddot = n - block.gravity - forcing.z;
@@ -399,6 +427,10 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
                 (across + offset, q * theta_dot, u_ddot, u_ddot + forcing.x)
             }
             Footing::Free { u, u_dot } => (u, u_dot, -forcing.x, T::from(0.0)),
+            Footing::Slides { u, u_dot, direction } => {
+                let horizontal = friction::reaction(block, direction, reaction[0] + reaction[1]);
+                (u, u_dot, horizontal - forcing.x, horizontal)
+            }
         };
         Instant {
             theta,
@@ -420,7 +452,28 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
             ],
             reaction,
             horizontal,
+            slip_rate: u_dot - q * theta_dot,
         }
+    }
+
+    /// The forcing with the pull of the ties; no foot stands in flight.
+    #[inline(always)]
+    fn with_ties(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
+        tie::added_to(self.block, forcing, || {
+            let Posture { block, theta_dot, w, w_dot, sin, cos, footing, .. } = *self;
+            let foot_or_middle = foot.unwrap_or(Foot::Middle);
+            let Lever { x, q } = block.lever(foot_or_middle, sin, cos);
+            let (versine, offset) = (self.versine(), block.offset_from(foot_or_middle));
+            let (u, u_dot) = match footing {
+                Footing::Grips { offset: by } => (sin * block.h - versine * offset + by, q * theta_dot),
+                Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => (u, u_dot),
+            };
+            let (v, v_dot) = match foot {
+                Some(_) => (w - versine * block.h - sin * offset, w_dot - x * theta_dot),
+                None => (w, w_dot),
+            };
+            tie::Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] }
+        })
     }
 
     /// Height of a corner above its place at rest (m).
@@ -480,7 +533,12 @@ pub fn foot_height<T: Elementary>(block: &Block, regime: Regime, [theta, theta_d
 }
 
 /// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.
-pub fn energy<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> (T, T) {
+pub fn energy<P: Elementary, T: Beside<P>>(
+    block: &Block<P>,
+    regime: Regime,
+    ties: &TieStates,
+    x: &Instant<T>,
+) -> (T, T) {
     let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
-    (kinetic, forces::potential(block, regime, x))
+    (kinetic, forces::potential(block, regime, ties, x))
 }

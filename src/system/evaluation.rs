@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Contacts, Corner, Regime, TieStates};
+use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime, TieState, TieStates};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -12,6 +12,7 @@ use crate::system::dynamics::{
     Footing, Held, Instant, energy, instant_held, instant_held_with_rates, instant_of, instant_with_rates,
 };
 use crate::system::events::Surface;
+use crate::system::forces::{friction, tie};
 use crate::system::law::{AnyLaw, Law};
 
 /// Place, velocities and contacts of the block: with the excitation they determine its motion.
@@ -66,7 +67,7 @@ pub struct Evaluation<'a, R: Real = f64> {
 
 /// The motion from a pose on, while the block stands on the same corners.
 #[derive(Clone, Copy)]
-pub struct Motion<'a, L = AnyLaw> {
+pub struct Motion<'a, L = AnyLaw, const N: usize = 4> {
     block: &'a Block,
     excitation: &'a Excitation,
     law: L,
@@ -74,6 +75,10 @@ pub struct Motion<'a, L = AnyLaw> {
     footing: Footing<f64>,
     contacts: Contacts,
 }
+
+/// The number of quantities that are integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and from the beginning of a step
+/// the works that friction and the dashpots of the ties take.
+pub const EXTENDED: usize = 8;
 
 impl<'a> Motion<'a> {
     /// The motion of a block from a pose on.
@@ -83,10 +88,10 @@ impl<'a> Motion<'a> {
     }
 }
 
-impl<'a, L: Law> Motion<'a, L> {
+impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
     /// The same where the law of the pose is known already.
     #[inline(always)]
-    pub fn under(law: L, block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a, L> {
+    pub fn under(law: L, block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a, L, N> {
         let Pose { time, contacts, footing, .. } = *pose;
         Motion { block, excitation, law, since: time, footing, contacts }
     }
@@ -99,12 +104,37 @@ impl<'a, L: Law> Motion<'a, L> {
 
     /// All that follows from a state at a time.
     #[inline(always)]
-    pub fn at(&self, time: f64, state: State) -> Evaluation<'a> {
+    pub fn at(&self, time: f64, state: State<f64, N>) -> Evaluation<'a> {
+        let footing = self.footing_at(time, &state);
         if let Some(held) = self.held_at(time) {
-            return self.at_held(time, state, held);
+            return self.at_held(time, four(&state), footing, held);
         }
-        let (footing, support_heights) = (self.footing_at(time), self.support_heights(time));
-        Evaluation::of(self.law, self.block, self.excitation, footing, time, state, support_heights)
+        let support_heights = self.support_heights(time);
+        Evaluation::of(self.law, self.block, self.excitation, footing, time, four(&state), support_heights)
+    }
+
+    /// The state of an instant.
+    #[inline(always)]
+    pub fn state_of(&self, at: &Evaluation) -> State<f64, N> {
+        let beyond = [at.instant.u, at.instant.u_dot, 0.0, 0.0];
+        State::from(std::array::from_fn(|i| if i < 4 { at.state[i] } else { beyond[i - 4] }))
+    }
+
+    /// Its rate, and the powers.
+    #[inline(always)]
+    pub fn rate_of(&self, at: &Evaluation) -> Rate<f64, N> {
+        if N == 4 {
+            return Rate {
+                state: State::from(std::array::from_fn(|i| at.rate.state[i])),
+                quadratures: at.rate.quadratures,
+            };
+        }
+        let x = &at.instant;
+        let beyond = [x.u_dot, x.u_ddot, at.friction_power(), at.tie_power()];
+        Rate {
+            state: State::from(std::array::from_fn(|i| if i < 4 { at.rate.state[i] } else { beyond[i - 4] })),
+            quadratures: at.rate.quadratures,
+        }
     }
 
     /// The corner that is held, with its support at a time.
@@ -115,8 +145,14 @@ impl<'a, L: Law> Motion<'a, L> {
 
     /// [`Motion::at`] where a corner is held: height and rate of the middle of the base follow from θ and θ̇.
     #[inline(never)]
-    fn at_held(&self, time: f64, State { 0: [theta, theta_dot, ..] }: State, held: Held<f64>) -> Evaluation<'a> {
-        let (forcing, footing) = (self.excitation.at(time), self.footing_at(time));
+    fn at_held(
+        &self,
+        time: f64,
+        State { 0: [theta, theta_dot, ..] }: State,
+        footing: Footing<f64>,
+        held: Held<f64>,
+    ) -> Evaluation<'a> {
+        let forcing = Forcing { ties: self.law.ties(), ..self.excitation.at(time) };
         let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
         let [left, right] = instant.corner;
         Evaluation {
@@ -143,40 +179,53 @@ impl<'a, L: Law> Motion<'a, L> {
         })
     }
 
-    /// The horizontal hold at `time`. Without any, `ü = −a_gx` is integrated in closed form.
+    /// The horizontal hold at `time`. Without any and without ties, `ü = −a_gx` is integrated in closed form.
     #[inline(always)]
-    fn footing_at(&self, time: f64) -> Footing<f64> {
+    fn footing_at(&self, time: f64, state: &State<f64, N>) -> Footing<f64> {
         match self.footing {
+            Footing::Slides { direction, .. } if N > 4 => Footing::Slides { u: state[4], u_dot: state[5], direction },
+            Footing::Free { .. } if N > 4 => Footing::Free { u: state[4], u_dot: state[5] },
             Footing::Free { u, u_dot } if !self.law.grips() => {
                 let (velocity, displacement) = self.excitation.horizontal_drift(self.since, time);
                 Footing::Free { u: u + u_dot * (time - self.since) - displacement, u_dot: u_dot - velocity }
             }
+            Footing::Slides { .. } if !L::KNOWN => self.footing,
             // The compiler knows the law, but maybe not the footing.
-            Footing::Grips { offset } | Footing::Free { u: offset, .. } => Footing::Grips { offset },
+            Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. } => {
+                Footing::Grips { offset }
+            }
         }
     }
 }
 
-impl<L: Law> Equations for Motion<'_, L> {
+/// The first four numbers of a state.
+#[inline(always)]
+fn four<const N: usize>(state: &State<f64, N>) -> State {
+    State::from(std::array::from_fn(|i| state[i]))
+}
+
+impl<L: Law, const N: usize> Equations<f64, N> for Motion<'_, L, N> {
     #[inline(always)]
-    fn rate(&self, time: f64, state: &State) -> Rate {
+    fn rate(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
         if L::KNOWN { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
     }
 }
 
-impl<L: Law> Motion<'_, L> {
+impl<L: Law, const N: usize> Motion<'_, L, N> {
     /// All laws in one function, which is too much for each stage of a step.
     #[inline(never)]
-    fn rate_called(&self, time: f64, state: &State) -> Rate {
+    fn rate_called(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
         self.rate_inlined(time, state)
     }
 
     #[inline(always)]
-    fn rate_inlined(&self, time: f64, state: &State) -> Rate {
-        if let Some(held) = self.held_at(time) {
-            return self.at_held(time, *state, held).rate;
+    fn rate_inlined(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
+        if N > 4 || self.law.held().is_some() {
+            return self.rate_of(&self.at(time, *state));
         }
-        rate(self.law, self.block, self.excitation, self.footing_at(time), time, state)
+        let footing = self.footing_at(time, state);
+        let Rate { state, quadratures } = rate(self.law, self.block, self.excitation, footing, time, &four(state));
+        Rate { state: State::from(std::array::from_fn(|i| state[i])), quadratures }
     }
 }
 
@@ -197,7 +246,8 @@ pub fn rate<R: Real>(
 #[inline(always)]
 fn rate_of<R: Real>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
     // Where nothing holds the block, `Footing::free_work` is the horizontal part of the work.
-    let integrated = if law.grips() { forcing } else { Forcing { x: R::from(0.0), ..forcing } };
+    let closed = !law.grips() && !law.is_extended();
+    let integrated = if closed { Forcing { x: R::from(0.0), ..forcing } } else { forcing };
     Rate {
         state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]),
         quadratures: x.powers::<R>(block, law.regime(), integrated).into(),
@@ -217,7 +267,7 @@ impl<'a, R: Real> Evaluation<'a, R> {
         support_heights: [Sample<R>; 2],
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (law.foundation(), law.regime());
-        let forcing = excitation.at(time);
+        let forcing = Forcing { ties: law.ties(), ..excitation.at(time) };
         instant_of(block, foundation, regime, state.0, footing, forcing, |instant| Evaluation {
             block,
             excitation,
@@ -281,8 +331,40 @@ impl Evaluation<'_> {
 
     /// Kinetic and potential energy per unit mass, together (m²/s²).
     pub fn energy(&self) -> f64 {
-        let (kinetic, potential) = energy(self.block, self.regime, &self.instant);
+        let (kinetic, potential) = energy(self.block, self.regime, &self.forcing.ties, &self.instant);
         kinetic + potential
+    }
+
+    /// Acceleration of the foot (m/s²), positive to the right.
+    pub fn foot_acceleration(&self) -> f64 {
+        let (x, (sin, cos)) = (&self.instant, self.instant.theta.sin_cos());
+        let Lever { x: across, q } = self.block.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
+        x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
+    }
+
+    /// Place of the foot beside that at the start (m), positive to the right.
+    pub fn foot_place(&self) -> f64 {
+        let (sin, cos) = self.instant.theta.sin_cos();
+        let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
+        self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
+    }
+
+    /// Tension of a tie (N) and its rate (N/s).
+    pub fn tension(&self, tie: usize) -> Sample {
+        match self.forcing.ties[tie] {
+            TieState::Taut => tie::tension_with_rate(self.block, &self.block.ties.all()[tie], &self.rates()),
+            TieState::Slack | TieState::Limp | TieState::Broken => Sample::default(),
+        }
+    }
+
+    /// Power per mass (m²/s³) that friction takes.
+    pub fn friction_power(&self) -> f64 {
+        friction::power(self.instant.horizontal, self.instant.slip_rate)
+    }
+
+    /// Power per mass (m²/s³) that the dashpots of the ties take.
+    pub fn tie_power(&self) -> f64 {
+        tie::power(self.block, &self.forcing.ties, &self.instant)
     }
 
     /// Whether the block stands on both corners, and its accelerations and its motion are below the round-off of the reactions: it

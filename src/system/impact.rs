@@ -78,7 +78,47 @@ pub fn landing_without_grip(
     Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + x * impulse / block.i0 }
 }
 
-/// Velocities after both corners land at once and grip, so that their vertical rates become `rates_after` (m/s); the
+/// Velocities after the landing of `corner` with friction, which make its vertical rate `rate_after` (m/s): of all horizontal
+/// impulses within `|P_H| ≤ μ P_N` the one that leaves the foot slowest.
+///
+/// The restitution makes P_N linear in P_H, and with it the velocity of the foot.
+pub fn landing_with_friction(
+    block: &Block,
+    corner: Corner,
+    foot: Foot,
+    theta: f64,
+    before: Velocities,
+    rate_after: f64,
+) -> Velocities {
+    let (sin, cos) = libm::sincos(theta);
+    let Lever { x, q } = block.lever(Foot::Corner(corner), sin, cos);
+    let height = block.lever(foot, sin, cos).q;
+    let Velocities { u_dot, v_dot, theta_dot } = before;
+    let Block { i0, friction, .. } = *block;
+    // P_N = constant + slope P_H, per mass.
+    let constant = (rate_after - v_dot - x * theta_dot) / (1.0 + x * x / i0);
+    let slope = x * q / (i0 + x * x);
+    let speed = u_dot - height * (theta_dot + x * constant / i0);
+    let speed_slope = 1.0 + height * (q - x * slope) / i0;
+    let horizontal = within_friction(friction, -speed / speed_slope, constant, slope);
+    let vertical = constant + slope * horizontal;
+    Velocities {
+        u_dot: u_dot + horizontal,
+        v_dot: v_dot + vertical,
+        theta_dot: theta_dot + (x * vertical - q * horizontal) / i0,
+    }
+}
+
+/// The impulse nearest to the one that is wanted with `|P_H| ≤ μ P_N`, where `P_N = constant + slope P_H`.
+fn within_friction(friction: f64, wanted: f64, constant: f64, slope: f64) -> f64 {
+    let bound = |direction: f64| {
+        let part = 1.0 - friction * slope * direction;
+        if part > 0.0 { friction * constant / part } else { f64::INFINITY }
+    };
+    wanted.min(bound(1.0)).max(-bound(-1.0))
+}
+
+/// Velocities after both corners land at once and grip as far as friction allows, so that their vertical rates become `rates_after` (m/s); the
 /// impulses per mass at L and R (m/s) beside them; a landing needs both to be positive or zero.
 pub fn landing_on_both(block: &Block, theta: f64, before: Velocities, rates_after: [f64; 2]) -> ([f64; 2], Velocities) {
     let (sin, cos) = libm::sincos(theta);
@@ -86,8 +126,13 @@ pub fn landing_on_both(block: &Block, theta: f64, before: Velocities, rates_afte
     let half_base = block.b * cos;
     let theta_dot = 0.5 * (rates_after[0] - rates_after[1]) / half_base;
     let v_dot = 0.5 * (rates_after[0] + rates_after[1]) - x * theta_dot;
-    let u_dot = q * theta_dot;
     let sum = v_dot - before.v_dot;
+    let grips = q * theta_dot;
+    let u_dot = if block.friction > 0.0 {
+        before.u_dot + within_friction(block.friction, grips - before.u_dot, sum, 0.0)
+    } else {
+        grips
+    };
     // I0 Δθ̇ = −h cos θ ∫H + b cos θ (∫N_L − ∫N_R) + h sin θ (∫N_L + ∫N_R)
     let turn = block.i0 * (theta_dot - before.theta_dot) + q * (u_dot - before.u_dot) - x * sum;
     let difference = turn / half_base;

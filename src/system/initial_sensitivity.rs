@@ -5,7 +5,7 @@ use crate::block::{Contact, Corner, Creep, Regime};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::scalar::Elementary;
 use crate::system::System;
-use crate::system::beginning::{Initial, beginning_on_rigid_base};
+use crate::system::beginning::Initial;
 use crate::system::dynamics::{Footing, Held, Instant, instant, instant_held};
 use crate::system::evaluation::{Motion, Pose};
 use crate::system::events::placement::Placement;
@@ -48,6 +48,7 @@ impl System {
                 let (pose, path) = self.beginning_on_supports(initial, time, excitation);
                 let mut regimes = path.iter();
                 let first = regimes.next().unwrap_or(pose.contacts.regime());
+                let start = &Start { forcing: Forcing { ties: pose.ties, ..start.forcing }, ..*start };
                 let mut walk = Walk::begin(start, first, Placement::on_supports(&start.block, &start.initial));
                 for regime in regimes {
                     if let (Regime::FullContact, Some(pivot)) = (walk.regime, regime.pivot()) {
@@ -61,7 +62,8 @@ impl System {
                 InitialSensitivity { begins: here, goes_on: here, support_heights: walk.support_heights(&pose) }
             }
             Foundation::Rigid => {
-                let pose = beginning_on_rigid_base(initial, time);
+                let pose = self.beginning(initial, time, excitation);
+                let start = &Start { forcing: Forcing { ties: pose.ties, ..start.forcing }, ..*start };
                 let Initial { theta, theta_dot, .. } = start.initial;
                 let velocities = Velocities { u_dot: zero, v_dot: zero, theta_dot };
                 let level = Placement { corners: [(zero, zero); 2], theta, u: zero, v: zero, velocities };
@@ -104,17 +106,28 @@ impl<'a, T: Elementary> Walk<'a, T> {
 
     /// Goes on in another regime.
     fn enter(&mut self, regime: Regime) {
+        let before = self.placement.u;
         if regime == Regime::Separated && self.footing.grips() {
             self.footing = free(&self.placement);
         }
         self.regime = regime;
         self.look();
+        if let (Footing::Grips { offset }, true) = (self.footing, self.start.block.is_extended()) {
+            // The place of the block stays.
+            self.footing = Footing::Grips { offset: offset + before - self.placement.u };
+            self.look();
+        }
     }
 
     /// The foot slides from here on, if it does in this pose.
     fn slide_like(&mut self, pose: &Pose) {
         if self.footing.grips() && !pose.footing.grips() {
-            self.footing = free(&self.placement);
+            self.footing = match (pose.footing, free(&self.placement)) {
+                (Footing::Slides { direction, .. }, Footing::Free { u, u_dot }) => {
+                    Footing::Slides { u, u_dot, direction }
+                }
+                (_, free) => free,
+            };
             self.look();
         }
     }

@@ -1,6 +1,8 @@
 //! A pose → the equations of motion that hold from there on.
 
-use crate::block::{Block, Corner, Foundation, Regime};
+use crate::block::ties::NO_TIES;
+use crate::block::{Block, Corner, Foundation, Regime, TieStates};
+use crate::system::dynamics::Footing;
 use crate::system::evaluation::Pose;
 
 /// Which equations of motion hold while the contacts last.
@@ -19,6 +21,34 @@ pub trait Law: Copy {
     fn grips(self) -> bool;
     /// The corner that is held in contact though it bears nothing.
     fn held(self) -> Option<Corner>;
+
+    /// Whether the horizontal motion is integrated too, with the works of friction and of the ties: where the foot slides against
+    /// friction, or ties pull.
+    const EXTENDED: bool = false;
+
+    /// [`Law::KNOWN`], as a value.
+    #[inline(always)]
+    fn is_known(self) -> bool {
+        Self::KNOWN
+    }
+
+    /// [`Law::EXTENDED`], as a value.
+    #[inline(always)]
+    fn is_extended(self) -> bool {
+        Self::EXTENDED
+    }
+
+    /// Whether the friction of the feet has a limit.
+    #[inline(always)]
+    fn has_friction(self) -> bool {
+        false
+    }
+
+    /// The states of the ties.
+    #[inline(always)]
+    fn ties(self) -> TieStates {
+        NO_TIES
+    }
 }
 
 /// A law that is known at run time.
@@ -28,19 +58,33 @@ pub struct AnyLaw {
     foundation: Foundation,
     grips: bool,
     held: Option<Corner>,
+    has_friction: bool,
+    slides: bool,
+    tied: bool,
+    ties: TieStates,
 }
 
 impl AnyLaw {
     /// The law of a block in a pose.
     #[inline]
     pub fn of(block: &Block, pose: &Pose) -> AnyLaw {
-        let Pose { contacts, footing, .. } = pose;
+        let Pose { contacts, footing, ties, .. } = pose;
         AnyLaw {
             regime: contacts.regime(),
             foundation: block.foundation,
             grips: footing.grips(),
             held: contacts.held(),
+            has_friction: block.friction > 0.0,
+            slides: matches!(footing, Footing::Slides { .. }),
+            tied: !block.ties.is_empty(),
+            ties: *ties,
         }
+    }
+
+    /// The same as a law under which the horizontal motion is integrated too, if it is one.
+    #[inline]
+    pub fn extended(self) -> Option<Extended> {
+        (self.slides || self.tied).then_some(Extended(self))
     }
 }
 
@@ -65,6 +109,55 @@ impl Law for AnyLaw {
     #[inline(always)]
     fn held(self) -> Option<Corner> {
         self.held
+    }
+
+    #[inline(always)]
+    fn has_friction(self) -> bool {
+        self.has_friction
+    }
+
+    #[inline(always)]
+    fn ties(self) -> TieStates {
+        self.ties
+    }
+}
+
+/// A law under which the horizontal motion is integrated too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extended(AnyLaw);
+
+impl Law for Extended {
+    const KNOWN: bool = false;
+    const EXTENDED: bool = true;
+
+    #[inline(always)]
+    fn regime(self) -> Regime {
+        self.0.regime
+    }
+
+    #[inline(always)]
+    fn foundation(self) -> Foundation {
+        self.0.foundation
+    }
+
+    #[inline(always)]
+    fn grips(self) -> bool {
+        self.0.grips
+    }
+
+    #[inline(always)]
+    fn held(self) -> Option<Corner> {
+        self.0.held
+    }
+
+    #[inline(always)]
+    fn has_friction(self) -> bool {
+        self.0.has_friction
+    }
+
+    #[inline(always)]
+    fn ties(self) -> TieStates {
+        self.0.ties
     }
 }
 
@@ -101,7 +194,7 @@ impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Law for Gripping<LE
 macro_rules! in_law {
     ($any:expr, $law:ident => $body:expr) => {{
         let any = $any;
-        if !any.grips() || any.held().is_some() {
+        if !any.grips() || any.held().is_some() || any.has_friction() {
             let $law = any;
             $body
         } else {

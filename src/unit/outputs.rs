@@ -8,7 +8,7 @@ use crate::unit::variables::Output;
 
 /// Returns the index of an output among the continuous states, if it is one.
 pub fn state(output: Output) -> Option<usize> {
-    const STATES: [Output; crate::simulation::exchange::STATES] = [
+    const STATES: [Output; 8] = [
         Output::Theta,
         Output::ThetaDot,
         Output::V,

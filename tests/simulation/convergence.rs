@@ -16,7 +16,8 @@ use crate::blocks::plain;
 
 /// Rate of a block on its right corner under a non-polynomial horizontal acceleration.
 fn rate(block: &Block, time: f64, x: &State) -> Rate {
-    let forcing = Forcing { x: 2.0 * libm::sin(9.0 * time), z: 0.5 * libm::cos(7.0 * time), moment: 0.0 };
+    let forcing =
+        Forcing { x: 2.0 * libm::sin(9.0 * time), z: 0.5 * libm::cos(7.0 * time), moment: 0.0, ..Forcing::default() };
     let x = instant(block, Regime::TiltingRight, [x[0], x[1], x[2], x[3]], Footing::AT_START, forcing);
     let quadratures = x.powers(block, Regime::TiltingRight, forcing).into();
     Rate { state: State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot]), quadratures }

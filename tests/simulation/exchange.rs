@@ -275,11 +275,11 @@ fn states_that_are_set_are_those_that_are_read() {
         let inputs = Inputs::default();
         let now = simulation.states(&inputs);
         let deflection = block.static_deflection();
-        let put = [0.9 * theta + 1e-4, -0.7, now[2] + 0.1 * deflection, 2.0, now[4], now[5], 0.3, 0.2];
+        let put = [0.9 * theta + 1e-4, -0.7, now[2] + 0.1 * deflection, 2.0, now[4], now[5], 0.3, 0.2, 0.5, 0.4];
         simulation.set_states(0.0, &put);
         let read = simulation.states(&inputs);
         // Where a foot grips, the horizontal motion follows.
-        for i in [0, 1, 2, 3, 6, 7] {
+        for i in [0, 1, 2, 3, 6, 7, 8, 9] {
             assert!(
                 (read[i] - put[i]).abs() <= 1e-14 * (1.0 + put[i].abs()),
                 "{regime:?}, state {i}: {read:?}, {put:?}"

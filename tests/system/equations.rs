@@ -166,7 +166,7 @@ fn forces_balance() {
     for (block, pose) in situations() {
         let excitation = excitation(&block);
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state);
-        let Evaluation { instant: x, forcing: Forcing { x: a_x, z: a_z, moment }, .. } = now;
+        let Evaluation { instant: x, forcing: Forcing { x: a_x, z: a_z, moment, .. }, .. } = now;
         let [left, right] = arms(&block, x.theta);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12 * (block.gravity + a.abs());
         assert!(close(x.reaction[0] + x.reaction[1], x.v_ddot + block.gravity + a_z), "{pose:?} {x:?}");
@@ -217,7 +217,7 @@ fn the_rate_of_energy_is_the_sum_of_the_powers() {
     for (block, pose) in situations() {
         let excitation = excitation(&block);
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state);
-        let Evaluation { instant: x, forcing: Forcing { x: a_x, z: a_z, moment }, .. } = now;
+        let Evaluation { instant: x, forcing: Forcing { x: a_x, z: a_z, moment, .. }, .. } = now;
         let [input, dashpots] = [now.rate.quadratures[0], now.rate.quadratures[1]];
         let touching = Corner::BOTH.into_iter().filter(|&corner| pose.contacts.touches(corner));
         let rates = touching.map(|corner| x.corner_dot[corner.index()].powi(2)).sum::<f64>();

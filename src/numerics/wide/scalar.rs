@@ -25,6 +25,11 @@ impl<V: Simd> Scalar for Wide<V> {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Wide<V> {
+        Wide(self.0.sqrt())
+    }
+
+    #[inline(always)]
     fn value(self) -> Wide<V> {
         self
     }
@@ -36,11 +41,6 @@ impl<V: Simd> Scalar for Wide<V> {
 }
 
 impl<V: Simd> Real for Wide<V> {
-    #[inline(always)]
-    fn sqrt(self) -> Wide<V> {
-        Wide(self.0.sqrt())
-    }
-
     #[inline(always)]
     fn abs(self) -> Wide<V> {
         Wide(self.0.abs())

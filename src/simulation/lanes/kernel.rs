@@ -145,8 +145,17 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
             Surface::Reaction(corner) => lift_off::on_support(now.block, x, corner),
             Surface::Gap(corner) => landing::gap(x, now.support_heights, corner),
             Surface::QuarterTurn => quarter_turn::rest(x),
-            Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => {
-                unreachable!("what is held or slides is not stepped in a lane")
+            Surface::Held(_)
+            | Surface::Unloaded(_)
+            | Surface::Slide
+            | Surface::Friction(_)
+            | Surface::Speed
+            | Surface::Shortness(_)
+            | Surface::Stretch(_)
+            | Surface::Tension(_)
+            | Surface::Limpness(_)
+            | Surface::Strength(_) => {
+                unreachable!("a block that is held, slides, or has friction or ties is not stepped in a lane")
             }
         }
     }
@@ -179,7 +188,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         let rounding = match surface {
             Surface::Gap(_) => rounding.gap,
             Surface::QuarterTurn => rounding.quarter_turn,
-            Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) | Surface::Slide => rounding.reaction,
+            _ => rounding.reaction,
         };
         let (start, end) = (self.sample(surface, here), self.sample(surface, there));
         Ends { start, end, duration }.may_fall(rounding)
@@ -334,7 +343,7 @@ impl<L: Law> Together<'_, L> {
         };
         let offset = self.each(|lane| match lane.simulation.pose.footing {
             Footing::Grips { offset } => offset,
-            Footing::Free { u, .. } => u,
+            Footing::Free { u, .. } | Footing::Slides { u, .. } => u,
         });
         Group {
             block,

@@ -61,11 +61,20 @@ pub struct Change<'a> {
     pub pose: Pose,
     pub counts: TransitionCounts,
     pub path: Path,
+    /// Whether a corner has landed on its support in this instant.
+    pub(super) landed: bool,
 }
 
 impl<'a> Change<'a> {
     pub fn begin(system: &'a System, pose: &Pose, excitation: &'a Excitation) -> Change<'a> {
-        Change { system, excitation, pose: *pose, counts: TransitionCounts::default(), path: Path::default() }
+        Change {
+            system,
+            excitation,
+            pose: *pose,
+            counts: TransitionCounts::default(),
+            path: Path::default(),
+            landed: false,
+        }
     }
 
     pub(super) fn regime(&self) -> Regime {
@@ -108,6 +117,7 @@ impl<'a> Change<'a> {
 
     /// `corner` touches from now on, at the height of its support.
     pub(super) fn put_down(&mut self, corner: Corner, placement: &mut Placement) {
+        self.landed = true;
         placement.corners[corner.index()].0 = self.support(corner).value;
         self.pose.contacts.set(corner, Contact::Bearing);
     }

@@ -2,41 +2,47 @@
 //!
 //! The landing corner grips if nothing held the block; otherwise it comes down without a horizontal impulse.
 
-use crate::block::{Contact, Corner, Regime};
+use crate::block::{Contact, Corner, Foot, Regime};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::Surface;
 use crate::system::events::change::Change;
+use crate::system::events::landing::without_gain;
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 
 impl Change<'_> {
     /// The gap under `corner` closed in flight, or while the other corner slides.
     pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation) {
-        let other = corner.other();
-        let placement = Placement::of(&now.instant);
+        let (other, placement) = (corner.other(), Placement::of(&now.instant));
         if self.is_level(other, now) {
-            let before = self.pose.contacts;
-            let mut both = placement;
-            let rates = Corner::BOTH.map(|corner| {
-                let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
-                self.put_down(corner, &mut both);
-                self.rate_after_landing(corner, rate, support)
-            });
-            let (impulses, velocities) =
-                impact::landing_on_both(&self.system.block, placement.theta, placement.velocities, rates);
-            if impulses.iter().all(|&impulse| impulse >= 0.0) {
-                self.counts.impacts += 2;
-                both.velocities = velocities;
-                both.corners = [(both.corners[0].0, rates[0]), (both.corners[1].0, rates[1])];
-                self.hold(&both);
-                return self.settle(Regime::FullContact, both);
-            }
-            self.pose.contacts = before;
-            if impulses[corner.index()] < 0.0 {
-                return self.land_alone(other, placement);
+            match self.land_on_both(now) {
+                Ok(()) => return,
+                Err(impulses) if impulses[corner.index()] < 0.0 => return self.land_alone(other, placement),
+                Err(_) => {}
             }
         }
         self.land_alone(corner, placement);
+    }
+
+    /// Both corners land at once from flight, unless one of the impulses, which are returned, would have to pull.
+    pub(super) fn land_on_both(&mut self, now: &Evaluation) -> Result<(), [f64; 2]> {
+        let (before, mut both) = (self.pose.contacts, Placement::of(&now.instant));
+        let rates = Corner::BOTH.map(|corner| {
+            let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
+            self.put_down(corner, &mut both);
+            self.rate_after_landing(corner, rate, support)
+        });
+        let (impulses, velocities) = impact::landing_on_both(&self.system.block, both.theta, both.velocities, rates);
+        if impulses.iter().any(|&impulse| impulse < 0.0) {
+            self.pose.contacts = before;
+            return Err(impulses);
+        }
+        self.counts.impacts += 2;
+        both.velocities = velocities;
+        both.corners = [(both.corners[0].0, rates[0]), (both.corners[1].0, rates[1])];
+        self.stand(&mut both);
+        self.settle(Regime::FullContact, both);
+        Ok(())
     }
 
     /// Whether, in flight, the gap under this corner is closed to rounding and closing.
@@ -108,16 +114,24 @@ impl Change<'_> {
     fn land_on_corner(&mut self, corner: Corner, placement: Placement) {
         let block = &self.system.block;
         let before = placement.velocities;
-        let land = |rate: f64| impact::landing_with_grip(block, corner, placement.theta, before, rate);
+        let land = |rate: f64| match block.friction > 0.0 {
+            true => {
+                let foot = Foot::Corner(corner);
+                impact::landing_with_friction(block, corner, foot, placement.theta, before, rate)
+            }
+            false => impact::landing_with_grip(block, corner, placement.theta, before, rate),
+        };
         let mut rate = self.rebound(corner, placement.corners[corner.index()].1);
         // The energy after the landing grows with the square of the rate.
         let [energy, held, rebound] = [before, land(0.0), land(rate)].map(|velocities| velocities.kinetic(block));
-        if rebound > energy {
+        if block.friction > 0.0 {
+            rate = self.or_rest(corner, without_gain(block, before, rate, land).0, 0.0);
+        } else if rebound > energy {
             // No rebound is left where its energy is lost in rounding.
             let part = if rebound > held { (energy - held).max(0.0) / (rebound - held) } else { 0.0 };
             rate = self.or_rest(corner, rate * part.sqrt(), 0.0);
         }
-        if land(rate).v_dot < before.v_dot {
+        if block.friction == 0.0 && land(rate).v_dot < before.v_dot {
             let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
             let thrown = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
             rate = self.or_rest(corner, thrown, 0.0);
@@ -153,9 +167,9 @@ impl Change<'_> {
             Regime::Separated => self.go_on_from(&placement),
             Regime::FullContact => {
                 placement.theta = 0.0;
-                self.hold(&placement);
+                self.stand(&mut placement);
             }
-            Regime::TiltingLeft | Regime::TiltingRight => self.hold(&placement),
+            Regime::TiltingLeft | Regime::TiltingRight => self.stand(&mut placement),
         }
         self.settle_on_rigid_base();
     }

@@ -32,7 +32,7 @@ impl Change<'_> {
     /// Neither corner bears anything, so that nothing holds the block horizontally. The paper's analysis ends here.
     pub(super) fn bear_nothing(&mut self, x: &Instant<f64>) -> Leaving {
         let placement = Placement::of(x);
-        if self.system.flies {
+        if self.system.flies && self.system.block.friction == 0.0 {
             self.release(x);
         } else {
             for corner in Corner::BOTH {

@@ -46,4 +46,53 @@ impl Change<'_> {
         self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
         self.settle(regime, placement);
     }
+
+    /// The same with friction, also from flight: a horizontal impulse within its limit slows the foot of the regime after the landing.
+    pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation) {
+        if self.is_level(corner.other(), now) && self.land_on_both(now).is_ok() {
+            return;
+        }
+        let block = &self.system.block;
+        let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
+        let before = placement.velocities;
+        let support = self.support(corner).rate;
+        self.put_down(corner, &mut placement);
+        let i = corner.index();
+        let rate = placement.corners[i].1;
+        if rate < 0.0 {
+            let foot = self.regime().foot().unwrap_or(Foot::Corner(corner));
+            let after = self.or_rest(corner, block.epsilon * rate, support);
+            let land = |rate: f64| impact::landing_with_friction(block, corner, foot, placement.theta, before, rate);
+            let (rate, velocities) = without_gain(block, before, after, land);
+            placement.strike(block, velocities);
+            placement.corners[i].1 = rate;
+            self.counts.impacts += 1;
+        }
+        self.settle(regime, placement);
+    }
+}
+
+/// The landing with the given vertical rate after it (m/s), or with as much of it as makes no energy.
+pub(super) fn without_gain(
+    block: &Block,
+    before: Velocities,
+    rate: f64,
+    land: impl Fn(f64) -> Velocities,
+) -> (f64, Velocities) {
+    const HALVINGS: u32 = 60;
+    let energy = before.kinetic(block);
+    let all = land(rate);
+    if all.kinetic(block) <= energy || rate == 0.0 {
+        return (rate, all);
+    }
+    let (mut low, mut high) = (0.0, rate);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if land(middle).kinetic(block) <= energy {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (low, land(low))
 }

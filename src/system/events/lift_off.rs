@@ -95,7 +95,9 @@ impl Change<'_> {
                     return Leaving::Held;
                 }
             }
-            Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated if !opens => {
+            Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
+                if !opens && self.system.block.friction == 0.0 =>
+            {
                 self.release(x);
                 return Leaving::Slides;
             }
@@ -134,7 +136,8 @@ impl Change<'_> {
     pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation) -> Leaving {
         let x = &now.instant;
         let last = !now.regime.touches(corner.other());
-        if last && self.system.flies && self.pose.footing.grips() && acceleration_if_let_go(now, corner) < 0.0 {
+        let holds = self.pose.footing.grips() && self.system.block.friction == 0.0;
+        if last && self.system.flies && holds && acceleration_if_let_go(now, corner) < 0.0 {
             self.release(x);
             return Leaving::Slides;
         }

@@ -8,7 +8,9 @@
 //! | [`landing`] | the gap of a lifted corner while the other one stands → the impact map |
 //! | `pivot` | the same on a rigid base → Housner's change of the pivot |
 //! | `flight` | the same in flight, or while the other one slides → landing with or without grip |
-//! | [`grip`] | the pressure on a foot that slides, if it gripped → it grips |
+//! | [`grip`] | without a limit of friction: the pressure on a foot that slides, if it gripped → it grips |
+//! | `friction` | the distance of H from Coulomb's limit, the speed of a foot that slides → it slides, or grips |
+//! | `tie` | stretch and tension of a tie → it is taut, or slack, or breaks |
 //! | [`quarter_turn`] | the rest of the quarter turn → the run ends |
 //!
 //! [`watched`] is the table of the functions that are watched in each regime; the driver, Model Exchange's indicators and the
@@ -16,6 +18,7 @@
 
 pub(in crate::system) mod change;
 mod flight;
+mod friction;
 pub mod grip;
 mod held;
 pub mod landing;
@@ -25,10 +28,12 @@ pub(in crate::system) mod placement;
 pub mod quarter_turn;
 mod settle;
 mod slip;
+mod tie;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Foundation, Regime};
+use crate::block::ties::MOST_TIES;
+use crate::block::{Block, Corner, Foundation, Regime, TieState};
 use crate::numerics::roots::Sample;
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Pose};
@@ -46,10 +51,17 @@ pub enum EventKind {
     LiftOff(Corner),
     /// A corner came down on its support, or on the rigid base.
     Landing(Corner),
-    /// Nothing holds the block horizontally any more, though a support still bears it.
+    /// The foot slides from here on, or to the other side: friction has reached its limit, or nothing holds the block horizontally though
+    /// a support still bears it.
     Slip,
-    /// The foot is pressed on again and slides no more.
+    /// The foot slides no more.
     Grip,
+    /// A tie, by its place in the list, begins to pull.
+    Taut(u8),
+    /// A tie pulls no more.
+    Slack(u8),
+    /// A tie breaks.
+    Break(u8),
     /// The block reached a quarter turn: a side lies on the ground.
     Overturning,
 }
@@ -69,6 +81,9 @@ pub struct Event {
 
 impl std::fmt::Display for Event {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let write = |f: &mut std::fmt::Formatter<'_>, kind: &dyn std::fmt::Display| {
+            write!(f, "t = {:.9} s: {kind}, {} -> {}", self.time, self.before, self.after)
+        };
         let kind = match self.kind {
             EventKind::LiftOff(Corner::Left) => "lift-off of L",
             EventKind::LiftOff(Corner::Right) => "lift-off of R",
@@ -76,9 +91,12 @@ impl std::fmt::Display for Event {
             EventKind::Landing(Corner::Right) => "landing on R",
             EventKind::Slip => "slip",
             EventKind::Grip => "grip",
+            EventKind::Taut(tie) => return write(f, &format_args!("tie {} is taut", tie + 1)),
+            EventKind::Slack(tie) => return write(f, &format_args!("tie {} is slack", tie + 1)),
+            EventKind::Break(tie) => return write(f, &format_args!("tie {} breaks", tie + 1)),
             EventKind::Overturning => "overturning",
         };
-        write!(f, "t = {:.9} s: {kind}, {} -> {}", self.time, self.before, self.after)
+        write(f, &kind)
     }
 }
 
@@ -96,6 +114,20 @@ pub enum Surface {
     /// The distance of a sliding foot from being pressed on if it gripped (m/s²): on supports see
     /// [`grip::pressure_if_gripped`], on the rigid base p times the vertical rate with which gripping would throw the corner up.
     Slide,
+    /// The distance of H, which pushes the foot, from its limit `μ N` (m/s²): from L to the right, from R to the left.
+    Friction(Corner),
+    /// The speed of a foot that slides (m/s).
+    Speed,
+    /// What a slack tie lacks to be stretched (m).
+    Shortness(u8),
+    /// The stretch of a limp tie (m).
+    Stretch(u8),
+    /// The tension of a taut tie (N).
+    Tension(u8),
+    /// What a limp tie lacks to pull (N).
+    Limpness(u8),
+    /// The rest of the strength of a taut tie (N).
+    Strength(u8),
     /// The rest of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
 }
@@ -115,10 +147,44 @@ pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
         (Regime::Separated, _) => (Gap(Left), Gap(Right), None),
     };
     let slides = match law.regime() {
-        Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => !law.grips(),
+        Regime::FullContact | Regime::TiltingLeft | Regime::TiltingRight => !law.grips() && !law.has_friction(),
         Regime::Separated => false,
     };
     [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
+}
+
+/// The further functions that are watched of a block with friction or ties: two of the foot, then two of each tie.
+#[inline]
+pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND] {
+    let mut watched = [None; BEYOND];
+    if law.has_friction() && law.regime() != Regime::Separated {
+        if law.grips() {
+            watched[0] = Some(Surface::Friction(Corner::Left));
+            watched[1] = Some(Surface::Friction(Corner::Right));
+        } else {
+            watched[0] = Some(Surface::Speed);
+        }
+    }
+    for (i, tie) in (0..).zip(block.ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
+        let place = 2 + 2 * usize::from(i);
+        (watched[place], watched[place + 1]) = match law.ties()[usize::from(i)] {
+            TieState::Slack => (Some(Surface::Shortness(i)), None),
+            TieState::Taut => (Some(Surface::Tension(i)), (tie.strength > 0.0).then_some(Surface::Strength(i))),
+            TieState::Limp => (Some(Surface::Stretch(i)), Some(Surface::Limpness(i))),
+            TieState::Broken => (None, None),
+        };
+    }
+    watched
+}
+
+/// How many [`watched_beyond`] there are.
+pub const BEYOND: usize = 2 + 2 * MOST_TIES;
+
+/// All functions that are watched, in their order.
+#[inline(always)]
+pub fn all_watched(law: impl Law, block: &Block) -> impl Iterator<Item = Surface> {
+    let beyond = if law.is_known() { None } else { Some(watched_beyond(law, block)) };
+    watched(law).into_iter().flatten().chain(beyond.into_iter().flatten().flatten())
 }
 
 impl Surface {
@@ -137,6 +203,13 @@ impl Surface {
             Surface::Held(corner) => held::pressed_on(at, corner),
             Surface::Unloaded(corner) => held::unloading(at, corner),
             Surface::Slide => grip::slide(at),
+            Surface::Friction(push) => friction::rest_to_limit(at, push),
+            Surface::Speed => friction::speed(at),
+            Surface::Shortness(tie) => tie::stretch(at, tie.into()).negated(),
+            Surface::Stretch(tie) => tie::stretch(at, tie.into()),
+            Surface::Tension(tie) => tie::tension(at, tie.into()),
+            Surface::Limpness(tie) => tie::tension(at, tie.into()).negated(),
+            Surface::Strength(tie) => tie::rest_of_strength(at, tie.into()),
             Surface::QuarterTurn => quarter_turn::rest(&at.instant),
         }
     }
@@ -147,6 +220,12 @@ impl Surface {
         ROUNDING
             * match self {
                 Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => block.gravity,
+                Surface::Friction(_) => grip::size(block) * (1.0 + block.friction),
+                Surface::Speed => friction::size(block),
+                Surface::Shortness(tie) | Surface::Stretch(tie) => tie::length(block, tie.into()),
+                Surface::Tension(tie) | Surface::Limpness(tie) | Surface::Strength(tie) => {
+                    tie::force(block, tie.into())
+                }
                 Surface::Gap(_) => landing::size(block),
                 Surface::Slide => grip::size(block),
                 Surface::QuarterTurn => quarter_turn::SIZE,
@@ -182,6 +261,12 @@ impl System {
             },
             Surface::Gap(corner) => {
                 match (self.block.foundation, pose.footing.grips()) {
+                    (Foundation::Viscoelastic, _) if self.block.friction > 0.0 => {
+                        change.land_with_friction(corner, now)
+                    }
+                    (Foundation::Rigid, _) if self.block.friction > 0.0 && now.regime != Regime::Separated => {
+                        change.change_pivot(corner, now);
+                    }
                     (Foundation::Viscoelastic, true) => change.land(corner, now),
                     (Foundation::Viscoelastic, false) => change.land_freely(corner, now),
                     (Foundation::Rigid, true) => change.change_pivot(corner, now),
@@ -196,6 +281,29 @@ impl System {
             Surface::Unloaded(_) => {
                 change.pose.contacts.let_bear();
                 None
+            }
+            Surface::Friction(_) | Surface::Speed => Some(change.slide_or_grip(surface, now)),
+            Surface::Shortness(tie) | Surface::Limpness(tie) => {
+                change.set_tie(tie.into(), TieState::Taut);
+                change.go_on_tied(now);
+                Some(EventKind::Taut(tie))
+            }
+            Surface::Tension(tie) => {
+                let stretch = tie::stretch(now, tie.into()).value;
+                let damped = self.block.ties.all()[usize::from(tie)].damping > 0.0 && stretch > 0.0;
+                change.set_tie(tie.into(), if damped { TieState::Limp } else { TieState::Slack });
+                change.go_on_tied(now);
+                Some(EventKind::Slack(tie))
+            }
+            Surface::Stretch(tie) => {
+                change.set_tie(tie.into(), TieState::Slack);
+                change.go_on_tied(now);
+                None
+            }
+            Surface::Strength(tie) => {
+                change.set_tie(tie.into(), TieState::Broken);
+                change.go_on_tied(now);
+                Some(EventKind::Break(tie))
             }
             Surface::QuarterTurn => Some(EventKind::Overturning),
         };

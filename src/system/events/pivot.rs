@@ -4,6 +4,8 @@ use crate::block::{Contacts, Corner};
 use crate::system::dynamics::State;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::impact::Velocities;
 
 impl Change<'_> {
     /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
@@ -12,7 +14,9 @@ impl Change<'_> {
         let theta_dot = block.restitution_of(corner).max(0.0) * now.state[1];
         self.counts.impacts += 1;
         self.pose.contacts = Contacts::FULL;
-        if theta_dot.abs() < self.system.slowest * block.p {
+        if block.friction > 0.0 {
+            self.change_pivot_with_friction(corner, theta_dot, now);
+        } else if theta_dot.abs() < self.system.slowest * block.p {
             self.pose.state = State::zeros();
         } else {
             self.raise(corner.other());
@@ -20,5 +24,28 @@ impl Change<'_> {
             self.counts.liftoffs += 1;
         }
         self.settle_on_rigid_base();
+    }
+
+    /// The same with friction, where e says the vertical rates after the impact and with them the vertical impulse: a horizontal one
+    /// within its limit slows the new pivot.
+    fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: f64, now: &Evaluation) {
+        let block = &self.system.block;
+        let mut placement = Placement { theta: 0.0, v: 0.0, ..Placement::of(&now.instant) };
+        let before = placement.velocities;
+        let ends = theta_dot.abs() < self.system.slowest * block.p;
+        let theta_dot = if ends { 0.0 } else { theta_dot };
+        let v_dot = -block.offset(corner) * theta_dot;
+        let most = block.friction * (v_dot - before.v_dot).max(0.0);
+        let u_dot = before.u_dot + (block.h * theta_dot - before.u_dot).clamp(-most, most);
+        placement.strike(block, Velocities { u_dot, v_dot, theta_dot });
+        for corner in Corner::BOTH {
+            placement.corners[corner.index()].0 = 0.0;
+        }
+        placement.corners[corner.index()].1 = 0.0;
+        if !ends {
+            self.raise(corner.other());
+            self.counts.liftoffs += 1;
+        }
+        self.stand(&mut placement);
     }
 }

@@ -8,8 +8,9 @@ use crate::system::evaluation::{Evaluation, Pose};
 use crate::system::events::change::{Change, Path};
 use crate::system::events::grip::pressure_if_gripped;
 use crate::system::events::placement::Placement;
-use crate::system::events::{Leaving, Surface};
+use crate::system::events::{Leaving, Surface, Transition};
 use crate::system::forces::support::{reaction, reaction_rate};
+use crate::system::impact;
 
 impl Change<'_> {
     /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
@@ -23,15 +24,20 @@ impl Change<'_> {
             self.pose.contacts.let_bear();
             let regime = self.regime();
             if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
-                self.hold_pivot(pivot, &mut placement);
+                match self.landed && block.is_extended() {
+                    false => self.hold_pivot(pivot, &mut placement),
+                    true => self.keep_momentum(regime, &mut placement),
+                }
             }
             before = regime;
-            if regime == Regime::Separated && self.pose.footing.grips() {
+            if regime == Regime::Separated && !matches!(self.pose.footing, Footing::Free { .. }) {
                 self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };
             }
             self.place(&placement);
+            self.rub(&mut placement);
+            self.place_foot(&placement);
             let mut now = self.now();
-            let slides = !self.pose.footing.grips() && regime != Regime::Separated;
+            let slides = !self.pose.footing.grips() && regime != Regime::Separated && block.friction == 0.0;
             if slides && pressure_if_gripped(block, regime, &now.instant) > Surface::Slide.rounding(block) {
                 self.grip(&mut placement);
                 now = self.now();
@@ -68,6 +74,15 @@ impl Change<'_> {
         self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
     }
 
+    /// A corner has landed and lifts in the same instant: the other one, which bears the block again, is stopped by an impulse, or slides
+    /// where friction has a limit.
+    fn keep_momentum(&self, regime: Regime, placement: &mut Placement) {
+        let block = &self.system.block;
+        if block.friction == 0.0 {
+            placement.strike(block, impact::grip(block, regime, placement.theta, placement.velocities));
+        }
+    }
+
     /// Whether and how a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its
     /// support now.
     fn leaves(&self, corner: Corner, n: f64, corner_dot: f64, resolution: f64, now: &Evaluation) -> Option<Leaving> {
@@ -87,6 +102,9 @@ impl Change<'_> {
         } else {
             match now.regime {
                 Regime::FullContact => Some(Leaving::Held),
+                Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated if self.system.block.friction > 0.0 => {
+                    Some(Leaving::Lifts)
+                }
                 Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => Some(Leaving::Slides),
             }
         }
@@ -96,7 +114,12 @@ impl Change<'_> {
     pub(super) fn settle_on_rigid_base(&mut self) -> Option<Leaving> {
         let mut leaving = None;
         loop {
-            let now = self.now();
+            let mut now = self.now();
+            if self.system.block.friction > 0.0 {
+                let mut placement = Placement::of(&now.instant);
+                self.rub(&mut placement);
+                now = self.now();
+            }
             match self.system.leaving_rigid_base(&now) {
                 Some(corner) => leaving = Some(self.let_go(corner, &now)),
                 None => return leaving,
@@ -122,16 +145,29 @@ impl System {
             .map(|(corner, _)| corner)
     }
 
-    /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base; nothing if all can.
+    /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the distance
+    /// of H from the limit of friction.
+    pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
+        if let Some(corner) = self.leaving_rigid_base(now) {
+            return Some(Surface::Reaction(corner));
+        }
+        if self.block.friction == 0.0 || !now.footing.grips() || now.regime == Regime::Separated {
+            return None;
+        }
+        let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
+        Corner::BOTH.map(Surface::Friction).into_iter().find(slides)
+    }
+
+    /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base, or the foot slides; nothing if
+    /// neither.
     pub fn released(&self, pose: &Pose, now: &Evaluation) -> Option<Pose> {
         self.released_by(pose, now).map(|(pose, _)| pose)
     }
 
     /// The same, and the regimes through which it comes there.
     pub(in crate::system) fn released_by(&self, pose: &Pose, now: &Evaluation) -> Option<(Pose, Path)> {
-        let corner = self.leaving_rigid_base(now)?;
-        let mut change = Change::begin(self, pose, now.excitation);
-        change.leave_rigid_base(corner, now);
-        Some((change.pose, change.path))
+        let surface = self.fallen(now)?;
+        let Transition { pose, path, .. } = self.transition(pose, now, surface);
+        Some((pose, path))
     }
 }

@@ -5,15 +5,19 @@
 //! | [`support`] | height and rate of a corner → its vertical reaction; spring energy, dashpot power |
 //! | [`load`] | excitation → its power on the moving block |
 //! | [`weight`] | height of the centre of mass → potential energy |
+//! | [`friction`] | vertical reaction under a foot that slides → its horizontal reaction, its power |
+//! | [`tie`] | place of the block → tension; its energy, its power |
 //!
 //! A force that follows from the excitation alone, or from the state, adds to the [`Forcing`] of an instant or stands beside
 //! the supports in [`super::dynamics`]; its energy and its power are added here.
 
+pub mod friction;
 pub mod load;
 pub mod support;
+pub mod tie;
 pub mod weight;
 
-use crate::block::{Block, Regime};
+use crate::block::{Block, Regime, TieStates};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{Beside, Elementary, Scalar};
 use crate::system::dynamics::Instant;
@@ -29,7 +33,8 @@ impl<T: Scalar> Instant<T> {
     }
 }
 
-/// Potential energy of weight and supports (m²/s²), zero at rest.
-pub fn potential<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
-    weight::energy(block, x.v) + support::energy(block, regime, x.corner)
+/// Potential energy of weight, supports and ties in these states (m²/s²), zero at rest without ties.
+pub fn potential<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, ties: &TieStates, x: &Instant<T>) -> T {
+    let untied = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
+    if block.ties.is_empty() { untied } else { untied + tie::energy(block, ties, x) }
 }

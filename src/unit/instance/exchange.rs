@@ -46,10 +46,9 @@ impl Unit {
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
-        let [theta, theta_dot, v, v_dot, u, u_dot, ..] = simulation.states(&self.inputs);
+        let after = simulation.states(&self.inputs);
         // Events do not change the works.
-        let [.., input, dashpots] = self.states;
-        self.states = [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots];
+        self.states[..6].copy_from_slice(&after[..6]);
         self.last_inputs = self.values.present_inputs();
         let next_time = [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {

@@ -131,7 +131,7 @@ fn same(event: &Event, other: &Happened) -> bool {
         EventKind::Landing(corner) => What::Landing(corner.index()),
         EventKind::Slip => What::Slip,
         EventKind::Grip => What::Grip,
-        EventKind::Overturning => return false,
+        EventKind::Overturning | EventKind::Taut(_) | EventKind::Slack(_) | EventKind::Break(_) => return false,
     };
     let touching = |regime: Regime| Corner::BOTH.map(|corner| regime.touches(corner));
     (what, [touching(event.before), touching(event.after)]) == (other.what, [other.before, other.after])

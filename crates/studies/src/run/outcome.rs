@@ -94,9 +94,13 @@ impl Flights {
     pub(super) fn count_event(&mut self, event: &Event) {
         let touched = match event.kind {
             EventKind::Landing(_) => true,
-            EventKind::LiftOff(_) | EventKind::Slip | EventKind::Grip | EventKind::Overturning => {
-                event.before != Regime::Separated
-            }
+            EventKind::LiftOff(_)
+            | EventKind::Slip
+            | EventKind::Grip
+            | EventKind::Taut(_)
+            | EventKind::Slack(_)
+            | EventKind::Break(_)
+            | EventKind::Overturning => event.before != Regime::Separated,
         };
         if touched && event.after == Regime::Separated {
             self.add(event.time);

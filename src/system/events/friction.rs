@@ -1,0 +1,120 @@
+//! Coulomb's limit `|H| ≤ μ N`: a foot that grips slides where it is reached, and one that slides grips where it stops.
+
+use crate::block::{Block, Corner, Foot, Foundation, Regime};
+use crate::numerics::dual::Dual;
+use crate::numerics::roots::Sample;
+use crate::system::dynamics::{Footing, Instant};
+use crate::system::evaluation::Evaluation;
+use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::events::{EventKind, ROUNDING, Surface};
+use crate::system::impact;
+
+/// The distance of a foot that grips from sliding to one side (m/s²): `μ N ∓ H` per mass, with − where H is to push to the right.
+pub(super) fn rest_to_limit(at: &Evaluation, push: Corner) -> Sample {
+    let of = |x: &Instant<Dual<f64>>| {
+        let normal = x.reaction[0] + x.reaction[1];
+        normal * at.block.friction + x.horizontal * push.sign()
+    };
+    let Dual { re, eps } = of(&at.rates());
+    Sample { value: re, rate: eps }
+}
+
+/// The speed of a foot that slides (m/s).
+pub(super) fn speed(at: &Evaluation) -> Sample {
+    let Footing::Slides { direction, .. } = at.footing else { return Sample::default() };
+    let rate = at.foot_acceleration();
+    Sample { value: direction * at.instant.slip_rate, rate: direction * rate }
+}
+
+/// Size of the terms of [`speed`] (m/s).
+#[inline]
+pub(super) fn size(block: &Block) -> f64 {
+    block.p * block.r0
+}
+
+impl Change<'_> {
+    /// Decides whether the foot grips or slides, and to which side: it grips if it does not move and `|H| ≤ μ N` holds it.
+    /// Without a limit of friction nothing changes.
+    pub(super) fn rub(&mut self, placement: &mut Placement) {
+        let block = &self.system.block;
+        if block.friction == 0.0 || self.regime() == Regime::Separated {
+            return;
+        }
+        let foot = self.regime().foot().unwrap_or(Foot::Middle);
+        let height = impact::height_over(block, foot, placement.theta);
+        let velocities = &mut placement.velocities;
+        let speed = velocities.u_dot - height * velocities.theta_dot;
+        if speed.abs() > ROUNDING * size(block) {
+            self.slide(placement, speed.signum());
+            return;
+        }
+        velocities.u_dot = height * velocities.theta_dot;
+        self.grip_here(placement);
+        let now = self.now();
+        let least = |push| Surface::Friction(push).rounding(block) + rest_to_limit(&now, push).value;
+        let falls = |push| rest_to_limit(&now, push).rate < 0.0;
+        for push in Corner::BOTH {
+            let rest = rest_to_limit(&now, push).value;
+            if least(push) < 0.0 || (rest <= Surface::Friction(push).rounding(block) && falls(push)) {
+                // H pushes the block to a side, and the foot slides to the other one.
+                self.slide(placement, push.sign());
+                return;
+            }
+        }
+    }
+
+    /// The foot slides, or a foot that has slid may grip.
+    pub(super) fn slide_or_grip(&mut self, surface: Surface, now: &Evaluation) -> EventKind {
+        self.pose.contacts.let_bear();
+        let mut placement = Placement::of(&now.instant);
+        match surface {
+            Surface::Friction(push) => self.slide(&placement, push.sign()),
+            _ => {
+                let foot = now.regime.foot().unwrap_or(Foot::Middle);
+                let height = impact::height_over(now.block, foot, placement.theta);
+                placement.velocities.u_dot = height * placement.velocities.theta_dot;
+                self.rub(&mut placement);
+            }
+        }
+        if now.block.foundation == Foundation::Rigid {
+            self.settle_on_rigid_base();
+        }
+        if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }
+    }
+
+    /// The block stands from here on; its foot grips as far as friction allows.
+    pub(super) fn stand(&mut self, placement: &mut Placement) {
+        if self.system.block.friction > 0.0 {
+            self.place(placement);
+            self.rub(placement);
+        } else {
+            self.hold(placement);
+        }
+    }
+
+    /// Where ties, friction or an eccentric centre of mass make the place of the block matter, a foot that grips has not
+    /// moved it.
+    pub(super) fn place_foot(&mut self, placement: &Placement) {
+        if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {
+            self.grip_here(placement);
+        }
+    }
+
+    /// Horizontal place of the centre of mass at the beginning (m), where the foot stands at its place; `u` in flight.
+    pub(in crate::system) fn place_at_start(&mut self, u: f64) -> f64 {
+        if self.regime() == Regime::Separated { u } else { self.now().instant.u }
+    }
+
+    /// The foot grips where it is.
+    pub(super) fn grip_here(&mut self, placement: &Placement) {
+        self.pose.footing = Footing::AT_START;
+        self.pose.state = placement.state(self.regime()).into();
+        let offset = placement.u - self.now().instant.u;
+        self.pose.footing = Footing::Grips { offset };
+    }
+
+    fn slide(&mut self, placement: &Placement, direction: f64) {
+        self.pose.footing = Footing::Slides { u: placement.u, u_dot: placement.velocities.u_dot, direction };
+    }
+}

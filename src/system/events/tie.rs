@@ -1,0 +1,87 @@
+//! Ties: one is taut where its stretch rises through zero, goes slack where its tension falls through zero, and breaks where its
+//! tension reaches its strength.
+
+use crate::block::{Block, Foundation, Tie, TieState};
+use crate::numerics::roots::Sample;
+use crate::system::dynamics::Instant;
+use crate::system::evaluation::Evaluation;
+use crate::system::events::change::Change;
+use crate::system::events::placement::Placement;
+use crate::system::forces::tie;
+
+/// The stretch of a tie (m).
+pub(super) fn stretch(at: &Evaluation, tie: usize) -> Sample {
+    tie::length(at.block, &at.block.ties.all()[tie], &at.instant)
+}
+
+/// The tension of a tie if it is taut (N).
+pub(super) fn tension(at: &Evaluation, tie: usize) -> Sample {
+    tie::tension_with_rate(at.block, &at.block.ties.all()[tie], &at.rates())
+}
+
+/// The rest of the strength of a tie that is taut (N).
+pub(super) fn rest_of_strength(at: &Evaluation, tie: usize) -> Sample {
+    let Sample { value, rate } = tension(at, tie);
+    Sample { value: at.block.ties.all()[tie].strength - value, rate: -rate }
+}
+
+/// Size of the terms of a stretch (m).
+#[inline]
+pub(super) fn length(block: &Block, tie: usize) -> f64 {
+    block.ties.all()[tie].length().max(block.r0)
+}
+
+/// Size of the terms of a tension (N).
+#[inline]
+pub(super) fn force(block: &Block, tie: usize) -> f64 {
+    let Tie { stiffness, damping, .. } = block.ties.all()[tie];
+    (stiffness * length(block, tie)).max(damping * block.p * block.r0).max(block.mass * block.gravity)
+}
+
+impl Change<'_> {
+    /// The state of a tie changes.
+    pub(super) fn set_tie(&mut self, tie: usize, state: TieState) {
+        self.pose.ties[tie] = state;
+    }
+
+    /// The block goes on with another pull.
+    pub(super) fn go_on_tied(&mut self, now: &Evaluation) {
+        self.let_ties_follow(&now.instant);
+        match self.system.block.foundation {
+            Foundation::Rigid => {
+                self.settle_on_rigid_base();
+            }
+            Foundation::Viscoelastic => self.rub(&mut Placement::of(&now.instant)),
+        }
+    }
+
+    /// Ties with dashpots follow the velocities that an event has changed, and one that would bear more than its strength breaks.
+    pub(super) fn let_ties_follow(&mut self, x: &Instant<f64>) {
+        let block = &self.system.block;
+        for (i, tie) in block.ties.all().iter().enumerate() {
+            let state = &mut self.pose.ties[i];
+            if *state == TieState::Broken || *state == TieState::Slack {
+                continue;
+            }
+            let tension = tie::taut_tension(tie, &tie::stretch(block, tie, &tie::Place::of(x)));
+            let rounding = super::ROUNDING * force(block, i);
+            if tie.damping > 0.0 && tension.abs() > rounding {
+                *state = if tension > 0.0 { TieState::Taut } else { TieState::Limp };
+            }
+            if *state == TieState::Taut && tie.strength > 0.0 && tension > tie.strength + rounding {
+                *state = TieState::Broken;
+            }
+        }
+    }
+
+    /// The states of the ties of a block that begins here.
+    pub(in crate::system) fn begin_ties(&mut self) {
+        let (block, x) = (&self.system.block, &self.now().instant);
+        for (i, tie) in block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0) {
+            let stretch = tie::stretch(block, tie, &tie::Place::of(x));
+            let stretched = stretch.length > super::ROUNDING * length(block, i);
+            self.pose.ties[i] = if stretched { TieState::Taut } else { TieState::Slack };
+        }
+        self.let_ties_follow(x);
+    }
+}

@@ -1,0 +1,190 @@
+//! Ties: each pulls a point of the block towards a point of the ground, along the line between them.
+//!
+//! Stretched by `s = L − L0 − slack + T0/k` a tie pulls with `T = k s + c ṡ` while it is taut, and not at all otherwise.
+
+use crate::block::ties::MOST_TIES;
+use crate::block::{Block, Tie, TieState, TieStates};
+use crate::excitation::Forcing;
+use crate::numerics::dual::Dual;
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::system::dynamics::Instant;
+
+/// Place and motion of the block.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<T> {
+    /// Sine and cosine of θ.
+    pub sin_cos: [T; 2],
+    /// θ̇ (rad/s).
+    pub theta_dot: T,
+    /// Place of the centre of mass beside that at rest, `[u, v]` (m).
+    pub center: [T; 2],
+    /// Its velocity relative to the ground (m/s).
+    pub velocity: [T; 2],
+}
+
+impl<T: Scalar> Place<T> {
+    /// The place of a block in motion.
+    #[inline(always)]
+    pub fn of(x: &Instant<T>) -> Place<T> {
+        let (sin, cos) = x.theta.sin_cos();
+        Place { sin_cos: [sin, cos], theta_dot: x.theta_dot, center: [x.u, x.v], velocity: [x.u_dot, x.v_dot] }
+    }
+}
+
+/// A tie that is stretched.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch<T> {
+    /// Its stretch s (m); it pulls only where this is positive.
+    pub length: T,
+    /// Its rate ṡ (m/s).
+    pub rate: T,
+    /// Direction from the ground to the block (1), and its moment arm about the centre of mass (m), positive clockwise.
+    along: [T; 3],
+}
+
+/// Stretch of a tie.
+#[inline(always)]
+pub fn stretch<P: Scalar, T: Beside<P>>(block: &Block<P>, tie: &Tie<P>, place: &Place<T>) -> Stretch<T> {
+    let &Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = place;
+    // From the centre of mass to the end at the block, at rest and turned.
+    let [x, z] = [tie.block[0] - block.eccentricity, tie.block[1] - block.h];
+    let [x, z] = [cos * x + sin * z, cos * z - sin * x];
+    let at_rest = [tie.block[0] - tie.ground[0], tie.block[1] - tie.ground[1]];
+    // From the end at the ground to that at the block.
+    let d = [u + x - (tie.ground[0] - block.eccentricity), v + z - (tie.ground[1] - block.h)];
+    let d_dot = [u_dot + z * theta_dot, v_dot - x * theta_dot];
+    let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
+    let free = (at_rest[0] * at_rest[0] + at_rest[1] * at_rest[1]).sqrt() + tie.slack - tie.pretension / tie.stiffness;
+    let along = [d[0] / length, d[1] / length];
+    Stretch {
+        length: length - free,
+        rate: along[0] * d_dot[0] + along[1] * d_dot[1],
+        along: [along[0], along[1], z * along[0] - x * along[1]],
+    }
+}
+
+/// Tension (N) of a tie if it is taut.
+#[inline(always)]
+pub fn taut_tension<P: Scalar, T: Beside<P>>(tie: &Tie<P>, stretch: &Stretch<T>) -> T {
+    stretch.length * tie.stiffness + stretch.rate * tie.damping
+}
+
+/// Tension (N) of a tie.
+#[inline(always)]
+pub fn tension<P: Scalar, T: Beside<P>>(tie: &Tie<P>, state: TieState, stretch: &Stretch<T>) -> T {
+    match state {
+        TieState::Taut => taut_tension(tie, stretch),
+        TieState::Slack | TieState::Limp | TieState::Broken => T::from(0.0),
+    }
+}
+
+/// The forcing with the pull of the ties in place of their states.
+#[inline(always)]
+pub fn added_to<P: Scalar, T: Beside<P>>(
+    block: &Block<P>,
+    forcing: Forcing<T>,
+    place: impl Fn() -> Place<T>,
+) -> Forcing<T> {
+    if !pulls(&forcing.ties) {
+        return forcing;
+    }
+    let place = place();
+    let mut sum = forcing;
+    for (tie, state) in block.ties.all().iter().zip(forcing.ties) {
+        if state == TieState::Taut {
+            let stretch = stretch(block, tie, &place);
+            let pull = tension(tie, state, &stretch) * (P::from(1.0) / block.mass);
+            let [x, z, arm] = stretch.along;
+            // A forcing is an acceleration of the ground: a load counts less.
+            sum.x = sum.x + pull * x;
+            sum.z = sum.z + pull * z;
+            sum.moment = sum.moment - pull * arm;
+        }
+    }
+    sum
+}
+
+/// Whether a tie pulls.
+#[inline(always)]
+fn pulls(states: &TieStates) -> bool {
+    states.contains(&TieState::Taut)
+}
+
+/// Pull of a tie at rest on the block, to the left and downwards (N).
+pub fn static_pull<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> [T; 2] {
+    if tie.stiffness.value() == 0.0 {
+        return [T::from(0.0); 2];
+    }
+    let Stretch { length, along: [x, z, _], .. } = stretch(block, tie, place);
+    let tension = T::select_less(0.0, length.value(), length * tie.stiffness, T::from(0.0));
+    [tension * x, tension * z]
+}
+
+/// Tensions of all ties (N).
+#[inline(always)]
+pub fn tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; MOST_TIES] {
+    let mut tensions = [T::from(0.0); MOST_TIES];
+    if pulls(ties) {
+        let place = Place::of(x);
+        for ((of, tie), &state) in tensions.iter_mut().zip(block.ties.all()).zip(ties) {
+            *of = tension(tie, state, &stretch(block, tie, &place));
+        }
+    }
+    tensions
+}
+
+/// Energy of the springs of the ties per mass (m²/s²): `½ k s²` while a tie is stretched.
+#[inline(always)]
+pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
+    each(block, ties, x, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
+}
+
+/// Power per mass (m²/s³) that the dashpots of the ties take: all that T does beyond the spring, `(T − k s) ṡ`.
+#[inline(always)]
+pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
+    each(block, ties, x, |tie, state, stretch| {
+        (tension(tie, state, &stretch) - stretch.length * tie.stiffness) * stretch.rate
+    })
+}
+
+/// A sum over the stretched ties, per mass.
+#[inline(always)]
+fn each<P: Scalar, T: Beside<P>>(
+    block: &Block<P>,
+    ties: &TieStates,
+    x: &Instant<T>,
+    of: impl Fn(&Tie<P>, TieState, Stretch<T>) -> T,
+) -> T {
+    let mut sum = T::from(0.0);
+    if block.ties.is_empty() {
+        return sum;
+    }
+    let place = Place::of(x);
+    for (tie, &state) in block.ties.all().iter().zip(ties) {
+        if matches!(state, TieState::Taut | TieState::Limp) {
+            sum = sum + of(tie, state, stretch(block, tie, &place)) * (P::from(1.0) / block.mass);
+        }
+    }
+    sum
+}
+
+/// Stretch of a tie (m) and its rate (m/s), from an instant.
+#[inline]
+pub fn length<R: Real>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Sample<R>
+where
+    R: Beside<R>,
+{
+    let Stretch { length, rate, .. } = stretch(block, tie, &Place::of(x));
+    Sample { value: length, rate }
+}
+
+/// Tension of a tie if it is taut (N) and its rate (N/s), from an instant with rates.
+#[inline]
+pub fn tension_with_rate<R: Real>(block: &Block<R>, tie: &Tie<R>, x: &Instant<Dual<R>>) -> Sample<R>
+where
+    Dual<R>: Beside<R>,
+{
+    let Dual { re, eps } = taut_tension(tie, &stretch(block, tie, &Place::of(x)));
+    Sample { value: re, rate: eps }
+}
