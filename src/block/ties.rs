@@ -69,7 +69,7 @@ impl<T> Ties<T> {
     /// The ties.
     #[inline(always)]
     pub fn all(&self) -> &[Tie<T>] {
-        &self.ties[..self.count]
+        &self.ties[..self.count.min(MOST_TIES)]
     }
 
     /// Whether there is none.

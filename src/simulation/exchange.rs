@@ -227,6 +227,11 @@ impl Simulation {
         Ok(())
     }
 
+    /// The surface of the next event, if it is known.
+    pub(super) fn foreseen_surface(&self) -> Option<Surface> {
+        self.foreseen().map(|foreseen| foreseen.surface)
+    }
+
     fn foreseen(&self) -> Option<Foreseen> {
         self.piece.and_then(|piece| piece.foreseen)
     }

@@ -395,6 +395,10 @@ impl Simulation {
             && pulse.period > 0.0
             && piece.is_none_or(|piece| piece.is_finite())
             && pose.is_finite()
+            && self.slip.now.is_finite()
+            && self.slip.total.is_finite()
+            && self.pending.is_none_or(|pending| pending.surface.is_of(self.block()))
+            && self.foreseen_surface().is_none_or(|surface| surface.is_of(self.block()))
             && sums.into_iter().chain(others).all(f64::is_finite)
     }
 

@@ -214,6 +214,25 @@ impl Surface {
         }
     }
 
+    /// Whether the block has what is watched: a tie of this number.
+    pub fn is_of(self, block: &Block) -> bool {
+        match self {
+            Surface::Shortness(tie)
+            | Surface::Stretch(tie)
+            | Surface::Tension(tie)
+            | Surface::Limpness(tie)
+            | Surface::Strength(tie) => usize::from(tie) < block.ties.all().len(),
+            Surface::Reaction(_)
+            | Surface::Gap(_)
+            | Surface::Held(_)
+            | Surface::Unloaded(_)
+            | Surface::Slide
+            | Surface::Friction(_)
+            | Surface::Speed
+            | Surface::QuarterTurn => true,
+        }
+    }
+
     /// Round-off of a zero of this surface.
     #[inline]
     pub fn rounding(self, block: &Block) -> f64 {
