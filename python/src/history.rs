@@ -4,11 +4,9 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rocking_block::block::Corner;
 use rocking_block::block::Foundation;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
-use rocking_block::system::events::EventKind;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::table::COLUMNS;
 use rocking_studies::run::{History, Run};
@@ -103,17 +101,7 @@ fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>
         columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
     }
     let events = events.iter().map(|event| {
-        let (name, corner) = match event.kind {
-            EventKind::LiftOff(corner) => ("lift-off", Some(corner)),
-            EventKind::Landing(corner) => ("landing", Some(corner)),
-            EventKind::Slip => ("slip", None),
-            EventKind::Grip => ("grip", None),
-            EventKind::Overturning => ("overturning", None),
-        };
-        let corner = corner.map(|corner| match corner {
-            Corner::Left => "L",
-            Corner::Right => "R",
-        });
+        let (name, corner) = (event.kind.word(), event.kind.place());
         (event.time, name, corner, event.before.to_string(), event.after.to_string())
     });
     let last = rows.last().map_or(0.0, |row| row.time);

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use rocking_block::block::{Block, Corner, Foundation};
+use rocking_block::block::{Block, Foundation};
 use rocking_block::simulation::Energies;
-use rocking_block::system::events::{Event, EventKind};
+use rocking_block::system::events::Event;
 use rocking_block::words::Words;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
@@ -178,17 +178,7 @@ impl Parameters {
 
 impl EventSummary {
     fn of(event: &Event) -> EventSummary {
-        let (name, corner) = match event.kind {
-            EventKind::LiftOff(corner) => ("lift-off", Some(corner)),
-            EventKind::Landing(corner) => ("landing", Some(corner)),
-            EventKind::Slip => ("slip", None),
-            EventKind::Grip => ("grip", None),
-            EventKind::Overturning => ("overturning", None),
-        };
-        let corner = corner.map(|corner| match corner {
-            Corner::Left => "L",
-            Corner::Right => "R",
-        });
+        let (name, corner) = (event.kind.word(), event.kind.place());
         let (before, after) = (event.before.to_string(), event.after.to_string());
         EventSummary { t: event.time, event: name, corner, before, after }
     }

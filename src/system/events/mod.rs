@@ -66,6 +66,33 @@ pub enum EventKind {
     Overturning,
 }
 
+impl EventKind {
+    /// Its name in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            EventKind::LiftOff(_) => "lift-off",
+            EventKind::Landing(_) => "landing",
+            EventKind::Slip => "slip",
+            EventKind::Grip => "grip",
+            EventKind::Taut(_) => "taut",
+            EventKind::Slack(_) => "slack",
+            EventKind::Break(_) => "break",
+            EventKind::Overturning => "overturning",
+        }
+    }
+
+    /// The name of its corner, `L` or `R`, or of its tie, `tie 1` and so on; none for an event of the whole block.
+    pub fn place(self) -> Option<&'static str> {
+        const TIES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
+        match self {
+            EventKind::LiftOff(Corner::Left) | EventKind::Landing(Corner::Left) => Some("L"),
+            EventKind::LiftOff(Corner::Right) | EventKind::Landing(Corner::Right) => Some("R"),
+            EventKind::Taut(tie) | EventKind::Slack(tie) | EventKind::Break(tie) => TIES.get(usize::from(tie)).copied(),
+            EventKind::Slip | EventKind::Grip | EventKind::Overturning => None,
+        }
+    }
+}
+
 /// An event, as it is reported while the simulation runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {

@@ -1,5 +1,6 @@
 //! End of runs without a duration, and the rule that counts a separation as overturning.
 
+use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
 use rocking_block::excitation::{Forcing, Pulse, PulseShape};
 use rocking_block::ground::Ground;
@@ -26,7 +27,13 @@ fn run(block: Block, initial: Initial, pulse: Pulse, on_separation: OnSeparation
 fn the_barrier_is_the_least_potential_energy_at_alpha() {
     let potential = |block: &Block, regime, height| {
         let footing = Footing::AT_START;
-        energy(block, regime, &instant(block, regime, [block.alpha, 0.0, height, 0.0], footing, Forcing::default())).1
+        energy(
+            block,
+            regime,
+            &NO_TIES,
+            &instant(block, regime, [block.alpha, 0.0, height, 0.0], footing, Forcing::default()),
+        )
+        .1
     };
     // Under the last block both supports bear at α.
     for (alpha, eta) in [(0.1, 80.0), (0.25, 40.0), (0.3, 20.0), (0.25, 4.63)] {
