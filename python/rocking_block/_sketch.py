@@ -14,6 +14,8 @@ with optional("plot", "matplotlib"):
 if TYPE_CHECKING:
     from rocking_block._block import Block
 
+_Point = tuple[float, float]
+
 _TIE, _FILL, _FAINT = "#004488", "0.93", "0.5"
 # Lengths relative to the larger side of the block: supports, their distance, room for labels, distance of dimensions.
 _SUPPORT, _APART, _LABELS, _ROW = 0.14, 0.22, 0.38, 0.1
@@ -28,20 +30,22 @@ def sketch(block: "Block", ax: Axes | None) -> Axes:
     b, body = block.width / 2, block.height
     h, offset = body / 2, float(getattr(block, "eccentricity", 0.0))
     size = max(2 * b, body)
-    ties = [(number, tie, *_end(tie, b, body, size)) for number, tie in enumerate(getattr(block, "ties", ()), 1)]
-    left = min([-b - _LABELS * size, *(end[0] - 0.05 * size for _, _, end, _ in ties)])
-    right = max([b + _LABELS * size, *(end[0] + 0.05 * size for _, _, end, _ in ties)])
+    ties = [_reach(tie, b, body, size) for tie in getattr(block, "ties", ())]
+    ends = [end for start, end, _ in ties] + [start for start, _, _ in ties]
+    left = min([-b - _LABELS * size, *(x - 0.05 * size for x, _ in ends)])
+    right = max([b + _LABELS * size, *(x + 0.05 * size for x, _ in ends)])
+    top = max([body, *(z for _, z in ends)])
     axes.add_patch(Rectangle((-b, 0), 2 * b, body, fc=_FILL, ec=_INK, lw=1.8))
     below = _foundation(axes, block, b, size, (left, right) if ties else None)
-    below = min([below, *(end[1] for _, _, end, _ in ties)])
+    below = min([below, *(z for _, z in ends)])
     _angles(axes, b, h, offset, size)
-    for number, tie, end, is_anchor in ties:
-        axes.plot([tie.block_x, end[0]], [tie.block_z, end[1]], color=_TIE, lw=1.8, marker="o", ms=5, markevery=[0])
+    for number, (start, end, is_anchor) in enumerate(ties, 1):
+        axes.plot([start[0], end[0]], [start[1], end[1]], color=_TIE, lw=1.8, marker="o", ms=5, markevery=[0])
         axes.plot(*end, color=_TIE, marker="s" if is_anchor else (2, 0, 45), ms=7)
-        at = (tie.block_x + 0.3 * (end[0] - tie.block_x), tie.block_z + 0.3 * (end[1] - tie.block_z))
+        at = (start[0] + 0.3 * (end[0] - start[0]), start[1] + 0.3 * (end[1] - start[1]))
         axes.text(*at, str(number), ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "ec": _TIE})
-    for start in (0, 180):
-        axes.add_patch(Wedge((offset, h), 0.022 * size, start, start + 90, fc=_INK, zorder=4))
+    for angle in (0, 180):
+        axes.add_patch(Wedge((offset, h), 0.022 * size, angle, angle + 90, fc=_INK, zorder=4))
     axes.add_patch(Circle((offset, h), 0.022 * size, fc="white", ec=_INK, lw=1.2, zorder=3))
     _vertical(axes, left - 0.3 * _ROW * size, -b, 0.0, body, f"2h = {body:.4g} m")
     _vertical(axes, right + 0.3 * _ROW * size, b, 0.0, h, f"h = {h:.4g} m")
@@ -52,7 +56,7 @@ def sketch(block: "Block", ax: Axes | None) -> Axes:
         _horizontal(axes, body + 0.06 * size, min(0.0, offset), max(0.0, offset), body, f"$e_x$ = {offset:.4g} m")
     # Lines alone do not widen the view around the patches.
     axes.set(xlim=(left - 1.2 * _ROW * size, right + 1.2 * _ROW * size), aspect="equal")
-    axes.set_ylim(below - 1.9 * _ROW * size, body + (0.17 if offset else 0.05) * size)
+    axes.set_ylim(below - 1.9 * _ROW * size, max(body + (0.17 if offset else 0.05) * size, top + 0.05 * size))
     axes.set_axis_off()
     axes.text(1.04, 1.0, "\n".join(_values(block, offset)), transform=axes.transAxes, va="top", linespacing=1.5)
     return axes
@@ -73,17 +77,20 @@ def _free_axes(ax: Any) -> Axes:
     return figure.add_subplot()
 
 
-def _end(tie: Any, b: float, body: float, size: float) -> tuple[tuple[float, float], bool]:
-    """Returns the anchor of a tie, or the point where its line leaves the surroundings, and whether it is the anchor."""
+def _reach(tie: Any, b: float, body: float, size: float) -> tuple[_Point, _Point, bool]:
+    """Returns the ends of the drawn part of a tie, and whether the second one is its anchor.
+
+    A tie is cut where its line leaves the surroundings of the block. An end on the block that is outside is moved to their edge.
+    """
+    limits = ((-b - _REACH * size, b + _REACH * size), (-_DEPTH * size, body + _DEPTH * size))
+    ground = (tie.ground_x, tie.ground_z)
+    start = [min(max(at, low), high) for at, (low, high) in zip((tie.block_x, tie.block_z), limits)]
     part = 1.0
-    for start, end, low, high in (
-        (tie.block_x, tie.ground_x, -b - _REACH * size, b + _REACH * size),
-        (tie.block_z, tie.ground_z, -_DEPTH * size, body + _DEPTH * size),
-    ):
-        if end != start:
-            part = min(part, max(((high if end > start else low) - start) / (end - start), 0.0))
-    at = (tie.block_x + part * (tie.ground_x - tie.block_x), tie.block_z + part * (tie.ground_z - tie.block_z))
-    return at, part == 1.0
+    for at, end, (low, high) in zip(start, ground, limits):
+        if end != at:
+            part = min(part, max(((high if end > at else low) - at) / (end - at), 0.0))
+    x, z = (at + part * (end - at) for at, end in zip(start, ground))
+    return (start[0], start[1]), (x, z), part == 1.0
 
 
 def _foundation(axes: Axes, block: "Block", b: float, size: float, surface: tuple[float, float] | None) -> float:
@@ -140,7 +147,8 @@ def _angles(axes: Axes, b: float, h: float, offset: float, size: float) -> None:
         if sign < 0 and not offset:
             continue
         angle = math.atan2(b - sign * offset, h)
-        radius = 0.5 * math.hypot(b - sign * offset, h)
+        # The arc of a squat block stays below its top.
+        radius = min(0.5 * math.hypot(b - sign * offset, h), 1.6 * h)
         start, end = sorted((90.0, 90.0 + sign * math.degrees(angle)))
         axes.add_patch(Arc((corner, 0.0), 2 * radius, 2 * radius, theta1=start, theta2=end, ec=_INK, lw=0.9))
         middle = (corner - sign * radius * math.sin(angle / 2), radius * math.cos(angle / 2))

@@ -143,6 +143,10 @@ def test_a_sketch_shows_eccentricity_friction_and_ties(figure):
     assert np.allclose(ends[0], [1.0, 0.0]) and ends[1][0] > -4.0
     assert np.isclose((2.0 - ends[1][1]) / (-0.4 - ends[1][0]), 2.0 / 8.6)
     figure.canvas.draw()
+    body.ties = [SimpleNamespace(block_x=3.0, block_z=20.0, ground_x=4.0, ground_z=0.0, **of_tie)]
+    axes = _sketch.sketch(body, None)
+    start, end = next(line.get_xydata() for line in axes.lines if line.get_color() == "#004488")
+    assert axes.get_xlim()[1] > start[0] and axes.get_ylim()[1] > start[1] > 2.0, "an end outside the body is seen"
 
 
 def test_tables_and_records_are_drawn(record, figure):

@@ -2,7 +2,7 @@
 
 use super::{COLUMN, Sketch};
 use crate::sketch::symbols::{End, Point};
-use rocking_block::block::Foundation;
+use rocking_block::block::{Foundation, Tie};
 
 /// Height of a support.
 pub const SUPPORT: f64 = 1600.0;
@@ -72,17 +72,18 @@ impl Layout {
     pub fn new(sketch: &Sketch) -> Layout {
         let b = sketch.block.b;
         let body = sketch.height.unwrap_or(2.0 * sketch.block.h);
-        let ends: Vec<([f64; 2], bool)> =
-            sketch.block.ties.all().iter().map(|tie| reach(tie.block, tie.ground, b, body)).collect();
-        let furthest = |of: fn([f64; 2]) -> f64| ends.iter().map(|(end, _)| of(*end)).fold(0.0, f64::max);
+        let reaches: Vec<Reach> = sketch.block.ties.all().iter().map(|tie| Reach::new(tie, b, body)).collect();
+        let furthest = |of: fn([f64; 2]) -> f64| {
+            reaches.iter().flat_map(|reach| [of(reach.block), of(reach.end)]).fold(0.0, f64::max)
+        };
         // How far ties reach beyond the body (m), by 0 if they do not.
-        let reaches = [furthest(|[x, _]| -x), furthest(|[x, _]| x)].map(|x| (x - b).max(0.0));
+        let aside = [furthest(|[x, _]| -x), furthest(|[x, _]| x)].map(|x| (x - b).max(0.0));
         let (up, down) = ((furthest(|[_, z]| z) - body).max(0.0), furthest(|[_, z]| -z));
         let on_supports = sketch.block.foundation == Foundation::Viscoelastic;
         let under = GROUND + if on_supports { SUPPORT } else { 0.0 };
         let above = HEAD + if sketch.block.eccentricity == 0.0 { 0.0 } else { ABOVE + 450.0 };
 
-        let beside = |scale: f64| reaches.map(|x| if x > 0.0 { (scale * x + ANCHOR).max(LABELS) } else { LABELS });
+        let beside = |scale: f64| aside.map(|x| if x > 0.0 { (scale * x + ANCHOR).max(LABELS) } else { LABELS });
         let deep = |scale: f64| if down > 0.0 { under + scale * down } else { under };
         let fits = |scale: f64| {
             let [left, right] = beside(scale);
@@ -128,17 +129,13 @@ impl Layout {
             below: below + 60.0,
             row: base + deep(scale) + ROW - 150.0,
             end: base + deep(scale) + ROW + FOOT,
-            ties: sketch
-                .block
-                .ties
-                .all()
+            ties: reaches
                 .iter()
-                .zip(&ends)
-                .map(|(tie, &(end, is_anchor))| DrawnTie {
-                    block: at(tie.block),
-                    end: at(end),
-                    kind: match is_anchor {
-                        true if end[1] == 0.0 => End::OnGround,
+                .map(|reach| DrawnTie {
+                    block: at(reach.block),
+                    end: at(reach.end),
+                    kind: match reach.is_anchor {
+                        true if reach.end[1] == 0.0 => End::OnGround,
                         true => End::Anchor,
                         false => End::Broken,
                     },
@@ -148,18 +145,28 @@ impl Layout {
     }
 }
 
-/// Returns the anchor of a tie, or the point where its line leaves the surroundings of the body, and whether it is the anchor.
-fn reach(block: [f64; 2], ground: [f64; 2], b: f64, body: f64) -> ([f64; 2], bool) {
-    let around = (2.0 * b).max(body);
-    let limits = [[-b - 0.9 * around, b + 0.9 * around], [-0.4 * around, body + 0.4 * around]];
-    let mut part: f64 = 1.0;
-    for axis in [0, 1] {
-        let way = ground[axis] - block[axis];
-        let limit = limits[axis][usize::from(way > 0.0)];
-        if way != 0.0 {
-            part = part.min(((limit - block[axis]) / way).max(0.0));
+/// The part of a tie that is drawn (m).
+struct Reach {
+    block: [f64; 2],
+    end: [f64; 2],
+    is_anchor: bool,
+}
+
+impl Reach {
+    /// Cuts a tie where its line leaves the surroundings of the body. An end on the block that is outside is moved to their edge.
+    fn new(tie: &Tie, b: f64, body: f64) -> Reach {
+        let around = (2.0 * b).max(body);
+        let limits = [[-b - 0.9 * around, b + 0.9 * around], [-0.4 * around, body + 0.4 * around]];
+        let block = [0, 1].map(|axis| tie.block[axis].clamp(limits[axis][0], limits[axis][1]));
+        let mut part: f64 = 1.0;
+        for axis in [0, 1] {
+            let way = tie.ground[axis] - block[axis];
+            let limit = limits[axis][usize::from(way > 0.0)];
+            if way != 0.0 {
+                part = part.min(((limit - block[axis]) / way).max(0.0));
+            }
         }
+        let end = [0, 1].map(|axis| block[axis] + part * (tie.ground[axis] - block[axis]));
+        Reach { block, end, is_anchor: part == 1.0 }
     }
-    let at = |axis: usize| block[axis] + part * (ground[axis] - block[axis]);
-    ([at(0), at(1)], part == 1.0)
 }

@@ -65,10 +65,10 @@ impl Sketch {
         self.draw_body(area, layout)?;
         self.draw_dimensions(area, layout)?;
         self.draw_foundation(area, layout)?;
-        self.draw_angles(area, layout)?;
         for (number, end) in (1..).zip(&layout.ties) {
             tie(area, end.block, end.end, end.kind, number, layout.centre)?;
         }
+        self.draw_angles(area, layout)?;
         centre_of_mass(area, layout.centre)
     }
 
@@ -122,12 +122,13 @@ impl Sketch {
         };
         let label = |value: f64, name: &str| format!("{name} = {}°", significant(value.to_degrees(), 4));
         let [left_edge, right_edge] = label_edges;
-        const PART: f64 = 0.5;
+        // The arc of a squat block stays below its top.
+        let part = |corner: f64| (0.8 * (base - layout.top) / reach(corner)).min(0.5);
         // A leader at a slope does not hide the arc of a small angle.
         const LOWER: f64 = 330.0;
         let name = if is_symmetric { "α" } else { "α_R" };
-        angle(area, (right, base), PART * reach(right), UP, UP + alpha_r)?;
-        let middle = at(right, PART, -0.5 * alpha_r);
+        angle(area, (right, base), part(right) * reach(right), UP, UP + alpha_r)?;
+        let middle = at(right, part(right), -0.5 * alpha_r);
         // The line of the dimension h is above it.
         let height = (middle.1 + LOWER).max(centre.1 + 400.0);
         leader(area, (right_edge - 80.0, height), middle)?;
@@ -138,8 +139,8 @@ impl Sketch {
             let radius = format!("R0 = {} m", significant(self.block.r0, 4));
             return write(area, &radius, (left_edge, middle.1), HPos::Right, VPos::Center);
         }
-        angle(area, (left, base), PART * reach(left), UP - alpha_l, UP)?;
-        let middle = at(left, PART, 0.5 * alpha_l);
+        angle(area, (left, base), part(left) * reach(left), UP - alpha_l, UP)?;
+        let middle = at(left, part(left), 0.5 * alpha_l);
         let height = middle.1 + LOWER;
         leader(area, (left_edge + 80.0, height), middle)?;
         write(area, &label(alpha_l, "α_L"), (left_edge, height), HPos::Right, VPos::Center)
@@ -232,11 +233,11 @@ fn tie_values(tie: &Tie, number: usize) -> Vec<String> {
         [("pretension", pretension, "N"), ("damping", damping, "N s/m"), ("strength", strength, "N")]
     {
         if value != 0.0 {
-            law += &format!(", {name} {}", engineering(value, unit).replace(' ', "\u{A0}"));
+            law += &format!(", {name}\u{A0}{}", engineering(value, unit).replace(' ', "\u{A0}"));
         }
     }
     if slack != 0.0 {
-        law += &format!(", slack {}\u{A0}m", significant(slack, 4));
+        law += &format!(", slack\u{A0}{}\u{A0}m", significant(slack, 4));
     }
     vec![format!("tie {number}: {} to {} m", point(block), point(ground)), law]
 }

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::canvas::{Area, Drawn, INK, Position, TEXT, anchored, grey, text};
+use crate::canvas::{Area, Drawn, INK, Position, TEXT, anchored, fill, grey, text};
 use crate::formula::{formula, width};
 use crate::line_style::LineStyle;
 
@@ -184,8 +184,23 @@ pub fn leader(area: &Area, from: Point, to: Point) -> Drawn {
     Ok(area.draw(&Circle::new(unit(to), 35, INK.filled()))?)
 }
 
-/// Writes a label.
+/// Writes a label on white, so that lines do not cross it.
 pub fn write(area: &Area, label: &str, at: Point, horizontal: HPos, vertical: VPos) -> Drawn {
+    const MARGIN: f64 = 50.0;
+    let length = width(label, TEXT);
+    let left = match horizontal {
+        HPos::Left => at.0,
+        HPos::Center => at.0 - 0.5 * length,
+        HPos::Right => at.0 - length,
+    };
+    let middle = match vertical {
+        VPos::Top => at.1 + 0.5 * TEXT,
+        VPos::Center => at.1,
+        VPos::Bottom => at.1 - 0.5 * TEXT,
+    };
+    let (half_length, half_height) = (0.5 * length + MARGIN, 0.5 * TEXT);
+    let corners = [-1.0, 1.0].map(|sign| unit((left + 0.5 * length + sign * half_length, middle + sign * half_height)));
+    fill(area, corners, WHITE)?;
     Ok(area.draw_text(&formula(label), &anchored(TEXT, horizontal, vertical), unit(at))?)
 }
 

@@ -32,6 +32,8 @@ fn sketches() -> Vec<Sketch> {
                 of(0.0, &guys),
                 of(-0.2, &walls),
                 of(0.01, &far),
+                // The ties of another block.
+                of(0.3, &[cable([-3.0, 4.0], [-4.0, 0.0]), cable([1.0, 12.0], [1.0, -9.0])]),
                 Sketch { height: None, ..of(0.7, &[]) },
                 Sketch { height: Some(3.0 * h), ..of(-0.9, &[]) },
             ]);
@@ -74,7 +76,7 @@ fn texts_do_not_overlap() {
 #[test]
 fn sketches_are_to_scale() {
     for sketch in sketches() {
-        let Layout { left, right, top, base, centre, ties, .. } = Layout::new(&sketch);
+        let Layout { left, right, top, base, centre, ties, end, .. } = Layout::new(&sketch);
         let Block { b, h, .. } = sketch.block;
         let scale = (right - left) / (2.0 * b);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b.abs());
@@ -84,6 +86,10 @@ fn sketches_are_to_scale() {
             assert!(close(sketch.block.alpha_of(corner).tan(), side / (base - centre.1)), "{sketch:?}");
         }
         for (tie, drawn) in sketch.block.ties.all().iter().zip(ties) {
+            assert!(drawn.block.0 > 0.0 && drawn.block.1 > 0.0 && drawn.end.0 > 0.0 && drawn.end.1 < end, "{drawn:?}");
+            if tie.block[0].abs() > b || tie.block[1] > 2.0 * h {
+                continue;
+            }
             assert!(close(drawn.block.0 - 0.5 * (left + right), scale * tie.block[0]));
             assert!(close(base - drawn.block.1, scale * tie.block[1]));
             let is_far = tie.ground[0].abs().max(tie.ground[1].abs()) > 10.0;
