@@ -32,7 +32,8 @@ class Pair:
     low, high : float
         Least and greatest value, equal if the source has one [1].
     kind : {"measured", "lowest", "design"}
-        The spread of tests, the least value of tests, or a standard's value on the safe side where friction helps.
+        The spread of tests, the least value of tests, or a standard's value or limits; a single one is on the safe side
+        where friction helps.
     basis : str
         What the values are.
     source, citation : str

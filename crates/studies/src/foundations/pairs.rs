@@ -58,7 +58,7 @@ pub enum Kind {
     Measured,
     /// The least value of tests.
     Lowest,
-    /// A standard's value, on the safe side where friction helps.
+    /// A standard's value or its limits; a single one is on the safe side where friction helps.
     Design,
 }
 
