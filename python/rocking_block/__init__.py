@@ -22,6 +22,7 @@ from rocking_block._run import Counts, Energy, Event, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
 from rocking_block._studies import blocks, outcomes, spectrum, sweep
 from rocking_block._table import Table
+from rocking_block._tie import Tie
 
 __all__ = [
     "Block",
@@ -35,6 +36,7 @@ __all__ = [
     "Run",
     "Search",
     "Table",
+    "Tie",
     "blocks",
     "fmu_path",
     "foundations",

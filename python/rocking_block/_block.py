@@ -18,8 +18,8 @@ class Block(_engine.Block):
     """An immutable rigid block on viscoelastic supports, or on a rigid base.
 
     It is defined by the paper's four parameters (Palmeri & Makris 2008), or by its dimensions and the properties of a
-    support. Either way all of these are attributes, and so are `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max` and
-    `theta_separation`. Attributes that a rigid base lacks are nan.
+    support. Either way all of these are attributes, and so are `R0`, `I0`, `omega_v`, `delta_s`, `e`, `e_max`,
+    `theta_separation`, `alpha_L` and `alpha_R`. Attributes that a rigid base lacks are nan.
 
     Parameters
     ----------
@@ -33,6 +33,10 @@ class Block(_engine.Block):
         Vertical damping ratio ξ_v [1].
     width, height : float
         Width of the base, and twice the height of the centre of mass above it [m], instead of `alpha` and `p`.
+    center_height : float
+        Height of the centre of mass above the base [m], instead of `height`.
+    inertia : float
+        Centroidal moment of inertia I0 [kg m²], instead of `gamma`; with `width` and `mass`.
     K, C : float
         Stiffness [N/m] and damping [N s/m] of one support, instead of `eta` and `xi_v`.
     mass : float, default 1000
@@ -47,6 +51,13 @@ class Block(_engine.Block):
         A spring and a dashpot under each corner, or Housner's rigid base.
     restitution_factor : float, default 1
         On the rigid base, restitution e over Housner's e of ε [1].
+    eccentricity : float, default 0
+        Distance of the centre of mass from the middle of the base [m], positive to the right. `alpha_L` and `alpha_R` are the
+        slenderness angles of both sides.
+    friction : float, default 0
+        Coulomb's coefficient of friction μ of the feet [1]; 0 for no limit, so that they do not slide.
+    ties : sequence of Tie
+        Ties to the ground, up to eight; they need `mass`.
 
     Raises
     ------
@@ -84,6 +95,13 @@ class Block(_engine.Block):
         60.0
         """
         kept = self.parameters()
+        if "inertia" in changes:
+            kept.pop("gamma", None)
+        if "gamma" in changes:
+            kept.pop("inertia", None)
+        for one, other_one in (("height", "center_height"), ("center_height", "height")):
+            if one in changes:
+                kept.pop(other_one, None)
         other = {"rigid": ("eta", "xi_v", "K", "C"), "viscoelastic": ("restitution_factor",)}
         for name in other.get(str(changes.get("foundation", "")).lower(), ()):
             kept.pop(name, None)
@@ -189,4 +207,8 @@ class Block(_engine.Block):
             base = f"eta={self.eta:.6g}, xi_v={self.xi_v:.6g}, "
             more = f"K={self.K:.3g} N/m, C={self.C:.3g} N s/m"
         paper = f"alpha={self.alpha:.6g}, p={self.p:.6g}, {base}epsilon={self.epsilon:g}"
+        for name, value in (("eccentricity", self.eccentricity), ("friction", self.friction)):
+            paper += f", {name}={value:g}" if value else ""
+        if self.ties:
+            paper += f", {len(self.ties)} tie{'s' if len(self.ties) > 1 else ''}"
         return f"<Block {size}: {paper}; R0={self.R0:.3g} m, {more}>"

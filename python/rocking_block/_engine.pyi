@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self, disjoint_base
 
+from rocking_block._tie import Tie
+
 __version__: str
 
 _Floats = npt.NDArray[np.float64]
@@ -34,6 +36,11 @@ class Block:
         g: float = 9.81,
         foundation: str = "viscoelastic",
         restitution_factor: float | None = None,
+        center_height: float | None = None,
+        inertia: float | None = None,
+        eccentricity: float = 0.0,
+        friction: float = 0.0,
+        ties: Sequence[Tie] = (),
     ) -> Self: ...
     def parameters(self) -> dict[str, Any]: ...
     @property
@@ -78,6 +85,16 @@ class Block:
     def e_max(self) -> float: ...
     @property
     def restitution_factor(self) -> float: ...
+    @property
+    def eccentricity(self) -> float: ...
+    @property
+    def alpha_L(self) -> float: ...
+    @property
+    def alpha_R(self) -> float: ...
+    @property
+    def friction(self) -> float: ...
+    @property
+    def ties(self) -> tuple[Tie, ...]: ...
 
 @final
 class Blocks:
@@ -93,6 +110,7 @@ class Blocks:
         mass: float,
         gamma: float,
         g: float,
+        friction: float,
     ) -> Self: ...
     @staticmethod
     def of(blocks: Sequence[Block]) -> Blocks: ...
@@ -192,7 +210,7 @@ def outcomes(
     periods: Sequence[float],
     g: float,
     pulse: object | None,
-    friction: float | None,
+    friction_demand: float | None,
     options: dict[str, Any],
     threads: int | None,
     tick: _Tick,

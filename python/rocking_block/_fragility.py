@@ -64,7 +64,7 @@ class Fragility(_engine.Fragility):
     unit: str
     """Unit of the measure; empty if the table has none."""
     limit: str | float
-    """The limit: "overturned", or a rotation |θ|/α [1]."""
+    """The limit: "overturned", a rotation |θ|/α [1], or a slip [m] as in "slip>0.1"."""
     ci: float
     """Confidence level of intervals and bands."""
     measures: Floats
@@ -154,10 +154,21 @@ class Fragility(_engine.Fragility):
         )
 
 
+def _slip(limit: object) -> float | None:
+    """Returns the slip [m] of a limit such as "slip:0.1"."""
+    if not isinstance(limit, str) or limit[:5].lower() not in ("slip:", "slip>"):
+        return None
+    try:
+        slip = float(limit[5:])
+    except ValueError:
+        return None
+    return slip if 0.0 < slip < np.inf else None
+
+
 def fragility(
     table: "Table | pandas.DataFrame | Mapping[str, npt.ArrayLike]",
     im: str,
-    limit: Literal["overturned"] | float = "overturned",
+    limit: str | float = "overturned",
     *,
     ci: float = 0.95,
     link: Literal["probit", "logit"] = "probit",
@@ -175,13 +186,13 @@ def fragility(
     ----------
     table : Table, DataFrame or mapping
         Runs of `sweep`, `outcomes` or `spectrum`, or ensembles of a sweep with their probabilities; or your own table
-        with the measure and an `outcome`, and `peak.theta/alpha` if the limit is a rotation. The fit omits rows without
-        the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
+        with the measure and an `outcome`, and `peak.theta/alpha` or `peak.slip` if the limit is a rotation or a slip. The fit omits
+        rows without the measure, failed runs, and runs whose duration or complete separation ended them before the outcome was
         decided.
     im : str
         Name of the column of the intensity measure, such as "PGV" or "p PGV/(g tan alpha)".
-    limit : "overturned" or float
-        The limit: overturning, or a rotation |θ|/α > 0 [1]; a block that overturned exceeds any rotation.
+    limit : "overturned", float or str
+        The limit: overturning, a rotation |θ|/α > 0 [1], or a slip in metres as in "slip:0.1"; a block that overturned exceeds any.
     ci : float
         Confidence level of intervals and bands, above 0 and below 1.
     link : {"probit", "logit"}
@@ -213,11 +224,14 @@ def fragility(
     >>> fit.curve([0.3, 0.6]).round(3)
     array([0.047, 0.809])
     """
+    slip = _slip(limit)
     if isinstance(limit, str) and limit.lower() == "overturned":
         limit = "overturned"
+    elif slip is not None:
+        limit = "slip>" + repr(slip).removesuffix(".0")
     elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
         shown = f'"{limit}"' if isinstance(limit, str) else limit
-        raise ValueError(f'limit = {shown}; expected "overturned" or a rotation |θ|/α > 0')
+        raise ValueError(f'limit = {shown}; expected "overturned", a rotation |θ|/α > 0, or a slip in metres as in "slip:0.1"')
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
     outcome = _outcomes(table)
     if "peak.theta/alpha" in table or not isinstance(limit, str):
@@ -227,6 +241,8 @@ def fragility(
     exceeded = outcome == "overturned"
     if not isinstance(limit, str):
         exceeded |= peak > limit
+    if slip is not None:
+        exceeded |= _numbers(table, "peak.slip") > slip
     fraction = exceeded.astype(np.float64)
     separated = (outcome == "separated") & ~exceeded
     undecided = (outcome == "undecided") & ~exceeded

@@ -43,16 +43,19 @@ _FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any]) -> Any:
     """Draws a run on one axes or several: rotation, reactions, ground acceleration."""
     has_ground = bool(np.any(run.a_gx) or np.any(run.a_gz))
-    panels = _panels(ax, has_ground)
+    kinds = [_rotation, _reactions, *([_slip] if run.block.friction else []), *([_tensions] if run.block.ties else [])]
+    panels = _panels(ax, [*kinds, _ground] if has_ground else kinds)
     number = _drawn(panels[0], "run")
     first = number == 0
     block = run.block
     base = "rigid base" if np.isnan(block.eta) else f"η = {block.eta:.4g}"
     label = label or f"α = {block.alpha:.3g}, p = {block.p:.3g} rad/s, {base}"
     look = _look(number, color)
-    for panel, draw in zip(panels, (_rotation, _reactions, _ground)):
+    for panel, of_order in zip(panels, (_rotation, _reactions, _ground, None, None)):
         panel._rocking_block = {"run": number + 1}
-        draw(panel, run, first, label, _style(look, style if draw is _rotation else {}))
+        draw = getattr(panel, "_rocking_kind", of_order)
+        if draw in (*kinds, _ground):
+            draw(panel, run, first, label, _style(look, style if draw is _rotation else {}))
     rotation = panels[0]
     title = f"{label}\n{run.outcome}, |θ|/α = {run.peak.theta / block.alpha:.4g}, {run.counts.impacts} impacts"
     rotation.set_title(title if first else "", fontsize="medium")
@@ -69,7 +72,7 @@ def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any
     return rotation if isinstance(ax, Axes) else panels
 
 
-def _panels(ax: Any, has_ground: bool) -> npt.NDArray[Any]:
+def _panels(ax: Any, kinds: Sequence[Any]) -> npt.NDArray[Any]:
     if isinstance(ax, Axes):
         return np.array([ax])
     if ax is not None:
@@ -82,8 +85,9 @@ def _panels(ax: Any, has_ground: bool) -> npt.NDArray[Any]:
         figure = pyplot.figure()
     if not figure.axes:
         _make_room(figure, (9.0, 6.5))
-        heights = [2.0, 1.4, 1.0][: 3 if has_ground else 2]
-        figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+        heights = [{_rotation: 2.0, _reactions: 1.4}.get(kind, 1.0) for kind in kinds]
+        for panel, kind in zip(figure.subplots(len(heights), 1, sharex=True, height_ratios=heights), kinds, strict=True):
+            panel._rocking_kind = kind
     return np.array(figure.axes)
 
 
@@ -112,6 +116,21 @@ def _reactions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str,
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=2, frameon=False)
     elif 1.05 * highest > axes.get_ylim()[1]:
         axes.set_ylim(top=1.05 * highest)
+
+
+def _slip(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
+    axes.plot(run.t, 1e3 * run.slip, **style, linewidth=0.8)
+    axes.set_ylabel("slip [mm]")
+
+
+def _tensions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
+    weight = run.block.mass * run.block.g
+    for number, tension in enumerate(run.tensions, 1):
+        paler = {"alpha": 1.0 / number**0.7}
+        axes.plot(run.t, tension / weight, **style, **paler, linewidth=0.8, label=f"tie {number}" if first else None)
+    axes.set_ylabel("tension T/(M g)")
+    if first and len(run.tensions) > 1:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(run.tensions), frameon=False)
 
 
 def _ground(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:

@@ -46,6 +46,10 @@ class Peak:
     """Height of a corner above its support [m]."""
     friction_demand: float
     """|H|/(N_L + N_R) [1]: the coefficient of friction that prevents sliding."""
+    slip: float
+    """Distance of the foot from its place at the start [m], of blocks with friction."""
+    tensions: tuple[float, ...]
+    """Tension of each tie [N]."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,10 @@ class Energy:
     """Work of the ground motion."""
     dashpots: Floats
     """Lost in the dashpots."""
+    friction: Floats
+    """Lost by sliding."""
+    ties: Floats
+    """Lost in the dashpots of ties and in ties that broke."""
     impacts: Floats
     """Lost at impacts."""
     constraint: Floats
@@ -110,6 +118,8 @@ class Run:
     """End of the run [s]."""
     has_come_down: bool
     """Whether, at the end, the ground is at rest and the block is at rest or bound to come to rest."""
+    broken: tuple[bool, ...] = ()
+    """Whether each tie is broken at the end."""
 
     @staticmethod
     def of(block: _engine.Block, made: dict[str, Any]) -> "Run":
@@ -125,6 +135,7 @@ class Run:
             outcome=made["outcome"],
             end_time=made["end_time"],
             has_come_down=made["has_come_down"],
+            broken=tuple(made["broken"]),
         )
 
     def __getitem__(self, name: str) -> Floats:
@@ -224,6 +235,26 @@ class Run:
         return self.columns["friction_demand"]
 
     @property
+    def slip(self) -> Floats:
+        """Where the foot is beside its place at the start [m], positive to the right; only of blocks with friction."""
+        return self._of_friction("slip")
+
+    @property
+    def slip_rate(self) -> Floats:
+        """Rate at which the foot slides [m/s]; only of blocks with friction."""
+        return self._of_friction("slip_rate")
+
+    def _of_friction(self, name: str) -> Floats:
+        if name not in self.columns:
+            raise AttributeError(f"no {name}: the block has no coefficient of friction; expected Block(friction=...)")
+        return self.columns[name]
+
+    @property
+    def tensions(self) -> tuple[Floats, ...]:
+        """Tension of each tie [N]."""
+        return tuple(self.columns[f"tie_{number}.tension"] for number in range(1, len(self.block.ties) + 1))
+
+    @property
     def a_gx(self) -> Floats:
         """Horizontal ground acceleration [m/s²], including the pulse, positive to the right."""
         return self.columns["a_gx"]
@@ -236,7 +267,8 @@ class Run:
     @property
     def energy(self) -> Energy:
         """Energies [J]."""
-        return Energy(**{field.name: self.columns[f"energy.{field.name}"] for field in fields(Energy)})
+        none = np.zeros(len(self))
+        return Energy(**{field.name: self.columns.get(f"energy.{field.name}", none) for field in fields(Energy)})
 
     def to_frame(self) -> "pandas.DataFrame":
         """Returns the columns as a pandas DataFrame with the index `t` [s].
@@ -258,7 +290,7 @@ class Run:
         self, ax: "Sequence[Axes] | None" = None, *, label: str | None = None, color: Any = None, **style: Any
     ) -> "npt.NDArray[Any]": ...
     def plot(self, ax: Any = None, *, label: str | None = None, color: Any = None, **style: Any) -> Any:
-        """Draws rotation, corner reactions and ground acceleration over time with Matplotlib.
+        """Draws rotation, corner reactions, slip and tensions if there are any, and ground acceleration over time with Matplotlib.
 
         Several runs can share axes; each has its own colour.
 
@@ -297,6 +329,11 @@ class Run:
             ("greatest horizontal reaction", f"{peak.H:.4g} N"),
             ("greatest uplift", f"{peak.uplift:.4g} m"),
             ("impacts, lift-offs", f"{counts.impacts}, {counts.liftoffs}"),
+            *([("greatest slip", f"{peak.slip:.4g} m")] if self.block.friction else []),
+            *(
+                (f"greatest tension of tie {number}", f"{tension:.4g} N{', broken' if broken else ''}")
+                for number, (tension, broken) in enumerate(zip(peak.tensions, self.broken, strict=True), 1)
+            ),
             ("rows", f"{len(self)}, to t = {self.t[-1]:.4g} s"),
         ]
         return html_table(f"{self.outcome} at {self.end_time:.4g} s: {self.block!r}", (), rows)

@@ -36,6 +36,8 @@ _UNITS = {
     "peak.N": "N",
     "peak.H": "N",
     "peak.friction_demand": "1",
+    "peak.slip": "m",
+    **{f"peak.tie_{number}.tension": "N" for number in range(1, 9)},
     "first_separation": "s",
     "flights": "1",
     "events.impacts": "1",
@@ -55,6 +57,7 @@ def spectrum(
     mass: float = 1000.0,
     gamma: float = 3.0,
     g: float = 9.81,
+    friction: float = 0.0,
     records: Records | None = None,
     vertical: Records | None = None,
     scale: npt.ArrayLike = 1.0,
@@ -65,7 +68,7 @@ def spectrum(
     on_overturning: OnOverturning = "terminate",
     duration: float | None = None,
     step: float | None = None,
-    friction: float | None = None,
+    friction_demand: float | None = None,
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
@@ -82,7 +85,7 @@ def spectrum(
         Frequency parameters that define the sizes [rad/s].
     alpha, eta, xi_v, epsilon, restitution_factor : array_like
         As in `Block`.
-    foundation, mass, gamma, g
+    foundation, mass, gamma, g, friction
         As in `Block`.
     records, vertical : Record, path, or sequence of them
         Horizontal and vertical records, of equal number if both are given. Files are read with `read_record`.
@@ -103,10 +106,11 @@ def spectrum(
     step : float, optional
         Longest time between two stops of a run [s]; by default a run stops only at the records' samples and the pulse's
         ends.
-    friction : float, optional
+    friction_demand : float, optional
         Coefficient of friction [1]: adds the column `friction_demand>0.5` (for 0.5), the longest uninterrupted time [s]
         for which |H|/(N_L + N_R) exceeds it, checked every millisecond. It shows whether a block would slide, unlike
-        `peak.friction_demand`, which is unbounded when the reactions vanish for an instant.
+        `peak.friction_demand`, which is unbounded when the reactions vanish for an instant. Whether and how far it slides, a run
+        with `friction` tells.
     threads : int, optional
         Number of threads; by default one per core. It changes no bit.
     progress : bool, optional
@@ -166,10 +170,11 @@ def spectrum(
         mass,
         gamma,
         g,
+        friction,
     )
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
     shape = (*shape, *sizes.shape)
-    return _outcomes(many, shape, records, vertical, scale, periods, pulse, g, friction, options, threads, progress)
+    return _outcomes(many, shape, records, vertical, scale, periods, pulse, g, friction_demand, options, threads, progress)
 
 
 def blocks(**parameters: npt.ArrayLike) -> list[Block]:
@@ -178,7 +183,7 @@ def blocks(**parameters: npt.ArrayLike) -> list[Block]:
     Parameters
     ----------
     **parameters : array_like
-        Those of `Block`; `foundation` may be an array of words.
+        Those of `Block`; `foundation` may be an array of words. All blocks have the same `ties`.
 
     Examples
     --------
@@ -186,10 +191,11 @@ def blocks(**parameters: npt.ArrayLike) -> list[Block]:
     >>> [block.p for block in rb.blocks(alpha=[0.1, 0.2], p=[1.0, 2.0], eta=60)]
     [1.0, 2.0]
     """
+    ties = {name: parameters.pop(name) for name in ("ties",) if name in parameters}
     names = list(parameters)
     arrays = _same_shape({name: np.asarray(value) for name, value in parameters.items()})
     rows = zip(*(array.ravel().tolist() for array in arrays.values()), strict=True)
-    return [Block(**dict(zip(names, row, strict=True))) for row in rows]
+    return [Block(**dict(zip(names, row, strict=True)), **ties) for row in rows]
 
 
 def outcomes(
@@ -205,7 +211,7 @@ def outcomes(
     on_overturning: OnOverturning = "terminate",
     duration: float | None = None,
     step: float | None = None,
-    friction: float | None = None,
+    friction_demand: float | None = None,
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Table:
@@ -215,8 +221,8 @@ def outcomes(
     ----------
     blocks : Block or sequence of Block
         The blocks.
-    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step, friction,
-    threads, progress
+    records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step,
+    friction_demand, threads, progress
         As in `spectrum`; files in g are converted with 9.81 m/s².
 
     Returns
@@ -246,7 +252,7 @@ def outcomes(
     many = _engine.Blocks.of(listed)
     shape = () if single else (len(many),)
     options = run_options(tolerance, on_separation, on_overturning, duration, step)
-    return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, friction, options, threads, progress)
+    return _outcomes(many, shape, records, vertical, scale, periods, pulse, 9.81, friction_demand, options, threads, progress)
 
 
 def sweep(
@@ -346,7 +352,7 @@ def _outcomes(
     periods: npt.ArrayLike,
     pulse: Pulse | None,
     g: float,
-    friction: float | None,
+    friction_demand: float | None,
     options: dict[str, Any],
     threads: int | None,
     progress: bool | None,
@@ -373,7 +379,7 @@ def _outcomes(
     factors = scales.ravel().tolist()
     with ticking(progress) as tick:
         made, units, failure = _engine.outcomes(
-            many, pairs, factors, of_spectra, g, pulse, friction, options, threads, tick
+            many, pairs, factors, of_spectra, g, pulse, friction_demand, options, threads, tick
         )
 
     def of_motion(values: Sequence[Any], count: int) -> npt.NDArray[Any]:

@@ -6,8 +6,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use rocking_block::block::{self as engine, Common, Dimensionless, Foundation, Physical};
+use pyo3::types::{PyDict, PyTuple};
+use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Physical};
 use rocking_block::words::Words;
 
 use crate::options::{choice, invalid};
@@ -27,11 +27,13 @@ struct Given {
     stiffness: Option<f64>,
     damping: Option<f64>,
     restitution_factor: Option<f64>,
+    center_height: Option<f64>,
+    inertia: Option<f64>,
 }
 
 impl Given {
-    fn named(&self) -> [(&'static str, Option<f64>); 9] {
-        let Given { alpha, p, eta, xi_v, width, height, stiffness, damping, restitution_factor } = *self;
+    fn named(&self) -> [(&'static str, Option<f64>); 11] {
+        let Given { alpha, p, eta, xi_v, width, height, stiffness, damping, restitution_factor, .. } = *self;
         [
             ("alpha", alpha),
             ("p", p),
@@ -42,6 +44,8 @@ impl Given {
             ("K", stiffness),
             ("C", damping),
             ("restitution_factor", restitution_factor),
+            ("center_height", self.center_height),
+            ("inertia", self.inertia),
         ]
     }
 
@@ -61,7 +65,7 @@ impl Given {
             Foundation::Rigid => self.refuse(&["eta", "xi_v", "K", "C"], "on a rigid base")?,
         }
         let Some(width) = self.width else {
-            self.refuse(&["height", "K", "C"], "without width")?;
+            self.refuse(&["height", "center_height", "inertia", "K", "C"], "without width")?;
             let Given { alpha, p, eta, xi_v, .. } = *self;
             let dimensionless = Dimensionless {
                 alpha: alpha.unwrap_or(0.25),
@@ -73,7 +77,11 @@ impl Given {
         };
         self.refuse(&["alpha", "p", "eta", "xi_v"], "with width")?;
         let missing = |what: &str| PyValueError::new_err(format!("width without {what}"));
-        let height = self.height.ok_or_else(|| missing("height; expected both"))?;
+        if self.center_height.is_some() {
+            self.refuse(&["height"], "with center_height")?;
+        }
+        let height = self.center_height.map(|height| 2.0 * height).or(self.height);
+        let height = height.ok_or_else(|| missing("height; expected both, or center_height"))?;
         let (stiffness, damping) = match (common.foundation, self.stiffness, self.damping) {
             (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
             (Foundation::Viscoelastic, ..) => {
@@ -82,7 +90,7 @@ impl Given {
             // The rigid base ignores both; any valid values will do.
             (Foundation::Rigid, ..) => (common.mass * common.gravity / height, 0.0),
         };
-        let physical = Physical { width, height, stiffness, damping, inertia: None };
+        let physical = Physical { width, height, stiffness, damping, inertia: self.inertia };
         engine::Block::from_physical(&physical, common).map_err(invalid)
     }
 }
@@ -105,8 +113,9 @@ impl Hash for Block {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let engine::Block { alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, .. } =
             self.block;
+        let engine::Block { eccentricity, friction, .. } = self.block;
         // Adding zero turns −0 into 0, so that equal blocks have equal hashes.
-        [alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor]
+        [alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, eccentricity, friction]
             .map(|value| (value + 0.0).to_bits())
             .hash(state);
     }
@@ -117,7 +126,8 @@ impl Block {
     #[new]
     #[pyo3(signature = (
         *, alpha=None, p=None, eta=None, xi_v=None, width=None, height=None, K=None, C=None, mass=None, gamma=3.0,
-        epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None,
+        epsilon=0.0, g=9.81, foundation="viscoelastic", restitution_factor=None, center_height=None, inertia=None,
+        eccentricity=0.0, friction=0.0, ties=Vec::new(),
     ))]
     #[allow(non_snake_case, clippy::too_many_arguments)]
     fn new(
@@ -136,9 +146,30 @@ impl Block {
         g: f64,
         foundation: &str,
         restitution_factor: Option<f64>,
+        center_height: Option<f64>,
+        inertia: Option<f64>,
+        eccentricity: f64,
+        friction: f64,
+        ties: Vec<Tie>,
     ) -> PyResult<Block> {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
-        let given = Given { alpha, p, eta, xi_v, width, height, stiffness: K, damping: C, restitution_factor };
+        let (stiffness, damping) = (K, C);
+        let given = Given {
+            alpha,
+            p,
+            eta,
+            xi_v,
+            width,
+            height,
+            stiffness,
+            damping,
+            restitution_factor,
+            center_height,
+            inertia,
+        };
+        if inertia.is_some() && gamma != Common::default().gamma {
+            return Err(PyValueError::new_err("gamma has no effect with inertia"));
+        }
         let restitution_factor = restitution_factor.unwrap_or(1.0);
         let common = Common {
             mass: mass.unwrap_or(1000.0),
@@ -147,11 +178,20 @@ impl Block {
             gravity: g,
             foundation,
             restitution_factor,
-            ..Common::default()
+            eccentricity,
+            friction,
         };
-        let block = given.block(&common)?;
-        if K.is_some() && mass.is_none() {
-            return Err(PyValueError::new_err("K without mass; expected both, since eta and xi_v depend on the mass"));
+        let ties: Vec<engine::Tie> = ties.iter().map(Tie::of_engine).collect();
+        let block = given.block(&common)?.with_ties(&ties).map_err(invalid)?;
+        for (name, is_given, why) in [
+            ("K", K.is_some(), "eta and xi_v depend"),
+            ("inertia", inertia.is_some(), "p depends"),
+            ("ties", !ties.is_empty(), "their effect depends"),
+        ] {
+            if is_given && mass.is_none() {
+                let message = format!("{name} without mass; expected both, since {why} on the mass");
+                return Err(PyValueError::new_err(message));
+            }
         }
         warn_of_soft_supports(py, &[block], 1)?;
         Ok(Block { block, given })
@@ -171,7 +211,18 @@ impl Block {
         }
         let engine::Block { mass, gamma, epsilon, gravity, .. } = self.block;
         for (name, value) in [("mass", mass), ("gamma", gamma), ("epsilon", epsilon), ("g", gravity)] {
-            parameters.set_item(name, value)?;
+            // The shape factor of a given moment of inertia follows.
+            if name != "gamma" || self.given.inertia.is_none() {
+                parameters.set_item(name, value)?;
+            }
+        }
+        for (name, value) in [("eccentricity", self.block.eccentricity), ("friction", self.block.friction)] {
+            if value != 0.0 {
+                parameters.set_item(name, value)?;
+            }
+        }
+        if !self.block.ties.is_empty() {
+            parameters.set_item("ties", self.ties(py)?)?;
         }
         parameters.set_item("foundation", self.foundation())?;
         Ok(parameters)
@@ -282,6 +333,35 @@ impl Block {
     }
 
     #[getter]
+    fn eccentricity(&self) -> f64 {
+        self.block.eccentricity
+    }
+
+    #[getter]
+    #[allow(non_snake_case)]
+    fn alpha_L(&self) -> f64 {
+        self.block.alpha_of(Corner::Left)
+    }
+
+    #[getter]
+    #[allow(non_snake_case)]
+    fn alpha_R(&self) -> f64 {
+        self.block.alpha_of(Corner::Right)
+    }
+
+    #[getter]
+    fn friction(&self) -> f64 {
+        self.block.friction
+    }
+
+    #[getter]
+    fn ties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let class = py.import("rocking_block._tie")?.getattr("Tie")?;
+        let ties = self.block.ties.all().iter().map(|tie| class.call((), Some(&Tie::of_python(tie).named(py)?)));
+        PyTuple::new(py, ties.collect::<PyResult<Vec<_>>>()?)
+    }
+
+    #[getter]
     fn restitution_factor(&self) -> f64 {
         match self.block.foundation {
             Foundation::Rigid => self.block.restitution_factor,
@@ -300,12 +380,60 @@ impl Block {
     }
 }
 
-/// Warns of the first block that falls over by itself. Its supports' moment per radian, 2 K b², is at most that of its
+/// The attributes of a `rocking_block.Tie`.
+#[derive(FromPyObject)]
+struct Tie {
+    block_x: f64,
+    block_z: f64,
+    ground_x: f64,
+    ground_z: f64,
+    stiffness: f64,
+    pretension: f64,
+    slack: f64,
+    damping: f64,
+    strength: f64,
+}
+
+impl Tie {
+    fn of_engine(&self) -> engine::Tie {
+        let Tie { block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength } = *self;
+        let (block, ground) = ([block_x, block_z], [ground_x, ground_z]);
+        engine::Tie { block, ground, stiffness, pretension, slack, damping, strength }
+    }
+
+    fn of_python(tie: &engine::Tie) -> Tie {
+        let engine::Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
+        let ([block_x, block_z], [ground_x, ground_z]) = (block, ground);
+        Tie { block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength }
+    }
+
+    /// Returns the arguments of the Python class.
+    fn named<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let named = PyDict::new(py);
+        for (name, value) in [
+            ("block_x", self.block_x),
+            ("block_z", self.block_z),
+            ("ground_x", self.ground_x),
+            ("ground_z", self.ground_z),
+            ("stiffness", self.stiffness),
+            ("pretension", self.pretension),
+            ("slack", self.slack),
+            ("damping", self.damping),
+            ("strength", self.strength),
+        ] {
+            named.set_item(name, value)?;
+        }
+        Ok(named)
+    }
+}
+
+/// Warns of the first block without ties that falls over by itself. Its supports' moment per radian, 2 K b², is at most that of its
 /// weight, M g h. `stack_level` selects the line that the warning names.
 fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
     let least = |block: &engine::Block| block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
-    let is_soft =
-        |block: &&engine::Block| block.foundation == Foundation::Viscoelastic && block.stiffness <= least(block);
+    let is_soft = |block: &&engine::Block| {
+        block.foundation == Foundation::Viscoelastic && block.ties.is_empty() && block.stiffness <= least(block)
+    };
     let Some(block) = blocks.iter().find(is_soft) else { return Ok(()) };
     let (eta, stiffness, least) = (block.eta(), block.stiffness, least(block));
     let least_eta = eta * (least / stiffness).sqrt();
@@ -341,6 +469,7 @@ impl Blocks {
         mass: f64,
         gamma: f64,
         g: f64,
+        friction: f64,
     ) -> PyResult<Blocks> {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let (alpha, p, eta) = (alpha.as_slice()?, p.as_slice()?, eta.as_slice()?);
@@ -354,6 +483,7 @@ impl Blocks {
                 gravity: g,
                 foundation,
                 restitution_factor: factor[i],
+                friction,
                 ..Common::default()
             };
             engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
@@ -388,6 +518,8 @@ impl Blocks {
             "mass" => Block::mass,
             "gamma" => Block::gamma,
             "g" => Block::g,
+            "eccentricity" => Block::eccentricity,
+            "friction" => Block::friction,
             _ => return Err(PyValueError::new_err(format!("blocks have no column {name}"))),
         };
         let seen = |(block, eta): (&engine::Block, &f64)| {

@@ -3,12 +3,13 @@
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use rocking_block::block::Foundation;
+use pyo3::types::{PyDict, PyTuple};
+use rocking_block::block::{self as engine, Foundation, TieState};
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
+use rocking_block::simulation::peaks::Peaks;
 use rocking_studies::run::outcome::End;
-use rocking_studies::run::table::COLUMNS;
+use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
 
 use crate::block::Block;
@@ -91,14 +92,15 @@ pub fn history<'py>(
             progress.end_if_abandoned();
         })
     })?;
-    shown(py, &history.map_err(invalid)?)
+    shown(py, &block, &history.map_err(invalid)?)
 }
 
-fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>> {
-    let History { rows, events, peaks, counts, ending, end, .. } = history;
+fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyResult<Bound<'py, PyDict>> {
+    let History { rows, events, peaks, counts, ending, end, ties, .. } = history;
     let columns = PyDict::new(py);
-    for (name, _, value) in COLUMNS {
-        columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
+    for column in table::columns(block) {
+        let values = rows.iter().map(|row| column.value(row));
+        columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
     }
     let events = events.iter().map(|event| {
         let (name, corner) = (event.kind.word(), event.kind.place());
@@ -108,7 +110,12 @@ fn shown<'py>(py: Python<'py>, history: &History) -> PyResult<Bound<'py, PyDict>
     let result = PyDict::new(py);
     result.set_item("columns", columns)?;
     result.set_item("events", events.collect::<Vec<_>>())?;
-    result.set_item("peak", (peaks.theta, peaks.reaction, peaks.horizontal, peaks.uplift, peaks.friction_demand))?;
+    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, tension } = *peaks;
+    let count = block.ties.all().len();
+    let tensions = PyTuple::new(py, &tension[..count])?;
+    result.set_item("peak", (theta, reaction, horizontal, uplift, friction_demand, slip, tensions))?;
+    let broken: Vec<bool> = ties[..count].iter().map(|state| *state == TieState::Broken).collect();
+    result.set_item("broken", broken)?;
     result.set_item("counts", (counts.impacts, counts.liftoffs, counts.steps, counts.rejected, counts.evaluations))?;
     result.set_item("outcome", end.word())?;
     result.set_item("end_time", ending.map_or(last, |(_, time)| time))?;

@@ -87,6 +87,9 @@ pub fn search_damping<'py>(
     if block.foundation == Foundation::Rigid {
         return Err(PyValueError::new_err("a rigid base has no damping; expected a block on viscoelastic supports"));
     }
+    if !block.ties.is_empty() {
+        return Err(PyValueError::new_err("ties are not followed by this search; expected a block without ties"));
+    }
     finite("rate", rate, |_| true, "a finite number")?;
     let dimensionless = Dimensionless { alpha: block.alpha, p: block.p, eta: block.eta(), xi_v: block.xi_v };
     let common = Common {
@@ -94,6 +97,8 @@ pub fn search_damping<'py>(
         gamma: block.gamma,
         epsilon: block.epsilon,
         gravity: block.gravity,
+        eccentricity: block.eccentricity,
+        friction: block.friction,
         ..Common::default()
     };
     let (settings, pool) = (options.settings()?, pool(scan.threads)?);

@@ -18,7 +18,7 @@ use rocking_studies::intensity::Measure;
 use rocking_studies::output::runner::{self, Study, StudyRow};
 use rocking_studies::run::Run;
 use rocking_studies::run::batch;
-use rocking_studies::run::outcome::Outcome;
+use rocking_studies::run::outcome::{Holds, Outcome};
 use rocking_studies::run::sliding;
 use rocking_studies::sweep::file;
 use rocking_studies::sweep::ground_motion::GroundMotion;
@@ -72,13 +72,13 @@ pub fn outcomes<'py>(
     periods: Vec<f64>,
     g: f64,
     pulse: Option<PulseOptions>,
-    friction: Option<f64>,
+    friction_demand: Option<f64>,
     options: RunOptions,
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Outcomes<'py>> {
-    if let Some(friction) = friction {
-        finite("friction", friction, |x| x > 0.0, "a coefficient > 0")?;
+    if let Some(demand) = friction_demand {
+        finite("friction_demand", demand, |x| x > 0.0, "a coefficient of friction > 0")?;
     }
     let pulse = PulseOptions::pulse_or_none(pulse.as_ref())?;
     let pool = pool(threads)?;
@@ -94,6 +94,7 @@ pub fn outcomes<'py>(
     let grounds: Vec<Ground> = grounds.collect::<PyResult<_>>()?;
     scales.iter().try_for_each(|&scale| finite("scale", scale, |_| true, "a finite factor"))?;
     let blocks = blocks.get().blocks.clone();
+    let holds = blocks.iter().map(Holds::of).fold(Holds::default(), Holds::or);
     let RunOptions { duration, step, .. } = options;
     let count = (blocks.len() * scales.len() * grounds.len()) as u64;
     let columns_of = shown.clone();
@@ -122,7 +123,7 @@ pub fn outcomes<'py>(
         let row = |(number, outcome): (u64, Outcome)| {
             let (motion, scale, block) = case(number);
             let of = |measure: &Measure| motion.intensity(*measure, scale, &block).unwrap_or(f64::NAN);
-            let above = friction.map(|friction| run(number).longest_above(friction));
+            let above = friction_demand.map(|demand| run(number).longest_above(demand));
             (outcome, block.alpha, shown.iter().map(of).chain(above).collect())
         };
         let width = Width::widest();
@@ -133,20 +134,20 @@ pub fn outcomes<'py>(
     })?;
     let made: Vec<(Outcome, f64, Vec<f64>)> = made;
     let failure = made.iter().find_map(|(outcome, ..)| outcome.failure.as_ref()).map(ToString::to_string);
-    let columns = columns(py, &made)?;
+    let columns = columns(py, &made, holds)?;
     for (place, measure) in columns_of.iter().enumerate() {
         columns.set_item(measure.to_string(), PyArray1::from_iter(py, made.iter().map(|row| row.2[place])))?;
     }
-    if let Some(friction) = friction {
+    if let Some(demand) = friction_demand {
         let above = PyArray1::from_iter(py, made.iter().map(|row| row.2[columns_of.len()]));
-        columns.set_item(sliding::name(friction), above)?;
+        columns.set_item(sliding::name(demand), above)?;
     }
     let units = columns_of.iter().map(|measure| (measure.to_string(), measure.unit()));
     Ok((columns, units.collect(), failure))
 }
 
 /// Returns the columns of outcomes, each with the slenderness of its block (rad).
-fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)]) -> PyResult<Bound<'py, PyDict>> {
+fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)], holds: Holds) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
     columns.set_item("outcome", made.iter().map(|(outcome, ..)| outcome.end.word()).collect::<Vec<_>>())?;
     type Number = fn(&Outcome, f64) -> f64;
@@ -161,6 +162,13 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)]) -> PyResult<
     ];
     for (name, of) in numbers {
         columns.set_item(name, PyArray1::from_iter(py, made.iter().map(|(outcome, alpha, _)| of(outcome, *alpha))))?;
+    }
+    if holds.friction {
+        columns.set_item("peak.slip", PyArray1::from_iter(py, made.iter().map(|(outcome, ..)| outcome.peaks.slip)))?;
+    }
+    for tie in 0..holds.ties {
+        let tensions = made.iter().map(|(outcome, ..)| outcome.peaks.tension[tie]);
+        columns.set_item(format!("peak.tie_{}.tension", tie + 1), PyArray1::from_iter(py, tensions))?;
     }
     type Count = fn(&Outcome) -> u32;
     let counts: [(&str, Count); 3] = [

@@ -239,6 +239,7 @@ fn probability_of(limit: Limit) -> String {
     match limit {
         Limit::Overturned => "probability of overturning".into(),
         Limit::Rotation(limit) => format!("probability of |θ|/α > {}", short(limit)),
+        Limit::Slip(limit) => format!("probability of a slip above {} m", short(limit)),
     }
 }
 

@@ -8,12 +8,25 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
-use rocking_block::block::Regime;
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::ties::MOST_TIES;
+use rocking_block::block::{Block, Foundation, Regime};
+use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
 
 /// Heights of the panels: rotation, reactions, regimes, ground.
 const HEIGHTS: [u32; 4] = [6200, 5000, 2900, 3400];
+
+/// Names and line styles of the tensions.
+const TIES: [(&str, LineStyle); MOST_TIES] = [
+    ("tie 1", LineStyle::BLUE),
+    ("tie 2", LineStyle::ORANGE),
+    ("tie 3", LineStyle::BLACK),
+    ("tie 4", LineStyle::DASHED),
+    ("tie 5", LineStyle::DOTTED),
+    ("tie 6", LineStyle::DASH_DOTTED),
+    ("tie 7", LineStyle::FAINT),
+    ("tie 8", LineStyle::THIN),
+];
 
 /// A quantity over time: its name in the legend, the style of its line, its value.
 type Series<'a> = (&'static str, LineStyle, &'a dyn Fn(&Row) -> f64);
@@ -56,6 +69,21 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
         panel(history, HEIGHTS[1], reactions, &[left, right]),
         (HEIGHTS[2], Vec::new(), regimes(history, axis(!has_ground))),
     ];
+    let Holds { friction, ties } = Holds::of(block);
+    if friction {
+        let slip = Chart { x: axis(false), y: ("slip (mm)", 0.0..0.0), ..Chart::default() };
+        let slip_of: Series = ("", LineStyle::THIN, &|row| 1e3 * row.slip);
+        // Before the regimes, whose axis of time is at the bottom without a ground motion.
+        panels.insert(1, panel(history, HEIGHTS[3], slip, &[slip_of]));
+    }
+    if ties > 0 {
+        let tensions = Chart { x: axis(false), y: ("T/(M g)", 0.0..0.0), ..Chart::default() };
+        let value = |tie: usize| move |row: &Row| row.observation.tension[tie] / weight;
+        let values: Vec<_> = (0..ties).map(value).collect();
+        let series: Vec<Series> =
+            values.iter().zip(TIES).map(|(value, (name, style))| -> Series { (name, style, value) }).collect();
+        panels.insert(panels.len() - 1, panel(history, HEIGHTS[3], tensions, &series));
+    }
     if has_ground {
         let ground = Chart { x: axis(true), y: ("ground/g", 0.0..0.0), ..Chart::default() };
         panels.push(panel(history, HEIGHTS[3], ground, of_ground));
@@ -106,8 +134,20 @@ pub fn block_line(block: &Block) -> String {
             format!("rigid base, e = {:.4}, {factor} × Housner's", block.restitution())
         }
     };
+    let mut holds = String::new();
+    if block.eccentricity != 0.0 {
+        holds += &format!(", e_x = {} m", significant(block.eccentricity, 5));
+    }
+    if block.friction > 0.0 {
+        holds += &format!(", μ = {}", short(block.friction));
+    }
+    match block.ties.all().len() {
+        0 => {}
+        1 => holds += ", 1 tie",
+        ties => holds += &format!(", {ties} ties"),
+    }
     format!(
-        "α = {} rad, p = {} rad/s, {foundation} ({} m wide, {} m high, R0 = {} m)",
+        "α = {} rad, p = {} rad/s, {foundation}{holds} ({} m wide, {} m high, R0 = {} m)",
         short(alpha),
         short(p),
         significant(2.0 * b, 5),

@@ -6,7 +6,8 @@ use clap::Args;
 use crate::choices;
 use crate::explicit_options::ExplicitOptions;
 use crate::run_options::warn_of_soft_supports;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use crate::tie::tie;
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
 use rocking_block::words::Words;
 
 /// The parameters of a block.
@@ -31,13 +32,19 @@ pub struct BlockOptions {
     /// Twice the height of the centre of mass above the base [m]
     #[arg(long, value_name = "M")]
     height: Option<f64>,
+    /// Height of the centre of mass above the base, instead of --height [m]
+    #[arg(long, value_name = "M")]
+    center_height: Option<f64>,
+    /// Centroidal moment of inertia I0, instead of --gamma; with --width and --mass [kg.m2]
+    #[arg(long, value_name = "KG.M2")]
+    inertia: Option<f64>,
     /// Stiffness K of one support; not on a rigid base [N/m]
     #[arg(long, value_name = "N/M")]
     stiffness: Option<f64>,
     /// Damping C of one support; not on a rigid base [N.s/m]
     #[arg(long, value_name = "N.S/M")]
     damping: Option<f64>,
-    /// Mass M; it changes the motion only together with --stiffness [kg]
+    /// Mass M; it changes the motion only together with --stiffness, --inertia or --tie [kg]
     #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
     mass: f64,
     /// Shape factor gamma = M R0²/I0
@@ -55,6 +62,36 @@ pub struct BlockOptions {
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1
     #[arg(long, value_name = "FACTOR", default_value_t = Common::default().restitution_factor)]
     restitution_factor: f64,
+    #[command(flatten)]
+    holds: HoldOptions,
+}
+
+/// What moves the centre of mass aside and what holds a block: eccentricity, friction and ties.
+#[derive(Args)]
+pub struct HoldOptions {
+    /// Distance of the centre of mass from the middle of the base, positive to the right [m]
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
+    eccentricity: f64,
+    /// Coulomb's coefficient of friction of the feet; 0 for no limit, so that they do not slide
+    #[arg(long, value_name = "MU", default_value_t = 0.0)]
+    friction: f64,
+    /// A tie to the ground: block_x, block_z and ground_x, ground_z are its ends, from the middle of the base at rest [m];
+    /// stiffness [N/m], pretension [N], slack [m], damping [N.s/m], strength [N]; what is not named is 0, and a strength of 0 does
+    /// not break. One option per tie
+    #[arg(long, value_name = "KEY=NUMBER,...", value_parser = tie, allow_hyphen_values = true)]
+    tie: Vec<Tie>,
+}
+
+impl HoldOptions {
+    /// Returns these parameters with their own eccentricity and friction.
+    pub fn common(&self, common: Common) -> Common {
+        Common { eccentricity: self.eccentricity, friction: self.friction, ..common }
+    }
+
+    /// Returns a block with these ties.
+    pub fn tied(&self, block: Block) -> Result<Block, BlockError> {
+        block.with_ties(&self.tie)
+    }
 }
 
 impl BlockOptions {
@@ -79,14 +116,23 @@ impl BlockOptions {
         let needed = "on viscoelastic supports; expected --foundation rigid";
         explicit.refuse_unless(!on_supports, &["restitution-factor"], needed)?;
         explicit.refuse_unless(self.width.is_none(), &["alpha", "p", "eta", "xi-v"], "with --width")?;
-        explicit.refuse_unless(self.width.is_some(), &["height", "stiffness", "damping"], "without --width")
+        let of_sizes = ["height", "center-height", "inertia", "stiffness", "damping"];
+        explicit.refuse_unless(self.width.is_some(), &of_sizes, "without --width")?;
+        explicit.refuse_unless(self.center_height.is_none(), &["height"], "with --center-height")?;
+        explicit.refuse_unless(self.inertia.is_none(), &["gamma"], "with --inertia")
     }
 
     /// Returns the block, and warns of supports too soft to keep it upright.
     pub fn block(&self, explicit: &ExplicitOptions) -> anyhow::Result<Block> {
         let block = self.checked()?;
-        let has_mass = self.stiffness.is_none() || explicit.has("mass");
-        anyhow::ensure!(has_mass, "--stiffness without --mass; expected both, since eta and xi_v depend on the mass");
+        for (option, given, why) in [
+            ("stiffness", self.stiffness.is_some(), "eta and xi_v depend"),
+            ("inertia", self.inertia.is_some(), "p depends"),
+            ("tie", !self.holds.tie.is_empty(), "the effect of a tie depends"),
+        ] {
+            let has_mass = !given || explicit.has("mass");
+            anyhow::ensure!(has_mass, "--{option} without --mass; expected both, since {why} on the mass");
+        }
         warn_of_soft_supports(&block);
         Ok(block)
     }
@@ -94,10 +140,13 @@ impl BlockOptions {
     fn checked(&self) -> anyhow::Result<Block> {
         let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } = *self;
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor, ..Common::default() };
-        let BlockOptions { width: Some(width), height, stiffness, damping, .. } = *self else {
-            return Ok(Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?);
+        let common = self.holds.common(common);
+        let BlockOptions { width: Some(width), height, center_height, inertia, stiffness, damping, .. } = *self else {
+            let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?;
+            return Ok(self.holds.tied(block)?);
         };
-        let height = height.context("--width without --height; expected both")?;
+        let height = center_height.map(|height| 2.0 * height).or(height);
+        let height = height.context("--width without --height; expected both, or --center-height")?;
         let (stiffness, damping) = match (foundation, stiffness, damping) {
             (Foundation::Viscoelastic, Some(stiffness), Some(damping)) => (stiffness, damping),
             (Foundation::Viscoelastic, ..) => {
@@ -108,6 +157,7 @@ impl BlockOptions {
             // The rigid base reads neither; these make a valid block.
             (Foundation::Rigid, ..) => (mass * g / height, 0.0),
         };
-        Ok(Block::from_physical(&Physical { width, height, stiffness, damping, inertia: None }, &common)?)
+        let block = Block::from_physical(&Physical { width, height, stiffness, damping, inertia }, &common)?;
+        Ok(self.holds.tied(block)?)
     }
 }

@@ -24,7 +24,7 @@ pub fn check_tolerance(tolerance: f64) -> anyhow::Result<()> {
     check("tolerance", tolerance, Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)
 }
 
-/// Checks a coefficient of friction.
-pub fn check_friction(friction: Option<f64>) -> anyhow::Result<Option<f64>> {
-    checked("friction", friction, |x| x > 0.0, "a coefficient > 0")
+/// Checks the friction demand of a report.
+pub fn check_friction_demand(demand: Option<f64>) -> anyhow::Result<Option<f64>> {
+    checked("friction-demand", demand, |x| x > 0.0, "a coefficient of friction > 0")
 }

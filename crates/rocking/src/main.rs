@@ -13,6 +13,7 @@
 //! | [`accelerograms`] | options, files → records |
 //! | [`excitation`] | options → records and a pulse |
 //! | [`run_options`] | options shared by commands → settings, a table of many runs |
+//! | [`mod@tie`] | text of an option → a tie |
 //! | [`block_options`] | options of a single block → a block |
 //! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
 //! | [`sketch`] | options → a block → its sketch and its values |
@@ -48,6 +49,8 @@ mod accelerograms;
 mod excitation;
 
 mod run_options;
+
+mod tie;
 
 mod block_options;
 

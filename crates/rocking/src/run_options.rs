@@ -49,10 +49,10 @@ impl SizeOptions {
     }
 }
 
-/// Warns of a block that falls over by itself: its supports resist with 2 K b² per radian, its weight acts with M g h.
+/// Warns of a block without ties that falls over by itself: its supports resist with 2 K b² per radian, its weight acts with M g h.
 pub fn warn_of_soft_supports(block: &Block) {
     let least = block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
-    if block.foundation == Foundation::Viscoelastic && block.stiffness <= least {
+    if block.foundation == Foundation::Viscoelastic && block.ties.is_empty() && block.stiffness <= least {
         let (eta, stiffness) = (block.eta(), block.stiffness);
         let least_eta = eta * (least / stiffness).sqrt();
         eprintln!(

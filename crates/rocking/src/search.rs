@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use serde::Serialize;
 
 use crate::accelerograms::Accelerograms;
+use crate::block_options::HoldOptions;
 use crate::checks::{check, check_tolerance};
 use crate::choices;
 use crate::explicit_options::ExplicitOptions;
@@ -68,8 +69,8 @@ struct Overturning {
     period: Option<f64>,
     #[command(flatten)]
     accelerograms: Accelerograms,
-    /// Lower end of the range of amplitudes [m/s2] or factors; by default 0, or on a rigid base without a vertical record a
-    /// PGA of g tan(alpha), below which no block rocks
+    /// Lower end of the range of amplitudes [m/s2] or factors; by default 0, or on a rigid base without a vertical record and without
+    /// ties a PGA of g tan(alpha), with alpha of the side with less base, below which no block rocks
     #[arg(long, value_name = "A")]
     from: Option<f64>,
     /// Upper end of the range of amplitudes [m/s2] or factors; by default ten times a PGA of g tan(alpha)
@@ -90,6 +91,11 @@ struct Overturning {
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     restitution_factor: f64,
+    /// Mass M; it changes the motion only together with --tie [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    #[command(flatten)]
+    holds: HoldOptions,
     #[command(flatten)]
     block: BlockOptions,
     #[command(flatten)]
@@ -180,7 +186,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             )
         }
         Target::Overturning(overturning) => {
-            let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = **overturning;
+            let Overturning { xi_v, foundation, restitution_factor, resolution, mass, .. } = **overturning;
             let rigid = foundation == Foundation::Rigid;
             explicit.refuse_unless(!rigid, &["eta", "xi-v"], "on a rigid base")?;
             explicit.refuse_unless(
@@ -190,8 +196,14 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             )?;
             explicit.refuse_unless(!explicit.has("record"), &["pulse", "period"], "with --record")?;
             overturning.search.check_table(&overturning.accelerograms.files().named())?;
-            let common = Common { restitution_factor, ..overturning.block.common(foundation) };
+            let common = Common { restitution_factor, mass, ..overturning.block.common(foundation) };
+            let common = overturning.holds.common(common);
             let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v, &common, explicit)?, &common)?;
+            let block = overturning.holds.tied(block)?;
+            anyhow::ensure!(
+                block.ties.is_empty() || explicit.has("mass"),
+                "--tie without --mass; expected both, since the effect of a tie depends on the mass"
+            );
             warn_of_soft_supports(&block);
             let (shaking, name, unit) = overturning.shaking(common.gravity)?;
             let [least, greatest] = search::usual_strengths(&block, &shaking);

@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::{Args, Parser};
 
 use crate::block_options::BlockOptions;
-use crate::checks::{check, check_friction, check_tolerance, checked};
+use crate::checks::{check, check_friction_demand, check_tolerance, checked};
 use crate::choices;
 use crate::excitation::{Excitation, ExcitationOptions};
 use crate::explicit_options::ExplicitOptions;
@@ -15,7 +15,7 @@ use crate::output::{NamedFile, Pending, check_distinct};
 use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles};
 use crate::summary::Summary;
-use rocking_block::block::Foundation;
+use rocking_block::block::{Foundation, TieState};
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
 use rocking_block::words::Words;
 use rocking_charts::picture::PictureFormat;
@@ -58,9 +58,9 @@ pub struct Options {
     csv: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureOptions,
-    /// Coefficient of friction: report the longest time for which |H|/(N_L + N_R) exceeds it, checked every ms
+    /// Report the longest time for which |H|/(N_L + N_R) exceeds this coefficient of friction, checked every ms
     #[arg(long, value_name = "MU", help_heading = "Results")]
-    friction: Option<f64>,
+    friction_demand: Option<f64>,
     /// List each event in the summary
     #[arg(long, help_heading = "Results")]
     events: bool,
@@ -108,7 +108,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let mut files = Vec::new();
     if let Some(file) = csv_file {
         let mut bytes = Vec::new();
-        table::write(&history, &mut bytes).context("the table cannot be written")?;
+        table::write(&run.block, &history, &mut bytes).context("the table cannot be written")?;
         files.push((file, bytes));
     }
     if let Some(file) = picture_file {
@@ -120,11 +120,11 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         return Ok(());
     }
     let written = WrittenFiles::new(outputs);
-    let sliding = options.friction.map(|friction| (friction, run.longest_above(friction)));
-    let text = summary(&run, &history, &excitation, sliding, options.events) + &written.lines();
+    let demand = options.friction_demand.map(|demand| (demand, run.longest_above(demand)));
+    let text = summary(&run, &history, &excitation, demand, options.events) + &written.lines();
     let warnings =
         is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0));
-    let json = Summary::new(&run, &history, &excitation, sliding, options.events);
+    let json = Summary::new(&run, &history, &excitation, demand, options.events);
     options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
 }
 
@@ -145,7 +145,7 @@ impl Options {
         let on_supports = self.block.foundation() == Foundation::Viscoelastic;
         explicit.refuse_unless(on_supports, &["v", "v-dot"], "on a rigid base")?;
         explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;
-        explicit.refuse_unless(!self.quiet, &["events", "friction"], "with --quiet")
+        explicit.refuse_unless(!self.quiet, &["events", "friction-demand"], "with --quiet")
     }
 
     /// Returns the run and a description of its excitation.
@@ -160,7 +160,7 @@ impl Options {
         let InitialOptions { theta, theta_dot, v, v_dot } = self.initial;
         check("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
         check("theta-dot", theta_dot, |_| true, "a finite rate")?;
-        check_friction(self.friction)?;
+        check_friction_demand(self.friction_demand)?;
         check_tolerance(self.tolerance)?;
         let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
         for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
@@ -211,7 +211,7 @@ fn prospect(run: &Run, history: &History) -> &'static str {
 }
 
 /// Writes the summary as text.
-fn summary(run: &Run, history: &History, excitation: &str, sliding: Option<(f64, f64)>, with_events: bool) -> String {
+fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, f64)>, with_events: bool) -> String {
     let block = &run.block;
     let History { events, peaks, counts, ending, .. } = history;
     let weight = block.mass * block.gravity;
@@ -226,6 +226,13 @@ fn summary(run: &Run, history: &History, excitation: &str, sliding: Option<(f64,
     let energies = history.rows.last().map(|row| row.energies).unwrap_or_default();
     let largest = history.greatest_energy();
     let residual = if largest > 0.0 { history.greatest_residual() / largest } else { 0.0 };
+    let mut taken = String::new();
+    if block.friction > 0.0 {
+        taken += &format!(", friction {:.1} J", energies.friction);
+    }
+    if !block.ties.is_empty() {
+        taken += &format!(", ties {:.1} J", energies.ties);
+    }
     let mut text = String::new();
     let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
     line("excitation", excitation.into());
@@ -241,8 +248,19 @@ fn summary(run: &Run, history: &History, excitation: &str, sliding: Option<(f64,
             peaks.horizontal / weight
         ),
     );
-    if let Some((friction, time)) = sliding {
-        line("friction", format!("|H|/(N_L + N_R) exceeds {friction} for at most {time:.4} s at a time"));
+    if block.friction > 0.0 {
+        let (peak, slip) = (1e3 * peaks.slip, history.slip);
+        line(
+            "slip",
+            format!("{:.1} mm at the end, at most {peak:.1} mm, {:.1} mm in all", 1e3 * slip.now, 1e3 * slip.total),
+        );
+    }
+    for ((number, tension), state) in (1..).zip(peaks.tension).zip(history.ties).take(block.ties.all().len()) {
+        let broken = if state == TieState::Broken { "; it broke" } else { "" };
+        line(&format!("tie {number}"), format!("tension of at most {tension:.4e} N{broken}"));
+    }
+    if let Some((demand, time)) = demand {
+        line("friction", format!("|H|/(N_L + N_R) exceeds {demand} for at most {time:.4} s at a time"));
     }
     let last_event = events.last().map(|event| format!(", the last at t = {:.4} s", event.time));
     let so_far = if ending.is_some() || history.is_at_rest { "" } else { " so far" };
@@ -253,7 +271,7 @@ fn summary(run: &Run, history: &History, excitation: &str, sliding: Option<(f64,
     line(
         "energy",
         format!(
-            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J; residual {residual:.1e} of the largest",
+            "input {:.1} J, dashpots {:.1} J, impacts {:.1} J{taken}; residual {residual:.1e} of the largest",
             energies.input, energies.dashpots, energies.impacts
         ),
     );

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser};
 
 use crate::accelerograms::MotionFiles;
-use crate::checks::{check, check_friction};
+use crate::checks::{check, check_friction_demand};
 use crate::choices;
 use crate::excitation::{ManyExcitationOptions, ManyExcitations, names};
 use crate::explicit_options::ExplicitOptions;
@@ -32,9 +32,9 @@ pub struct Options {
     blocks: BlockOptions,
     #[command(flatten)]
     run: RunOptions,
-    /// Coefficient of friction: add a column with the longest time for which |H|/(N_L + N_R) exceeds it, checked every ms
+    /// Add a column with the longest time for which |H|/(N_L + N_R) exceeds this coefficient of friction, checked every ms
     #[arg(long, value_name = "MU", help_heading = "Results")]
-    friction: Option<f64>,
+    friction_demand: Option<f64>,
     #[command(flatten)]
     study: StudyOptions,
     #[command(flatten)]
@@ -77,6 +77,9 @@ struct BlockOptions {
     /// Gravitational acceleration, also for records in g [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
     g: f64,
+    /// Coulomb's coefficient of friction of the feet; 0 for no limit, so that they do not slide
+    #[arg(long, value_name = "MU", default_value_t = 0.0)]
+    friction: f64,
 }
 
 /// Parses the foundation of a curve.
@@ -147,7 +150,8 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
 impl Options {
     /// Returns the spectrum and a description of its excitation.
     fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Spectrum, String)> {
-        let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g } = self.blocks;
+        let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g, friction } =
+            self.blocks;
         let alpha = match size.read(explicit, &["alpha"])? {
             Some([width, height]) => libm::atan2(width, height),
             None => alpha,
@@ -168,7 +172,7 @@ impl Options {
         let bases = foundation.iter().map(|text| base(text)).collect::<anyhow::Result<Vec<_>>>()?;
         let spectrum = Spectrum {
             alpha,
-            common: Common { mass, gamma, gravity: g, ..Common::default() },
+            common: Common { mass, gamma, gravity: g, friction, ..Common::default() },
             bases,
             sizes: Sizes { least: p_min, greatest: p_max, count: points },
             motions,
@@ -176,7 +180,7 @@ impl Options {
             settings: self.run.settings()?,
             duration: self.run.duration()?,
             step: self.run.step()?,
-            friction: check_friction(self.friction)?,
+            friction_demand: check_friction_demand(self.friction_demand)?,
         };
         spectrum.check()?;
         // All sizes of a foundation share eta, so they all fall over or none does.

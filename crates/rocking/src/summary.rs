@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::{Block, Corner, Foundation, Tie, TieState};
 use rocking_block::simulation::Energies;
 use rocking_block::system::events::Event;
 use rocking_block::words::Words;
@@ -22,9 +22,15 @@ pub struct Summary<'a> {
     /// Whether the block is at rest.
     is_at_rest: bool,
     peak: PeakValues,
+    /// Only with `--friction-demand`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction_demand: Option<FrictionDemand>,
     /// Only with `--friction`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    friction: Option<Friction>,
+    slip: Option<SlipSummary>,
+    /// Only with `--tie`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ties: Vec<TieSummary>,
     events: Events,
     /// At the end of the run.
     energy: Energy,
@@ -52,6 +58,38 @@ pub struct Parameters {
     mass: f64,
     gamma: f64,
     g: f64,
+    /// Only of uneven blocks.
+    #[serde(flatten)]
+    sides: Option<Sides>,
+    /// Only with a limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ties: Vec<TieParameters>,
+}
+
+/// The centre of mass beside the middle of the base.
+#[derive(Serialize)]
+struct Sides {
+    eccentricity: f64,
+    #[serde(rename = "alpha_L")]
+    alpha_left: f64,
+    #[serde(rename = "alpha_R")]
+    alpha_right: f64,
+}
+
+/// Parameters of a tie, by the names of the FMU's variables.
+#[derive(Serialize)]
+struct TieParameters {
+    block_x: f64,
+    block_z: f64,
+    ground_x: f64,
+    ground_z: f64,
+    stiffness: f64,
+    pretension: f64,
+    slack: f64,
+    damping: f64,
+    strength: f64,
 }
 
 #[derive(Serialize)]
@@ -68,9 +106,23 @@ struct PeakValues {
 }
 
 #[derive(Serialize)]
-struct Friction {
+struct FrictionDemand {
     coefficient: f64,
     longest_time_above: f64,
+}
+
+#[derive(Serialize)]
+struct SlipSummary {
+    /// At the end of the run.
+    now: f64,
+    total: f64,
+    peak: f64,
+}
+
+#[derive(Serialize)]
+struct TieSummary {
+    peak_tension: f64,
+    broken: bool,
 }
 
 #[derive(Serialize)]
@@ -109,15 +161,15 @@ struct Steps {
 }
 
 impl<'a> Summary<'a> {
-    /// Summarizes a run; `sliding` is a coefficient of friction with the longest time above it (s).
+    /// Summarizes a run; `demand` is a coefficient of friction with the longest time above it (s).
     pub fn new(
         run: &Run,
         history: &History,
         excitation: &'a str,
-        sliding: Option<(f64, f64)>,
+        demand: Option<(f64, f64)>,
         with_events: bool,
     ) -> Summary<'a> {
-        let History { rows, events, peaks, counts, ending, end, is_at_rest } = history;
+        let History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties } = history;
         let last = rows.last();
         Summary {
             excitation,
@@ -134,7 +186,16 @@ impl<'a> Summary<'a> {
                 horizontal: peaks.horizontal,
                 friction_demand: peaks.friction_demand,
             },
-            friction: sliding.map(|(coefficient, longest_time_above)| Friction { coefficient, longest_time_above }),
+            friction_demand: demand
+                .map(|(coefficient, longest_time_above)| FrictionDemand { coefficient, longest_time_above }),
+            slip: (run.block.friction > 0.0).then_some(SlipSummary {
+                now: slip.now,
+                total: slip.total,
+                peak: peaks.slip,
+            }),
+            ties: (ties.iter().zip(peaks.tension).take(run.block.ties.all().len()))
+                .map(|(state, peak_tension)| TieSummary { peak_tension, broken: *state == TieState::Broken })
+                .collect(),
             events: Events {
                 impacts: counts.impacts,
                 liftoffs: counts.liftoffs,
@@ -172,7 +233,22 @@ impl Parameters {
             mass: block.mass,
             gamma: block.gamma,
             g: block.gravity,
+            sides: (block.eccentricity != 0.0).then(|| Sides {
+                eccentricity: block.eccentricity,
+                alpha_left: block.alpha_of(Corner::Left),
+                alpha_right: block.alpha_of(Corner::Right),
+            }),
+            friction: (block.friction > 0.0).then_some(block.friction),
+            ties: block.ties.all().iter().map(TieParameters::of).collect(),
         }
+    }
+}
+
+impl TieParameters {
+    fn of(tie: &Tie) -> TieParameters {
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
+        let ([block_x, block_z], [ground_x, ground_z]) = (block, ground);
+        TieParameters { block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength }
     }
 }
 

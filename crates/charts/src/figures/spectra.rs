@@ -103,7 +103,7 @@ fn spectrum(
         // The analysis ends at complete separation.
         settings: Settings::default(),
         duration: None,
-        friction: None,
+        friction_demand: None,
         step: None,
     }
 }

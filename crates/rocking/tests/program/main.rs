@@ -2,6 +2,7 @@
 //!
 //! | module | subject |
 //! | --- | --- |
+//! | `holds` | eccentricity, friction and ties: options, columns, limits |
 //! | `inputs` | options, study files and records: values, choices, refusals |
 //! | `simulate` | single runs: table, picture and summary |
 //! | `sketch` | pictures of a block and its values |
@@ -10,6 +11,7 @@
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
 
 mod foundations;
+mod holds;
 mod inputs;
 #[cfg(unix)]
 mod outputs;

@@ -73,7 +73,7 @@ fn summaries_predict_the_future_of_the_block() {
     }
 }
 
-/// `--friction` adds a column and leaves the bytes of all others.
+/// `--friction-demand` adds a column and leaves the bytes of all others.
 #[test]
 fn the_time_above_a_friction_is_an_additional_column() {
     let folder = tempfile::tempdir().unwrap();
@@ -85,15 +85,15 @@ fn the_time_above_a_friction_is_an_additional_column() {
         let table = std::fs::read_to_string(folder.path().join("x.csv")).unwrap();
         table.lines().filter(|line| !line.starts_with('#')).map(String::from).collect::<Vec<_>>()
     };
-    let (without, with) = (rows("", "8"), rows("--friction 0.3", "8"));
-    assert_eq!(with, rows("--friction 0.3", "1"));
+    let (without, with) = (rows("", "8"), rows("--friction-demand 0.3", "8"));
+    assert_eq!(with, rows("--friction-demand 0.3", "1"));
     assert!(with[0].ends_with(",friction_demand>0.3 [s]"), "{}", with[0]);
     for (with, without) in with.iter().zip(&without) {
         assert_eq!(with.rsplit_once(',').unwrap().0, without);
     }
     let times = with[1..].iter().map(|row| row.rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
     assert!(times.clone().all(|time| (0.0..0.5).contains(&time)) && times.clone().any(|time| time > 0.1));
-    let told = stdout(folder.path(), &["simulate", "--theta", "0.2", "--friction", "0.2", "--csv", "y.csv"]);
+    let told = stdout(folder.path(), &["simulate", "--theta", "0.2", "--friction-demand", "0.2", "--csv", "y.csv"]);
     assert!(told.contains("|H|/(N_L + N_R) exceeds 0.2 for at most 0."), "{told}");
 }
 

@@ -96,7 +96,7 @@ pub fn spectrum(ground: Ground, count: u64) -> Spectrum {
         pulse: Pulse::NONE,
         settings: Settings::default(),
         duration: None,
-        friction: None,
+        friction_demand: None,
         step: None,
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use crate::input::parameters::is_same_word;
-use crate::run::limit::Limit;
+use crate::run::limit::{Limit, Response};
 use crate::run::outcome::End;
 
 /// The reason why a table cannot be evaluated.
@@ -179,10 +179,14 @@ impl SweepTable {
             Ok(_) => self.numbers(name),
             Err(_) => Ok(vec![None; self.rows.len()]),
         };
-        // A limit on the rotation needs the peaks; for overturning they only serve the efficiency.
+        // A limit on the rotation needs the peaks; for others they only serve the efficiency.
         let peaks = match limit {
-            Limit::Overturned => numbers("peak.theta/alpha")?,
+            Limit::Overturned | Limit::Slip(_) => numbers("peak.theta/alpha")?,
             Limit::Rotation(_) => self.numbers("peak.theta/alpha")?,
+        };
+        let slips = match limit {
+            Limit::Slip(_) => self.numbers("peak.slip")?,
+            Limit::Overturned | Limit::Rotation(_) => vec![None; self.rows.len()],
         };
         let liftoffs = numbers("events.liftoffs")?;
         let is_ensemble = self.position("ensemble.samples").is_ok();
@@ -201,7 +205,7 @@ impl SweepTable {
             }
             let next = motions.len();
             let motion = *motions.entry(known).or_insert(next);
-            let exceeds = limit.is_exceeded(end, peak);
+            let exceeds = limit.is_exceeded(end, Response { rotation: peak, slip: slips[row] });
             let fraction = match (is_ensemble, end) {
                 // Empty if no sample decides the limit.
                 (true, _) => probability,
@@ -298,6 +302,18 @@ mod tests {
         assert_eq!(peaks, [Some(0.3), None, Some(0.6), None]);
     }
 
+    /// A block that overturns exceeds any slip; the number of its row is not asked for.
+    #[test]
+    fn rows_are_compared_with_a_slip() {
+        let text = "row,outcome,peak.slip [m]\n0,completed,0.05\n1,completed,0.2\n2,overturned,0\n3,undecided,0.3\n\
+                    4,undecided,0.1\n";
+        let found = table(text).cases(Limit::Slip(0.1)).unwrap();
+        let cases: Vec<_> = found.cases.iter().map(|case| (case.row, case.fraction)).collect();
+        assert_eq!((cases, found.undecided), (vec![(0, 0.0), (1, 1.0), (2, 1.0), (3, 1.0)], 1));
+        let refused = table(TABLE).cases(Limit::Slip(0.1)).unwrap_err().to_string();
+        assert!(refused.starts_with("t.csv: has no column peak.slip"), "{refused}");
+    }
+
     #[test]
     fn an_ensemble_gives_its_probability() {
         let ensemble = "row,outcome,peak.theta/alpha [1],ensemble.samples [1],P(overturned) [1]\n0,completed,0.3,4,0.25\n\
@@ -327,9 +343,12 @@ mod tests {
         for rotation in ["0.5", "theta/alpha>0.5", "Theta/Alpha>0.5"] {
             assert_eq!(rotation.parse(), Ok(Limit::Rotation(0.5)));
         }
+        for slip in ["slip:0.1", "Slip>0.1"] {
+            assert_eq!(slip.parse(), Ok(Limit::Slip(0.1)));
+        }
         assert_eq!("Overturned".parse(), Ok(Limit::Overturned));
         assert_eq!(table(TABLE).numbers("pgv").unwrap(), table(TABLE).numbers("PGV").unwrap());
-        for wrong in ["fallen", "-1", "theta/alpha>0", "theta/alpha>x"] {
+        for wrong in ["fallen", "-1", "theta/alpha>0", "theta/alpha>x", "slip:0", "slip:far", "slip"] {
             assert!(wrong.parse::<Limit>().unwrap_err().contains(wrong));
         }
     }

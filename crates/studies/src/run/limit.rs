@@ -11,15 +11,28 @@ pub enum Limit {
     Overturned,
     /// A rotation |θ|/α (1); a block that overturns exceeds it.
     Rotation(f64),
+    /// A slip of the foot from its place at the start (m); a block that overturns exceeds it.
+    Slip(f64),
+}
+
+/// The peaks of a run that limits refer to, as far as they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// Of the rotation |θ|/α (1).
+    pub rotation: Option<f64>,
+    /// Of the slip (m).
+    pub slip: Option<f64>,
 }
 
 impl Limit {
-    /// Whether a run exceeded the limit by its end; `rotation` is the peak |θ|/α (1).
-    pub fn is_exceeded(self, end: End, rotation: Option<f64>) -> bool {
-        match self {
-            Limit::Overturned => end == End::Overturned,
-            Limit::Rotation(limit) => end == End::Overturned || rotation.is_some_and(|rotation| rotation > limit),
-        }
+    /// Whether a run exceeded the limit by its end.
+    pub fn is_exceeded(self, end: End, response: Response) -> bool {
+        let beyond = match self {
+            Limit::Overturned => false,
+            Limit::Rotation(limit) => response.rotation.is_some_and(|rotation| rotation > limit),
+            Limit::Slip(limit) => response.slip.is_some_and(|slip| slip > limit),
+        };
+        end == End::Overturned || beyond
     }
 }
 
@@ -29,6 +42,7 @@ impl std::fmt::Display for Limit {
         match self {
             Limit::Overturned => f.write_str("overturned"),
             Limit::Rotation(limit) => write!(f, "theta/alpha>{limit}"),
+            Limit::Slip(limit) => write!(f, "slip>{limit}"),
         }
     }
 }
@@ -41,9 +55,14 @@ impl FromStr for Limit {
         if lower == "overturned" {
             return Ok(Limit::Overturned);
         }
-        let limit = lower.strip_prefix("theta/alpha>").unwrap_or(&lower).parse().ok();
-        limit.filter(|limit: &f64| *limit > 0.0 && limit.is_finite()).map(Limit::Rotation).ok_or_else(|| {
-            format!("found limit `{text}`; expected overturned, or a number > 0 for |theta|/alpha, as in 0.5")
+        let slip = lower.strip_prefix("slip:").or(lower.strip_prefix("slip>"));
+        let number = slip.unwrap_or_else(|| lower.strip_prefix("theta/alpha>").unwrap_or(&lower));
+        let limit = number.parse().ok().filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
+        limit.map(if slip.is_some() { Limit::Slip } else { Limit::Rotation }).ok_or_else(|| {
+            format!(
+                "found limit `{text}`; expected overturned, a number > 0 for |theta|/alpha, as in 0.5, or one for the slip in \
+                 metres, as in slip:0.1"
+            )
         })
     }
 }

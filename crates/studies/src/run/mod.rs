@@ -20,12 +20,12 @@ use crate::run::outcome::{End, Flights, Outcome};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
-use rocking_block::block::Regime;
+use rocking_block::block::{Regime, TieStates};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
-use rocking_block::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError};
+use rocking_block::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError, Slip};
 use rocking_block::system::events::Event;
 
 /// The inputs of a run.
@@ -60,6 +60,8 @@ pub struct Row {
     pub regime: Regime,
     /// Energies (J).
     pub energies: Energies,
+    /// Where the foot is beside its place at the start (m), positive to the right.
+    pub slip: f64,
     /// Ground acceleration, horizontal with the pulse, and vertical (m/s²).
     pub ground: [f64; 2],
 }
@@ -81,6 +83,10 @@ pub struct History {
     pub end: End,
     /// Whether the ground and the block are at rest at the end of the run.
     pub is_at_rest: bool,
+    /// How far the foot has slid at the end of the run.
+    pub slip: Slip,
+    /// The states of the ties then.
+    pub ties: TieStates,
 }
 
 /// Longest duration of a run in a study (s); longer ones would be typing errors.
@@ -113,7 +119,8 @@ impl Run {
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
         let end = self.end(&simulation);
         let is_at_rest = end == End::Completed && is_at_rest(&simulation);
-        Ok(History { rows, events, peaks, counts, ending, end, is_at_rest })
+        let (slip, ties) = (simulation.slip(), simulation.ties());
+        Ok(History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties })
     }
 
     /// Makes the run without keeping rows; the stops, and so the bits, are those of [`Run::history`].
@@ -249,6 +256,7 @@ impl Run {
             observation,
             regime: observation.regime,
             energies: simulation.energies(),
+            slip: simulation.slip().now,
             ground: [now.a_gx.value + self.pulse.acceleration(time), now.a_gz.value],
         }
     }

@@ -1,6 +1,6 @@
 //! A run → its end, its peaks and its counts.
 
-use rocking_block::block::Regime;
+use rocking_block::block::{Block, Regime};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Simulation, SimulationError};
 use rocking_block::system::events::{Event, EventKind};
@@ -70,6 +70,39 @@ impl std::str::FromStr for End {
             let known = End::ALL.map(End::word).join(", ");
             format!("found outcome `{word}`; expected one of {known}")
         })
+    }
+}
+
+/// Friction and ties of blocks, whose peaks have columns of their own after [`Outcome::COLUMNS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Holds {
+    /// Whether a coefficient of friction limits the horizontal reaction.
+    pub friction: bool,
+    /// Number of ties.
+    pub ties: usize,
+}
+
+impl Holds {
+    /// Those of a block.
+    pub fn of(block: &Block) -> Holds {
+        Holds { friction: block.friction > 0.0, ties: block.ties.all().len() }
+    }
+
+    /// Those of either.
+    pub fn or(self, other: Holds) -> Holds {
+        Holds { friction: self.friction || other.friction, ties: self.ties.max(other.ties) }
+    }
+
+    /// Names and units of the columns filled by [`Holds::fields`].
+    pub fn columns(self) -> Vec<String> {
+        let slip = self.friction.then(|| "peak.slip [m]".to_string());
+        slip.into_iter().chain((1..=self.ties).map(|tie| format!("peak.tie_{tie}.tension [N]"))).collect()
+    }
+
+    /// The peaks of the slip and of the tensions, as fields of a table.
+    pub fn fields(self, peaks: &Peaks) -> Vec<String> {
+        let slip = self.friction.then_some(peaks.slip);
+        slip.into_iter().chain(peaks.tension.into_iter().take(self.ties)).map(|peak| peak.to_string()).collect()
     }
 }
 

@@ -4,11 +4,15 @@
 //! separated, where that ends the run), or it is at rest, or it will come to rest. A block with |θ| < α will come to rest if its
 //! energy is below the barrier `V(α)` against overturning. Without excitation the energy decreases, so that the next cycle of
 //! motion is the greatest; after it, the outcome and the peaks are known. A free motion is followed until the block is at rest.
+//!
+//! The barrier is that of the block without ties: the energy of a tie is never negative, so that a tied block below it does not
+//! overturn either. Pretensioned ties hold more energy than that even at rest: such a block is followed until it is at rest, upright
+//! or leaning on a tie.
 
 use std::f64::consts::TAU;
 
-use rocking_block::block::Regime;
-use rocking_block::block::{Block, Foundation};
+use rocking_block::block::{Block, Corner, Foundation, Regime};
+use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
 /// Fraction of the barrier that the energy must stay below.
@@ -28,18 +32,33 @@ const MAX_DECAY: u64 = 1000;
 /// Fraction of the lift-off energy below which a block on supports is at rest: 1 % of the lift-off rotation.
 const AT_REST: f64 = 1e-4;
 
-/// Barrier against overturning per unit mass (m²/s²): the least potential energy at |θ| = α, relative to rest.
-///
-/// On the rigid base `g R0 (1 − cos α)`; on supports less by `g δ_s/2`, since the support that carries all the weight sinks by a
-/// further δ_s. On supports so soft that both touch at |θ| = α, the energy of both springs and of the lowered weight.
+/// Barrier against overturning per unit mass (m²/s²): the lower one of both sides.
 pub fn overturning_barrier(block: &Block) -> f64 {
-    let Block { gravity, r0, b, h, omega_v, .. } = *block;
-    let (sin, cos) = (b / r0, h / r0);
-    let rigid = gravity * (r0 - h);
+    let [left, right] = Corner::each(|corner| barrier_over(block, corner));
+    left.min(right)
+}
+
+/// Barrier against overturning about a corner I, per unit mass (m²/s²): the least potential energy at |θ| = α_I, relative to rest.
+///
+/// On the rigid base `g R_I (1 − cos α_I)`; on supports less by `g δ_s/2`, since the support that carries all the weight sinks by a
+/// further δ_s. On supports so soft that both touch at |θ| = α_I, the energy of both springs and of the lowered weight.
+///
+/// With the shares s of the weight that the supports bear at rest, the weight sinks by `2 δ_s (1 − s_I)`, which leaves `g R_I (1 − cos α_I)
+/// − g δ_s (1 + s_L² + s_R² − 2 s_I)`.
+fn barrier_over(block: &Block, corner: Corner) -> f64 {
+    let Block { gravity, b, h, omega_v, share: [left, right], .. } = *block;
+    let radius = if block.eccentricity == 0.0 { block.r0 } else { block.offset(corner).hypot(h) };
+    let (sin, cos) = (block.offset(corner).abs() / radius, h / radius);
+    let rigid = gravity * (radius - h);
     let sunk = block.static_deflection();
+    let share = block.share[corner.index()];
+    let other = block.share[corner.other().index()];
     match block.foundation {
         Foundation::Rigid => rigid,
-        Foundation::Viscoelastic if b * sin >= sunk => rigid - 0.5 * gravity * sunk,
+        // The other corner has left its support: `2 b sin α_I ≥ 2 δ_s + δ_J − δ_I`.
+        Foundation::Viscoelastic if b * sin >= sunk * (1.0 + other - share) => {
+            rigid - gravity * sunk * (1.0 + left * left + right * right - 2.0 * share)
+        }
         Foundation::Viscoelastic => sin * sin * (0.5 * omega_v * omega_v * b * b - gravity * h / (1.0 + cos)),
     }
 }
@@ -47,15 +66,29 @@ pub fn overturning_barrier(block: &Block) -> f64 {
 /// Longest rocking period (s) at an energy of `fraction` times the barrier, 0 ≤ fraction < 1.
 ///
 /// On the rigid base `(4/p) arcosh(1/√(1 − fraction))` (Housner 1963, in terms of the energy); supports add the period of rocking
-/// in full contact.
+/// in full contact. An uneven block rocks about both corners, at most as slowly as about that with the lower frequency parameter;
+/// ties, which restrain it, are left out.
 fn cycle(block: &Block, fraction: f64) -> f64 {
-    let Block { b, h, i0, p, gravity, omega_v, .. } = *block;
+    let Block { b, h, i0, gravity, omega_v, .. } = *block;
+    let p = slowest(block);
     let rocking = 4.0 / p * libm::acosh(1.0 / (1.0 - fraction).sqrt());
     let stiffness = omega_v * omega_v * b * b - gravity * h;
     match block.foundation {
         Foundation::Viscoelastic if stiffness > 0.0 => rocking + TAU * ((i0 + h * h) / stiffness).sqrt(),
         Foundation::Viscoelastic | Foundation::Rigid => rocking,
     }
+}
+
+/// The lower frequency parameter of both corners (rad/s): `√(g R_I/(I0/M + R_I²))`.
+fn slowest(block: &Block) -> f64 {
+    if block.eccentricity == 0.0 {
+        return block.p;
+    }
+    let [left, right] = Corner::each(|corner| {
+        let radius = block.offset(corner).hypot(block.h);
+        (block.gravity * radius / (block.i0 + radius * radius)).sqrt()
+    });
+    left.min(right)
 }
 
 /// Checks a block every 1/p after the ground has come to rest, and decides when its run is over.
@@ -121,13 +154,40 @@ pub fn fraction_of_barrier(simulation: &Simulation) -> Option<f64> {
     let block = simulation.block();
     let barrier = overturning_barrier(block);
     let fraction = simulation.energies().total / (block.mass * barrier);
-    let inside = simulation.state()[0].abs() < block.alpha && barrier > 0.0;
+    let theta = simulation.state()[0];
+    let inside = -block.alpha_of(Corner::Left) < theta && theta < block.alpha_of(Corner::Right) && barrier > 0.0;
+    if inside && fraction >= BELOW_THE_BARRIER && is_held_by_ties(simulation) {
+        return Some(0.0);
+    }
     (inside && fraction < BELOW_THE_BARRIER).then_some(fraction.max(0.0))
 }
 
-/// Whether a block is at rest: on both corners, with too little energy to lift one without excitation.
+/// Whether a block with ties is at rest, upright or leaning on one: it neither moves nor begins to, without excitation.
+fn is_held_by_ties(simulation: &Simulation) -> bool {
+    /// Kinetic energy of a block at rest, as a part of the barrier: on supports of η = 40 some 1 % of the rotation of lift-off.
+    const STILL: f64 = 1e-6;
+    /// The same of accelerations, as a part of g.
+    const BALANCED: f64 = 1e-2;
+    let block = simulation.block();
+    if block.ties.is_empty() {
+        return false;
+    }
+    let seen = simulation.observe(&Inputs { time: simulation.time(), ..Inputs::default() });
+    let acceleration = (seen.theta_ddot * block.r0).abs() + seen.u_ddot.abs() + seen.v_ddot.abs();
+    let still = simulation.energies().kinetic <= STILL * block.mass * overturning_barrier(block);
+    still && acceleration <= BALANCED * block.gravity
+}
+
+/// Whether a block is at rest: on both corners, with too little energy to lift one without excitation, and not sliding; with ties,
+/// also leaning on one.
 pub fn is_at_rest(simulation: &Simulation) -> bool {
     let block = simulation.block();
+    if simulation.slides() {
+        return false;
+    }
+    if is_held_by_ties(simulation) {
+        return true;
+    }
     let quiet = match block.foundation {
         Foundation::Rigid => true,
         Foundation::Viscoelastic => {

@@ -2,13 +2,15 @@
 
 use std::io::Write;
 
+use crate::run::outcome::Holds;
 use crate::run::{History, Row};
+use rocking_block::block::Block;
 
-/// A column: its name, its unit and its value in a row.
-type Column = (&'static str, &'static str, fn(&Row) -> f64);
+/// A column of every table: its name, its unit and its value in a row.
+type FixedColumn = (&'static str, &'static str, fn(&Row) -> f64);
 
-/// The columns, named after the variables of the FMU.
-pub const COLUMNS: [Column; 27] = [
+/// The columns of every table, named after the variables of the FMU.
+const COLUMNS: [FixedColumn; 27] = [
     ("t", "s", |row| row.time),
     ("theta", "rad", |row| row.observation.theta),
     ("theta_dot", "rad/s", |row| row.observation.theta_dot),
@@ -38,12 +40,55 @@ pub const COLUMNS: [Column; 27] = [
     ("a_gz", "m/s2", |row| row.ground[1]),
 ];
 
-/// Writes a history as CSV; numbers have the digits that restore them exactly.
-pub fn write(history: &History, out: impl Write) -> csv::Result<()> {
+/// The columns of blocks with a coefficient of friction.
+const OF_FRICTION: [FixedColumn; 3] = [
+    ("slip", "m", |row| row.slip),
+    ("slip_rate", "m/s", |row| row.observation.slip_rate),
+    ("energy.friction", "J", |row| row.energies.friction),
+];
+
+/// A column: its name, its unit and its value in a row.
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    value: Box<dyn Fn(&Row) -> f64>,
+}
+
+impl Column {
+    /// The value in a row.
+    pub fn value(&self, row: &Row) -> f64 {
+        (self.value)(row)
+    }
+}
+
+/// The columns of a block's history: those of every table, and those of friction and ties where the block has them.
+pub fn columns(block: &Block) -> Vec<Column> {
+    let Holds { friction, ties } = Holds::of(block);
+    let fixed = |(name, unit, value): FixedColumn| Column { name: name.into(), unit, value: Box::new(value) };
+    let mut columns: Vec<Column> = COLUMNS.map(fixed).into();
+    if friction {
+        columns.extend(OF_FRICTION.map(fixed));
+    }
+    columns.extend((0..ties).map(|tie| Column {
+        name: format!("tie_{}.tension", tie + 1),
+        unit: "N",
+        value: Box::new(move |row| row.observation.tension[tie]),
+    }));
+    if ties > 0 {
+        columns.push(fixed(("energy.ties", "J", |row| row.energies.ties)));
+    }
+    columns
+}
+
+/// Writes a block's history as CSV; numbers have the digits that restore them exactly.
+pub fn write(block: &Block, history: &History, out: impl Write) -> csv::Result<()> {
+    let columns = columns(block);
     let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(COLUMNS.map(|(name, unit, _)| format!("{name} [{unit}]")))?;
+    writer.write_record(columns.iter().map(|Column { name, unit, .. }| format!("{name} [{unit}]")))?;
     for row in &history.rows {
-        writer.write_record(COLUMNS.map(|(_, _, value)| value(row).to_string()))?;
+        writer.write_record(columns.iter().map(|column| column.value(row).to_string()))?;
     }
     writer.flush()?;
     Ok(())

@@ -16,7 +16,7 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
 pub use bisection::{Change, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation};
 use rocking_block::excitation::Pulse;
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
@@ -86,8 +86,9 @@ pub enum Shaking {
 
 /// The range of strengths in which a block is likely to overturn first, up to ten times a PGA of g tan α.
 ///
-/// It begins at g tan α where the base is rigid and the ground moves horizontally, since no such block rocks below that, and at
-/// zero elsewhere: viscoelastic supports respond to weaker motions, and vertical motion reduces the weight.
+/// It begins at g tan α (the smaller one of both sides) where the base is rigid and the ground moves horizontally, since no such
+/// block rocks below that, and at zero elsewhere: viscoelastic supports respond to weaker motions, vertical motion reduces the weight,
+/// and ties may pull to a side.
 pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
     let (pga, is_horizontal) = match shaking {
         Shaking::Pulse(_) => (1.0, true),
@@ -95,9 +96,10 @@ pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
             (horizontal.as_ref().map_or(0.0, |record| record.peak().acceleration.abs()), vertical.is_none())
         }
     };
-    let static_limit = block.gravity * libm::tan(block.alpha) / pga;
-    let from = if block.foundation == Foundation::Rigid && is_horizontal { static_limit } else { 0.0 };
-    [from, 10.0 * static_limit]
+    let static_limit = |alpha: f64| block.gravity * libm::tan(alpha) / pga;
+    let holds = block.foundation == Foundation::Rigid && is_horizontal && block.ties.is_empty();
+    let [left, right] = Corner::each(|corner| static_limit(block.alpha_of(corner)));
+    [if holds { left.min(right) } else { 0.0 }, 10.0 * static_limit(block.alpha)]
 }
 
 /// Scans the strength of the ground motion of a block that starts from rest and is followed until it has come down.

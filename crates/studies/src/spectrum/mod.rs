@@ -13,7 +13,7 @@ use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRow};
 use crate::run::Run;
 use crate::run::batch::outcomes;
-use crate::run::outcome::Outcome;
+use crate::run::outcome::{Holds, Outcome};
 use crate::run::sliding;
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -107,8 +107,8 @@ pub struct Spectrum {
     pub duration: Option<f64>,
     /// Longest time between two stops (s); without it, only record samples and pulse ends are stops.
     pub step: Option<f64>,
-    /// Coefficient of friction (1) of the column with the longest time above it, if any.
-    pub friction: Option<f64>,
+    /// Friction demand (1) of the column with the longest time above it, if any.
+    pub friction_demand: Option<f64>,
 }
 
 /// The ground motion, the foundation and the size of a row.
@@ -195,11 +195,12 @@ impl Spectrum {
 
 impl Study for Spectrum {
     fn header(&self) -> TableHeader {
-        let Common { mass, gamma, gravity, .. } = self.common;
+        let Common { mass, gamma, gravity, friction, .. } = self.common;
+        let friction = if friction > 0.0 { format!(", friction = {friction}") } else { String::new() };
         let Sizes { least, greatest, count } = self.sizes;
         let mut study = vec![
             concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " spectrum").to_string(),
-            format!("alpha = {}, mass = {mass}, gamma = {gamma}, g = {gravity}", self.alpha),
+            format!("alpha = {}, mass = {mass}, gamma = {gamma}, g = {gravity}{friction}", self.alpha),
             format!("p = {least} to {greatest}, {count} sizes"),
         ];
         study.extend(self.bases.iter().map(|base| format!("foundation {base}")));
@@ -217,7 +218,8 @@ impl Study for Spectrum {
             self.duration.map_or("until the block has come down".into(), |value| value.to_string()),
             self.step.map_or("none".into(), |value| value.to_string())
         ));
-        let columns = Spectrum::columns().map(String::from).chain(self.friction.map(sliding::heading)).collect();
+        let columns = Spectrum::columns().map(String::from).chain(self.holds().columns());
+        let columns = columns.chain(self.friction_demand.map(sliding::heading)).collect();
         TableHeader { study, columns }
     }
 
@@ -240,6 +242,11 @@ impl Spectrum {
     pub fn made(&self, number: u64) -> (StudyRow, Outcome) {
         let outcome = self.valid_run(number).outcome();
         (self.row_of(number, &outcome), outcome)
+    }
+
+    /// What holds the blocks.
+    fn holds(&self) -> Holds {
+        Holds { friction: self.common.friction > 0.0, ties: 0 }
     }
 
     /// The run of a row of a spectrum that has passed [`Spectrum::check`].
@@ -276,7 +283,8 @@ impl Spectrum {
             ratio,
         ];
         fields.extend(outcome.fields(self.alpha));
-        fields.extend(self.friction.map(|friction| self.valid_run(number).longest_above(friction).to_string()));
+        fields.extend(self.holds().fields(&outcome.peaks));
+        fields.extend(self.friction_demand.map(|demand| self.valid_run(number).longest_above(demand).to_string()));
         StudyRow { fields, failure: outcome.failure.clone() }
     }
 }

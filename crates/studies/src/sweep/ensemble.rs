@@ -7,10 +7,11 @@ use toml::de::DeTable;
 
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
-use crate::run::limit::Limit;
+use crate::run::limit::{Limit, Response};
 use crate::run::outcome::{End, Outcome};
 use crate::statistics::normal;
 use crate::statistics::sampling::shuffled;
+use rocking_block::simulation::peaks::Peaks;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Kind;
 
@@ -118,7 +119,8 @@ impl Ensemble {
     pub fn fields(&self, samples: &[(f64, Outcome)]) -> Vec<String> {
         let count = |is: &dyn Fn(&(f64, Outcome)) -> bool| samples.iter().filter(|sample| is(sample)).count();
         let exceeds = |limit: Limit, (alpha, outcome): &(f64, Outcome)| {
-            limit.is_exceeded(outcome.end, Some(outcome.peaks.theta / alpha))
+            let Peaks { theta, slip, .. } = outcome.peaks;
+            limit.is_exceeded(outcome.end, Response { rotation: Some(theta / alpha), slip: Some(slip) })
         };
         let decides = |limit: Limit, sample: &(f64, Outcome)| match sample.1.end {
             End::Failed => false,
@@ -180,9 +182,26 @@ pub(super) fn read(study: &Section, source: StudyText) -> Result<Option<Ensemble
     if let (1, Some(value)) = (spreads.len(), section.get("seed")) {
         return Err(section.wrong("seed", value, "several spreads; a single one does not use it"));
     }
-    let limits = section.numbers("limits", |x| x > 0.0, "a list of numbers > 0, as in [0.5, 0.75]")?;
-    let limits = std::iter::once(Limit::Overturned).chain(limits.into_iter().flatten().map(Limit::Rotation)).collect();
+    let limits = std::iter::once(Limit::Overturned).chain(limits(&section)?).collect();
     Ok(Some(Ensemble { samples: samples as u32, seed: seed.unwrap_or(0), spreads, limits }))
+}
+
+/// Reads limits beside overturning: numbers for rotations |θ|/α, texts for others.
+fn limits(section: &Section) -> Result<Vec<Limit>, StudyFileError> {
+    const EXPECTED: &str = "a list of numbers > 0 for |theta|/alpha, or of slips in metres, as in [0.5, \"slip:0.1\"]";
+    let Some(value) = section.get("limits") else { return Ok(Vec::new()) };
+    let list = value.get_ref().as_array().filter(|list| !list.is_empty());
+    let limit = |item: SpannedValue| {
+        let found = match (item.get_ref().as_str(), number(item)) {
+            (Some(text), _) => text.parse().ok().filter(|limit| *limit != Limit::Overturned),
+            (None, Some(rotation)) => {
+                Some(Limit::Rotation(rotation)).filter(|_| rotation > 0.0 && rotation.is_finite())
+            }
+            (None, None) => None,
+        };
+        found.ok_or_else(|| section.wrong("limits", item, EXPECTED))
+    };
+    list.ok_or_else(|| section.wrong("limits", value, EXPECTED))?.iter().map(limit).collect()
 }
 
 /// Reads a coefficient of variation, or a table with a distribution and its width.

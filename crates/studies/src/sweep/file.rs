@@ -35,7 +35,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let document = source.parse()?;
     let (table, place) = (document.get_ref(), document.span());
     let root = Section::new(source, "the file", place, table, &["study", "parameters", "records"])?;
-    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction", "ensemble"];
+    let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction_demand", "ensemble"];
     let keys = [&keys[..], &strength::KEYS].concat();
     let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
     let samples = design(&study)?;
@@ -72,9 +72,9 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
             return Err(study.wrong("ensemble", value, "none beside least, which makes many runs per row"));
         }
     }
-    let friction = study.number("friction", |x| x > 0.0, "a coefficient > 0")?;
-    if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction, study.get("friction")) {
-        return Err(study.wrong("friction", value, "none beside least, which makes many runs per row"));
+    let friction_demand = study.number("friction_demand", |x| x > 0.0, "a coefficient of friction > 0")?;
+    if let (Strengths::Least(..), Some(_), Some(value)) = (&strengths, friction_demand, study.get("friction_demand")) {
+        return Err(study.wrong("friction_demand", value, "none beside least, which makes many runs per row"));
     }
     let tolerance = study.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
     let parameters =
@@ -97,7 +97,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         on_separation: OnSeparation::Fly,
         duration: study.number("duration", |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= MIN_STEP, "a time of at least 1e-6 s")?,
-        friction,
+        friction_demand,
     };
     check(&sweep, &given, &study, source)?;
     Ok(sweep)

@@ -23,12 +23,12 @@ use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRow};
 use crate::run::Run;
 use crate::run::batch::outcomes;
-use crate::run::outcome::{End, Outcome};
+use crate::run::outcome::{End, Holds, Outcome};
 use crate::run::sliding;
 use crate::search::{self, OutcomeMap, Scan};
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
-use crate::sweep::parameters::{Design, SweptParameter};
+use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
 use rocking_block::block::Block;
 use rocking_block::excitation::PulseShape;
@@ -62,8 +62,8 @@ pub struct Sweep {
     pub duration: Option<f64>,
     /// Longest time between two stops (s); without it, only record samples and pulse ends are stops.
     pub step: Option<f64>,
-    /// Coefficient of friction (1) of the column with the longest time above it, if any.
-    pub friction: Option<f64>,
+    /// Friction demand (1) of the column with the longest time above it, if any.
+    pub friction_demand: Option<f64>,
 }
 
 impl Sweep {
@@ -87,6 +87,19 @@ impl Sweep {
             values[swept.parameter.metadata.variable] = *value;
         }
         values
+    }
+
+    /// What holds the blocks of the sweep.
+    pub fn holds(&self) -> Holds {
+        let any = |variable: Variable| {
+            let swept = self.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
+            swept.is_some_and(|swept| match &swept.values {
+                ParameterValues::List(values) => values.iter().any(|&value| value > 0.0),
+                ParameterValues::Range { to, .. } => *to > 0.0,
+            })
+        };
+        let ties = [Variable::Tie1Stiffness, Variable::Tie2Stiffness].into_iter().rposition(any);
+        Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) }
     }
 
     /// The inputs of a row. Reading the study file has made sure that all combinations are valid blocks.
@@ -214,10 +227,13 @@ impl Study for Sweep {
         columns.extend(["record", "vertical", "scale [1]", "PGA.vertical [m/s2]"].map(String::from));
         columns.extend(self.measures.iter().map(|measure| measure.heading()));
         match &self.strengths {
-            Strengths::Scales(_) | Strengths::Levels(..) => columns.extend(Outcome::COLUMNS.map(String::from)),
+            Strengths::Scales(_) | Strengths::Levels(..) => {
+                columns.extend(Outcome::COLUMNS.map(String::from));
+                columns.extend(self.holds().columns());
+            }
             Strengths::Least(measure, _) => columns.extend(least_columns(*measure)),
         }
-        columns.extend(self.friction.map(sliding::heading));
+        columns.extend(self.friction_demand.map(sliding::heading));
         columns.extend(self.ensemble.iter().flat_map(Ensemble::columns));
         TableHeader { study, columns }
     }
@@ -273,8 +289,9 @@ impl Sweep {
         let mut fields = self.input_fields(inputs);
         let (_, outcome) = &made[0];
         fields.extend(outcome.fields(inputs.block.alpha));
-        let time_above = |friction| self.nominal_run(inputs).longest_above(friction).to_string();
-        fields.extend(self.friction.map(time_above));
+        fields.extend(self.holds().fields(&outcome.peaks));
+        let time_above = |demand| self.nominal_run(inputs).longest_above(demand).to_string();
+        fields.extend(self.friction_demand.map(time_above));
         fields.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.fields(&made[1..])));
         StudyRow { fields, failure: outcome.failure.clone() }
     }

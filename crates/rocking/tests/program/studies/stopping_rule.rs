@@ -1,7 +1,7 @@
 //! End of runs without a duration, and the rule that counts a separation as overturning.
 
 use rocking_block::block::ties::NO_TIES;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime};
 use rocking_block::excitation::{Forcing, Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
@@ -50,6 +50,30 @@ fn the_barrier_is_the_least_potential_energy_at_alpha() {
     let rigid = block(0.25, 40.0, 0.0, Foundation::Rigid);
     let exact = potential(&rigid, Regime::TiltingRight, 0.0);
     assert!((overturning_barrier(&rigid) / exact - 1.0).abs() < 1e-14);
+}
+
+/// With an eccentric centre of mass it is the lower one of both sides. Under the last block both supports bear there.
+#[test]
+fn the_barrier_of_an_uneven_block_is_the_lower_one_of_both_sides() {
+    for (eta, uneven) in [(80.0, 0.3), (40.0, -0.5), (20.0, 0.1), (4.63, 0.02)] {
+        let even = block(0.25, eta, 0.0, Foundation::Viscoelastic);
+        let common = Common { eccentricity: uneven * even.b, ..Common::default() };
+        let block = Block::from_dimensionless(&Dimensionless { alpha: 0.25, p: 1.3, eta, xi_v: 0.1 }, &common).unwrap();
+        let deflection = block.static_deflection();
+        let least = |corner: Corner, tilting: Regime| {
+            let theta = -corner.sign() * block.alpha_of(corner);
+            let regime = if eta < 5.0 { Regime::FullContact } else { tilting };
+            let heights = (-8000..8000).map(|i| deflection * f64::from(i) / 2000.0);
+            let potentials = heights.map(|height| {
+                let x = instant(&block, regime, [theta, 0.0, height, 0.0], Footing::AT_START, Forcing::default());
+                energy(&block, regime, &NO_TIES, &x).1
+            });
+            potentials.fold(f64::INFINITY, f64::min)
+        };
+        let sides = [least(Corner::Left, Regime::TiltingLeft), least(Corner::Right, Regime::TiltingRight)];
+        let (searched, barrier) = (sides[0].min(sides[1]), overturning_barrier(&block));
+        assert!((searched - barrier).abs() < 1e-7 * block.gravity * block.r0, "{barrier}, searched {sides:?}");
+    }
 }
 
 /// Released at rest on either side of α, one block comes down and the other overturns, after a long time.

@@ -1,0 +1,79 @@
+//! Text of an option → a tie.
+
+use rocking_block::block::Tie;
+
+/// The keys of a tie.
+const KEYS: [&str; 9] =
+    ["block_x", "block_z", "ground_x", "ground_z", "stiffness", "pretension", "slack", "damping", "strength"];
+
+/// Reads a tie, as in `block_z=2,ground_x=3,stiffness=1e5`; what is not named is zero.
+pub fn tie(text: &str) -> Result<Tie, String> {
+    let mut values = [None; KEYS.len()];
+    for part in text.split(',') {
+        let Some((key, value)) = part.split_once('=') else {
+            return Err(format!("found `{part}`; expected KEY=NUMBER, with a key of {}", KEYS.join(", ")));
+        };
+        let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        let Some(place) = KEYS.iter().position(|known| *known == key) else {
+            return Err(format!("found key `{key}`; expected one of {}", KEYS.join(", ")));
+        };
+        let number = value.parse().ok().filter(|number: &f64| number.is_finite());
+        let number = number.ok_or_else(|| format!("found {key} = `{value}`; expected a finite number"))?;
+        if values[place].replace(number).is_some() {
+            return Err(format!("found {key} twice; expected it once"));
+        }
+    }
+    if values[4].is_none_or(|stiffness| stiffness <= 0.0) {
+        return Err("expected a stiffness > 0, as in stiffness=1e5".into());
+    }
+    let [block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength] =
+        values.map(Option::unwrap_or_default);
+    let tie = Tie {
+        block: [block_x, block_z],
+        ground: [ground_x, ground_z],
+        stiffness,
+        pretension,
+        slack,
+        damping,
+        strength,
+    };
+    tie.check().map_err(|error| error.to_string())?;
+    Ok(tie)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_stand_in_any_order() {
+        let found = tie("stiffness=1e5, ground_x=-3,block_z=2.5,strength=4e3").unwrap();
+        let expected = Tie {
+            block: [0.0, 2.5],
+            ground: [-3.0, 0.0],
+            stiffness: 1e5,
+            pretension: 0.0,
+            slack: 0.0,
+            damping: 0.0,
+            strength: 4e3,
+        };
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn errors_say_what_was_found_and_expected() {
+        for (text, words) in [
+            ("block_z=2", &["stiffness > 0"][..]),
+            ("stiffness=0,block_z=2", &["stiffness > 0"]),
+            ("stifness=1,block_z=2", &["`stifness`", "stiffness"]),
+            ("stiffness=1e5,block_z", &["`block_z`", "KEY=NUMBER"]),
+            ("stiffness=1e5,block_z=two", &["block_z", "`two`", "finite number"]),
+            ("stiffness=1e5,block_z=2,block_z=3", &["block_z twice"]),
+            ("stiffness=1e5,block_z=2,slack=-1", &["slack", "-1", ">= 0"]),
+            ("stiffness=1e5", &["length of a tie = 0", "two different places"]),
+        ] {
+            let error = tie(text).unwrap_err();
+            assert!(words.iter().all(|word| error.contains(word)), "{text}: {error}");
+        }
+    }
+}
