@@ -16,9 +16,9 @@ use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Energies, EnergySums, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{Footing, Held, Powers, State, energy, foot_height, instant, instant_held};
-use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::evaluation::{EXTENDED, Evaluation, Motion, Pose};
 use crate::system::events::{Event, ROUNDING, Surface, watched, watched_beyond};
-use crate::system::law::AnyLaw;
+use crate::system::law::{AnyLaw, Law};
 
 /// How many continuous states there are.
 pub const STATES: usize = 10;
@@ -84,6 +84,11 @@ pub(super) struct ExchangePiece {
 }
 
 impl ExchangePiece {
+    /// The block at the end of the last completed step, or right after the last event.
+    pub(super) fn last(&self) -> Option<Pose> {
+        self.last
+    }
+
     /// Whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         let last = self.last.is_none_or(|pose| pose.is_finite());
@@ -287,19 +292,31 @@ impl Simulation {
         }
         let last = self.piece.and_then(|piece| piece.last);
         if let Some(last) = last.filter(|last| last.time < there.time) {
-            let motion: Motion = Motion::from_pose(&block, &last, &excitation);
-            let here = motion.at(last.time, last.state);
-            let ends = [(here.state, here.rate), (there.state, there.rate)];
-            let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
-            // An importer may step as far as it wants: the rates of all channels are compared.
-            let near = 0.0;
-            let mut inside = Inside { motion, between: Between::Known(between), evaluations: 0 };
-            self.update_peaks(&here, &there, near, &mut inside);
+            let law = AnyLaw::of(&block, &last);
+            match law.extended() {
+                Some(law) => {
+                    self.take_in_step::<EXTENDED>(Motion::under(law, &block, &last, &excitation), &last, &there)
+                }
+                None => self.take_in_step::<4>(Motion::under(law, &block, &last, &excitation), &last, &there),
+            }
         }
         self.peaks.include(&channels);
         if let Some(piece) = &mut self.piece {
             piece.last = Some(self.pose);
         }
+    }
+
+    /// Takes the peaks of a step from outside in, from the pose at its beginning on.
+    fn take_in_step<const N: usize>(&mut self, motion: Motion<impl Law, N>, last: &Pose, there: &Evaluation) {
+        let here = motion.at(last.time, motion.state_at(last));
+        let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
+        let between = DenseOutput::between(here.time, there.time - here.time, ends, Powers::zeros());
+        // An importer may step as far as it wants: the rates of all channels are compared.
+        let near = 0.0;
+        let mut inside = Inside { motion, between: Between::Known(between), evaluations: 0 };
+        self.update_peaks(&here, there, near, &mut inside);
+        self.take_in_slip(&here, there);
+        self.take_in_tensions(&here, there, &mut inside);
     }
 
     /// What a user sees, the energies, and the derivatives of the states, each with its exact derivative in the direction

@@ -445,12 +445,24 @@ impl Simulation {
 
     /// How far the foot has slid since the start.
     pub fn slip(&self) -> Slip {
-        self.slip
+        let Slip { now, total } = self.slip;
+        // A solver outside may be within a step.
+        match self.piece.and_then(|piece| piece.last()) {
+            Some(last) if self.slides() => {
+                let way = self.foot_place(&self.pose) - self.foot_place(&last);
+                Slip { now: now + way, total: total + way.abs() }
+            }
+            _ => Slip { now, total },
+        }
+    }
+
+    fn foot_place(&self, pose: &Pose) -> f64 {
+        Motion::from_pose(self.block(), pose, &Excitation::none()).at(pose.time, pose.state).foot_place()
     }
 
     /// Whether the foot slides now.
     pub fn slides(&self) -> bool {
-        !self.pose.footing.grips() && self.regime() != Regime::Separated
+        !self.pose.footing.grips() && self.regime() != Regime::Separated && !self.is_frozen()
     }
 
     /// The horizontal hold.

@@ -209,8 +209,13 @@ impl Simulation {
             let elapsed = event.map_or(size, |fall| fall.elapsed);
             self.update_peaks(&here, &there, near_a_peak(elapsed, limits.longest), &mut inside);
             self.counts.evaluations += inside.evaluations;
+            if !law.grips() {
+                self.take_in_slip(&here, &there);
+            }
             if N > 4 {
-                self.take_in_slip_and_ties(&here, &there, [beyond[6], beyond[7]], &mut inside);
+                self.sums.friction += beyond[6];
+                self.sums.ties += beyond[7];
+                self.take_in_tensions(&here, &there, &mut inside);
             } else {
                 work[0] += here.footing.free_work(&there.footing);
             }
@@ -322,6 +327,9 @@ impl Simulation {
         self.peaks.include(&start);
         self.peaks.include(&end);
         self.counts.steps += 1;
+        if !motion.law().grips() {
+            self.take_in_slip(here, &there);
+        }
         let mut work = step.work;
         work[0] += here.footing.free_work(&there.footing);
         self.go_to(&there, work);
@@ -432,22 +440,23 @@ impl Simulation {
         stiffness.sqrt().max(damping)
     }
 
-    /// Takes in how far the foot has slid in a step, the tensions, and the works of friction and of the dashpots of ties.
-    fn take_in_slip_and_ties<L: Law, const N: usize>(
-        &mut self,
-        here: &Evaluation,
-        there: &Evaluation,
-        [friction, ties]: [f64; 2],
-        inside: &mut Inside<L, N>,
-    ) {
-        self.sums.friction += friction;
-        self.sums.ties += ties;
+    /// Takes in how far the foot slides in a step.
+    pub(super) fn take_in_slip(&mut self, here: &Evaluation, there: &Evaluation) {
         if self.slides() {
             let way = there.foot_place() - here.foot_place();
             self.slip.now += way;
             self.slip.total += way.abs();
             self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
         }
+    }
+
+    /// Takes in the tensions of a step.
+    pub(super) fn take_in_tensions<L: Law, const N: usize>(
+        &mut self,
+        here: &Evaluation,
+        there: &Evaluation,
+        inside: &mut Inside<L, N>,
+    ) {
         let duration = there.time - here.time;
         for tie in 0..self.system.block.ties.all().len() {
             let most = self.peaks.tension[tie];

@@ -113,6 +113,16 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
         Evaluation::of(self.law, self.block, self.excitation, footing, time, four(&state), support_heights)
     }
 
+    /// The state of a pose.
+    pub fn state_at(&self, pose: &Pose) -> State<f64, N> {
+        let beyond = match pose.footing {
+            // It follows from the rest.
+            Footing::Grips { .. } => [0.0; 4],
+            Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot, 0.0, 0.0],
+        };
+        State::from(std::array::from_fn(|i| if i < 4 { pose.state[i] } else { beyond[i - 4] }))
+    }
+
     /// The state of an instant.
     #[inline(always)]
     pub fn state_of(&self, at: &Evaluation) -> State<f64, N> {

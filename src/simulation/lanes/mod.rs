@@ -3,7 +3,7 @@
 //! The [`Simulation`] of each run stays as it is, and each step reads it. A step that every test passes in
 //! which nothing can happen gives the simulation the bits that it would have come to alone. Where something may happen (an
 //! event, a peak inside the step, a step that is to be repeated, rest) the lane leaves the simulation as it was, and the run
-//! takes that step alone. So do runs on the rigid base, in flight, sliding, held, or under a pulse.
+//! takes that step alone. So do runs on the rigid base, with friction or ties, in flight, sliding, held, or under a pulse.
 
 mod bounds;
 mod kernel;
@@ -178,7 +178,9 @@ impl Lane {
         let Simulation { pose, system, .. } = &self.simulation;
         let regime = pose.contacts.regime();
         let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-        if system.block.foundation != Foundation::Viscoelastic || !gripping || self.ground.is_none() {
+        let Block { foundation, friction, ref ties, .. } = system.block;
+        let plain = foundation == Foundation::Viscoelastic && friction == 0.0 && ties.is_empty();
+        if !plain || !gripping || self.ground.is_none() {
             return None;
         }
         let limits = &self.limits[place(regime)?];
