@@ -128,8 +128,8 @@ impl Block {
             return Err(BlockError::OutOfRange { name: "C", value: self.damping, expected: "a finite damping" });
         }
         let eccentricity = self.eccentricity;
-        // Not a number either.
-        if !(eccentricity.abs() < self.b) || self.share.iter().any(|&share| share <= 0.0) {
+        let inside = eccentricity.abs() < self.b && self.share.iter().all(|&share| share > 0.0);
+        if !inside {
             return Err(BlockError::Eccentricity { eccentricity, half_width: self.b });
         }
         if self.foundation == Foundation::Rigid && self.friction >= self.jamming_friction() {

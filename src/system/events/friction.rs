@@ -7,7 +7,7 @@ use crate::system::dynamics::{Footing, Instant};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
-use crate::system::events::{EventKind, ROUNDING, Surface};
+use crate::system::events::{EventKind, ROUNDING, Surface, grip};
 use crate::system::impact;
 
 /// The distance of a foot that grips from sliding to one side (m/s²): `μ N ∓ H` per mass, with − where H is to push to the right.
@@ -25,6 +25,16 @@ pub(super) fn speed(at: &Evaluation) -> Sample {
     let Footing::Slides { direction, .. } = at.footing else { return Sample::default() };
     let rate = at.foot_acceleration();
     Sample { value: direction * at.instant.slip_rate, rate: direction * rate }
+}
+
+/// Round-off of [`rest_to_limit`] at zero (m/s²). On the rigid base no dashpot makes forces of the round-off of rates.
+#[inline]
+pub(super) fn rounding_of_limit(block: &Block) -> f64 {
+    const ULPS: f64 = 16.0;
+    match block.foundation {
+        Foundation::Viscoelastic => ROUNDING * grip::size(block) * (1.0 + block.friction),
+        Foundation::Rigid => ULPS * f64::EPSILON * block.gravity * (1.0 + block.friction),
+    }
 }
 
 /// Size of the terms of [`speed`] (m/s).
@@ -78,7 +88,7 @@ impl Change<'_> {
             }
         }
         if now.block.foundation == Foundation::Rigid {
-            self.settle_on_rigid_base();
+            self.settle_under_friction();
         }
         if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }
     }

@@ -263,10 +263,13 @@ impl Surface {
     /// Round-off of a zero of this surface.
     #[inline]
     pub fn rounding(self, block: &Block) -> f64 {
+        if let Surface::Friction(_) = self {
+            return friction::rounding_of_limit(block);
+        }
         ROUNDING
             * match self {
                 Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => block.gravity,
-                Surface::Friction(_) => grip::size(block) * (1.0 + block.friction),
+                Surface::Friction(_) => 0.0,
                 Surface::Speed => friction::size(block),
                 Surface::Shortness(tie) | Surface::Stretch(tie) => tie::length(block, tie.into()),
                 Surface::Tension(tie) | Surface::Limpness(tie) | Surface::Strength(tie) => {

@@ -112,16 +112,22 @@ impl Change<'_> {
 
     /// Lets go of the corners that would have to be pulled, and returns the way in which the last of them left.
     pub(super) fn settle_on_rigid_base(&mut self) -> Option<Leaving> {
+        let now = self.now();
+        self.rub(&mut Placement::of(&now.instant));
+        self.settle_under_friction()
+    }
+
+    /// The same where it is decided whether the foot slides.
+    pub(super) fn settle_under_friction(&mut self) -> Option<Leaving> {
         let mut leaving = None;
         loop {
-            let mut now = self.now();
-            if self.system.block.friction > 0.0 {
-                let mut placement = Placement::of(&now.instant);
-                self.rub(&mut placement);
-                now = self.now();
-            }
+            let now = self.now();
             match self.system.leaving_rigid_base(&now) {
-                Some(corner) => leaving = Some(self.let_go(corner, &now)),
+                Some(corner) => {
+                    leaving = Some(self.let_go(corner, &now));
+                    let now = self.now();
+                    self.rub(&mut Placement::of(&now.instant));
+                }
                 None => return leaving,
             }
         }
@@ -148,14 +154,14 @@ impl System {
     /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the distance
     /// of H from the limit of friction.
     pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
-        if let Some(corner) = self.leaving_rigid_base(now) {
-            return Some(Surface::Reaction(corner));
+        if self.block.friction > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
+            let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
+            // Where it slides the reactions are others.
+            if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
+                return Some(surface);
+            }
         }
-        if self.block.friction == 0.0 || !now.footing.grips() || now.regime == Regime::Separated {
-            return None;
-        }
-        let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
-        Corner::BOTH.map(Surface::Friction).into_iter().find(slides)
+        self.leaving_rigid_base(now).map(Surface::Reaction)
     }
 
     /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base, or the foot slides; nothing if

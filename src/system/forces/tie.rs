@@ -56,7 +56,9 @@ pub fn stretch<P: Scalar, T: Beside<P>>(block: &Block<P>, tie: &Tie<P>, place: &
     let d_dot = [u_dot + z * theta_dot, v_dot - x * theta_dot];
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
     let free = (at_rest[0] * at_rest[0] + at_rest[1] * at_rest[1]).sqrt() + tie.slack - tie.pretension / tie.stiffness;
-    let along = [d[0] / length, d[1] / length];
+    // Ends that meet pull in no direction.
+    let inverse = T::select_less(T::Real::from(0.0), length.value(), T::from(1.0) / length, T::from(0.0));
+    let along = [d[0] * inverse, d[1] * inverse];
     Stretch {
         length: length - free,
         rate: along[0] * d_dot[0] + along[1] * d_dot[1],

@@ -1,5 +1,9 @@
 //! Friction, ties and an eccentric centre of mass, beside independent trajectories.
 
+mod friction;
+mod random;
+mod ties;
+
 use std::path::{Path, PathBuf};
 
 use rocking_block::block::{Block, Common, Dimensionless, Tie};

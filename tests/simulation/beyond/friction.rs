@@ -1,0 +1,182 @@
+//! Sliding blocks in closed form, and the modes in which a block leaves rest.
+
+use proptest::prelude::*;
+use rocking_block::block::{Block, Common, Foundation, Regime};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::simulation::{Initial, Settings, Simulation};
+
+use crate::blocks::block;
+use crate::cases::cases;
+
+const G: f64 = 9.81;
+
+fn squat(friction: f64, foundation: Foundation) -> Block {
+    block([0.9, 2.0, 60.0, 0.3], &Common { foundation, friction, ..Common::default() })
+}
+
+fn start(block: Block, pulse: Pulse, inputs: &Inputs) -> Simulation {
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    Simulation::new(block, settings, pulse, &Initial::default(), 0.0, inputs)
+}
+
+fn push(a_gx: f64) -> Inputs {
+    Inputs { a_gx: Ramp::held(a_gx), ..Inputs::default() }
+}
+
+/// Newmark's sliding block under a rectangular pulse: `(a − μ g) T²/2 · a/(μ g)`.
+#[test]
+fn newmarks_block_under_a_rectangular_pulse() {
+    for (friction, acceleration) in [(0.3, 5.0), (0.3, -5.0), (0.1, 9.0), (0.6, 6.0)] {
+        let duration = 0.7;
+        let inputs = push(acceleration);
+        let mut simulation = start(squat(friction, Foundation::Rigid), Pulse::NONE, &inputs);
+        simulation.advance(duration, &inputs, &mut |_| ()).unwrap();
+        assert!(simulation.slides());
+        simulation.advance(20.0, &Inputs::default(), &mut |_| ()).unwrap();
+        let (a, limit): (f64, f64) = (f64::abs(acceleration), friction * G);
+        let way = (a > limit) as u8 as f64 * 0.5 * (a - limit) * duration * duration * a / limit;
+        let slip = simulation.slip();
+        assert!(!simulation.slides() && (slip.now + acceleration.signum() * way).abs() < 1e-10, "{slip:?}, not {way}");
+        assert!((slip.total - way).abs() < 1e-10 && (simulation.peaks().slip - way).abs() < 1e-10);
+        let energies = simulation.energies();
+        assert!(energies.residual.abs() < 1e-8 * energies.friction && energies.friction > 0.0, "{energies:?}");
+    }
+}
+
+/// The same under a one-sine pulse: the block slides one way, grips or turns back, and comes to rest.
+#[test]
+fn newmarks_block_under_a_sine_pulse() {
+    for (friction, amplitude, period) in [(0.3, 6.0, 0.8), (0.2, 9.0, 0.5), (0.45, 5.0, 1.3), (0.05, 4.0, 0.6)] {
+        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 };
+        let mut simulation = start(squat(friction, Foundation::Rigid), pulse, &Inputs::default());
+        simulation.advance(30.0, &Inputs::default(), &mut |_| ()).unwrap();
+        let [now, total] = slide(friction * G, amplitude, std::f64::consts::TAU / period);
+        let slip = simulation.slip();
+        assert!((slip.now - now).abs() < 1e-10, "{slip:?}, not {now}");
+        assert!((slip.total - total).abs() < 1e-10, "{slip:?}, not {total}");
+    }
+}
+
+/// Returns where a block stops that slides under `a sin ω t` for one period against `limit` (m/s²), and its whole way (m), from
+/// integrals in closed form.
+fn slide(limit: f64, a: f64, omega: f64) -> [f64; 2] {
+    let period = std::f64::consts::TAU / omega;
+    // Velocity and place a time after `from`, sliding in a direction, while the pulse acts or after it.
+    let within = |from: f64, u_dot: f64, direction: f64, time: f64| {
+        let elapsed = time - from;
+        let (sin, cos) = (f64::sin, f64::cos);
+        let u_dot_after = u_dot + a / omega * (cos(omega * time) - cos(omega * from)) - direction * limit * elapsed;
+        let way = u_dot * elapsed
+            + a / omega * ((sin(omega * time) - sin(omega * from)) / omega - cos(omega * from) * elapsed)
+            - 0.5 * direction * limit * elapsed * elapsed;
+        (u_dot_after, way)
+    };
+    let root = |mut low: f64, mut high: f64, below: &dyn Fn(f64) -> bool| {
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if below(middle) { high = middle } else { low = middle }
+        }
+        high
+    };
+    let (mut time, mut place, mut total) = (libm::asin(limit / a) / omega, 0.0, 0.0);
+    // The ground goes to the right first, and the block to the left beside it.
+    let mut direction = -1.0;
+    loop {
+        let slides = |until: f64| direction * within(time, 0.0, direction, until).0 > 0.0;
+        // The foot's velocity has one greatest value; it is positive right after the beginning.
+        let mut probe = time + 1e-4 * period;
+        while probe < period && slides(probe) {
+            probe += 1e-4 * period;
+        }
+        if probe >= period {
+            let (u_dot, way) = within(time, 0.0, direction, period);
+            let rest = 0.5 * u_dot * u_dot / limit;
+            return [place + way + direction * rest, total + way.abs() + rest];
+        }
+        let stop = root(probe - 1e-4 * period, probe, &|t| !slides(t));
+        let way = within(time, 0.0, direction, stop).1;
+        (place, total) = (place + way, total + way.abs());
+        let acceleration = a * libm::sin(omega * stop);
+        if acceleration.abs() > limit {
+            (time, direction) = (stop, -acceleration.signum());
+            continue;
+        }
+        // At rest until the other half of the pulse moves it.
+        let next = period - (std::f64::consts::PI - libm::asin(limit / a)) / omega;
+        let first = next.min(period - libm::asin(limit / a) / omega);
+        if a <= limit || first <= stop {
+            return [place, total];
+        }
+        (time, direction) = (first, 1.0);
+    }
+}
+
+/// The mode in which a block on the rigid base leaves rest under a constant acceleration, after Shenton (1996): it rests, slides,
+/// rocks, or both.
+fn mode(alpha: f64, friction: f64, a: f64) -> (bool, bool) {
+    let common = Common { foundation: Foundation::Rigid, friction, gravity: G, ..Common::default() };
+    let inputs = push(a);
+    let mut simulation = start(block([alpha, 1.7, 40.0, 0.1], &common), Pulse::NONE, &inputs);
+    simulation.advance(1e-9, &inputs, &mut |_| ()).unwrap();
+    (simulation.slides(), simulation.regime() != Regime::FullContact)
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    /// The boundaries of the four modes are where Shenton has them, to rounding.
+    #[test]
+    fn shentons_boundaries(alpha in 0.1..0.6, friction in 0.05..1.2, over in 1.001..3.0) {
+        const CLOSE: f64 = 1e-12;
+        let tan = libm::tan(alpha);
+        let [below, above] = [1.0 - CLOSE, 1.0 + CLOSE];
+        if friction < 0.999 * tan {
+            let limit = friction * G;
+            prop_assert_eq!(mode(alpha, friction, limit * below), (false, false));
+            prop_assert_eq!(mode(alpha, friction, limit * above), (true, false));
+            prop_assert_eq!(mode(alpha, friction, limit * over), (true, false));
+        } else if friction > 1.001 * tan {
+            let limit = tan * G;
+            prop_assert_eq!(mode(alpha, friction, limit * below), (false, false));
+            prop_assert_eq!(mode(alpha, friction, limit * above), (false, true));
+            // The friction that pure rocking needs at the start.
+            let a = limit * over;
+            let (sin, cos) = libm::sincos(alpha);
+            let turning = (a * cos - G * sin) / (1.0 + 1.0 / 3.0);
+            let needed = (a - cos * turning) / (G + sin * turning);
+            if needed > 1.001 * tan && needed < 1.3 {
+                prop_assert_eq!(mode(alpha, needed * above, a), (false, true), "needs {}", needed);
+                prop_assert_eq!(mode(alpha, needed * below, a), (true, true), "needs {}", needed);
+            }
+        }
+    }
+}
+
+/// With μ = tan α exactly a push beyond both limits slides the block, and it does not tip.
+#[test]
+fn friction_at_the_tangent_of_alpha() {
+    for alpha in [0.15, 0.25, 0.4] {
+        for over in [1.5, 2.0, 3.0] {
+            let friction = libm::tan(alpha);
+            let inputs = push(over * friction * G);
+            let common = Common { foundation: Foundation::Rigid, friction, ..Common::default() };
+            let mut simulation = start(block([alpha, 1.7, 40.0, 0.1], &common), Pulse::NONE, &inputs);
+            simulation.advance(0.5, &inputs, &mut |_| ()).unwrap();
+            let way = 0.5 * (over - 1.0) * friction * G * 0.25;
+            assert!(simulation.slides());
+            assert!((simulation.slip().now + way).abs() < 1e-9, "{:?}, not {way}", simulation.slip());
+            assert!(simulation.observe(&inputs).theta.abs() < 1e-9);
+        }
+    }
+}
+
+/// A friction at which a corner may jam on the rigid base is refused there, and only there.
+#[test]
+fn friction_that_jams() {
+    let common = |friction, foundation| Common { friction, foundation, ..Common::default() };
+    let dimensionless = rocking_block::block::Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    let on = |friction, foundation| Block::from_dimensionless(&dimensionless, &common(friction, foundation));
+    assert!(on(1.33, Foundation::Rigid).is_ok() && on(1.34, Foundation::Viscoelastic).is_ok());
+    let message = on(1.34, Foundation::Rigid).unwrap_err().to_string();
+    assert!(message.contains("friction = 1.34") && message.contains("1.333"), "{message}");
+}

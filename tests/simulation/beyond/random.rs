@@ -1,0 +1,197 @@
+//! Random blocks with friction, ties and an eccentric centre of mass: energy, mirror images, and limits.
+
+use proptest::prelude::*;
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime, Tie};
+use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
+use rocking_block::system::events::EventKind;
+
+use crate::cases::cases;
+
+/// A block with its excitation.
+#[derive(Clone, Debug)]
+struct Draw {
+    dimensionless: [f64; 4],
+    gamma: f64,
+    epsilon: f64,
+    eccentricity: f64,
+    friction: f64,
+    ties: Vec<[f64; 9]>,
+    rigid: bool,
+    flies: bool,
+    amplitude: f64,
+    period: f64,
+    vertical: f64,
+    theta: f64,
+}
+
+fn draws() -> impl Strategy<Value = Draw> {
+    let tie = [-1.0..1.0, 0.0..2.0, -4.0..4.0, -2.0..0.5, 0.05..20.0, 0.0..0.3, 0.0..0.03, 0.0..0.05, -2.0..3.0_f64];
+    (
+        ([0.08..0.6, 0.7..5.0, 10.0..150.0, 0.02..1.0], 1.5..5.0, 0.0..0.9, -0.8..0.8, 0.05..1.2_f64),
+        proptest::collection::vec(tie, 0..3),
+        (any::<bool>(), any::<bool>()),
+        (0.5..4.0, 0.1..2.0, -0.6..0.6, -0.3..0.3_f64),
+    )
+        .prop_map(
+            |(
+                (dimensionless, gamma, epsilon, eccentricity, friction),
+                ties,
+                (rigid, flies),
+                (amplitude, period, vertical, theta),
+            )| {
+                Draw {
+                    dimensionless,
+                    gamma,
+                    epsilon,
+                    eccentricity,
+                    friction,
+                    ties,
+                    rigid,
+                    flies,
+                    amplitude,
+                    period,
+                    vertical,
+                    theta,
+                }
+            },
+        )
+}
+
+impl Draw {
+    /// Returns the block, or its mirror image.
+    fn block(&self, side: f64) -> Option<Block> {
+        let [alpha, p, eta, xi_v] = self.dimensionless;
+        let foundation = if self.rigid { Foundation::Rigid } else { Foundation::Viscoelastic };
+        let common = Common { gamma: self.gamma, epsilon: self.epsilon, foundation, ..Common::default() };
+        let plain = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
+        let friction = if self.rigid { self.friction.min(0.9 * plain.jamming_friction()) } else { self.friction };
+        let common = Common { eccentricity: side * self.eccentricity * plain.b, friction: 0.8 * friction, ..common };
+        let (b, h, weight) = (plain.b, plain.h, plain.mass * plain.gravity);
+        let ties: Vec<Tie> = self
+            .ties
+            .iter()
+            .map(|&[x, z, ground_x, ground_z, stiffness, pretension, slack, damping, strength]| Tie {
+                block: [side * x * b, z * h],
+                ground: [side * ground_x * b, (ground_z - 0.1) * h],
+                stiffness: stiffness * weight / b,
+                pretension: pretension * weight,
+                slack: slack * b,
+                damping: damping * weight / (p * b),
+                strength: strength.max(0.0) * weight,
+            })
+            .collect();
+        Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).ok()?.with_ties(&ties).ok()
+    }
+
+    fn start(&self, side: f64, tolerance: f64) -> Option<(Simulation, Inputs)> {
+        let block = self.block(side)?;
+        let on_separation = if self.flies { OnSeparation::Fly } else { OnSeparation::Terminate };
+        let settings = Settings { tolerance, on_separation, ..Settings::default() };
+        let scale = block.gravity * libm::tan(block.alpha);
+        let pulse = Pulse {
+            shape: PulseShape::OneSine,
+            amplitude: side * self.amplitude * scale,
+            period: self.period / block.p,
+            start: 0.1,
+        };
+        let inputs = Inputs { a_gz: Ramp::held(self.vertical * block.gravity), ..Inputs::default() };
+        let initial = Initial { theta: side * self.theta * block.alpha, ..Initial::default() };
+        Some((Simulation::new(block, settings, pulse, &initial, 0.0, &inputs), inputs))
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(300))]
+
+    /// The energies balance, no landing from flight makes energy, no reaction pulls, and friction keeps within its limit.
+    #[test]
+    fn energies_balance(draw in draws()) {
+        let Some((mut simulation, inputs)) = draw.start(1.0, 1e-8) else { return Ok(()) };
+        let block = *simulation.block();
+        let barrier = block.mass * block.gravity * block.r0 * block.alpha * block.alpha;
+        let end = 12.0 / block.p;
+        let mut input = 0.0_f64;
+        let mut progress = Some(Progress::Reached);
+        while simulation.time() < end && !matches!(progress, Some(Progress::Ended(..))) {
+            let before = simulation.energies().total;
+            let mut landed = false;
+            simulation
+                .settle(&inputs, &mut |event| {
+                    landed |= matches!(event.kind, EventKind::Landing(_)) && event.before == Regime::Separated;
+                })
+                .unwrap();
+            let after = simulation.energies();
+            input = input.max(after.input.abs()).max(after.total.abs());
+            let size = barrier + input;
+            prop_assert!(!landed || after.total - before <= 1e-12 * size, "a landing makes {} J", after.total - before);
+            let now = simulation.time();
+            let until = (now + 0.05 / block.p).min(end);
+            progress = simulation.advance_to_event(until, now, &inputs, &mut |_| ()).unwrap();
+            let energies = simulation.energies();
+            let size = barrier + input.max(energies.input.abs());
+            prop_assert!(energies.residual.abs() < 1e-7 * size, "{energies:?} at {} s", simulation.time());
+            let seen = simulation.observe(&inputs);
+            let weight = block.mass * block.gravity;
+            prop_assert!(seen.reaction.iter().all(|&n| n > -1e-9 * weight), "{seen:?}");
+            let limit = block.friction * (seen.reaction[0] + seen.reaction[1]);
+            let over = seen.horizontal.abs() - limit;
+            prop_assert!(over <= 1e-6 * (weight + limit), "H = {} N, limit {limit} N at {} s", seen.horizontal, simulation.time());
+            prop_assert!(seen.tension.iter().all(|&t| t > -1e-9 * weight), "{seen:?}");
+        }
+    }
+
+    /// The mirror image of a block moves as the mirror image.
+    #[test]
+    fn mirror_images(draw in draws()) {
+        let runs = [1.0, -1.0].map(|side| draw.start(side, 1e-9));
+        let [Some((mut right, inputs)), Some((mut left, _))] = runs else { return Ok(()) };
+        let block = *right.block();
+        for i in 1..20 {
+            let until = 0.1 * f64::from(i) / block.p;
+            let ends = [&mut right, &mut left].map(|run| run.advance(until, &inputs, &mut |_| ()).unwrap());
+            if right.counts().impacts > 3 || matches!(ends[0], Progress::Ended(..)) {
+                break;
+            }
+            let [a, b] = [&right, &left].map(|run| run.observe(&inputs));
+            prop_assert!((a.theta + b.theta).abs() < 1e-9 && (a.v - b.v).abs() < 1e-9 * block.r0, "{a:?} {b:?}");
+            prop_assert!((right.slip().now + left.slip().now).abs() < 1e-9 * block.r0);
+        }
+    }
+}
+
+/// With ever more friction and ever softer ties the motion is that of the plain block.
+#[test]
+fn limits_are_the_plain_block() {
+    let dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.2, start: 0.0 };
+    let theta = |foundation, friction, stiffness: f64, eccentricity| {
+        let common = Common { foundation, friction, eccentricity, ..Common::default() };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let tie = Tie {
+            block: [block.b, block.h],
+            ground: [4.0 * block.b, 0.0],
+            stiffness: stiffness * block.mass * block.gravity / block.b,
+            ..Tie::default()
+        };
+        let block = if stiffness > 0.0 { block.with_ties(&[tie]).unwrap() } else { block };
+        let settings = Settings { tolerance: 1e-11, ..Settings::default() };
+        let inputs = Inputs::default();
+        let mut simulation = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
+        simulation.advance(4.5, &inputs, &mut |_| ()).unwrap();
+        simulation.observe(&inputs).theta
+    };
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = theta(foundation, 0.0, 0.0, 0.0);
+        assert!(plain.abs() > 0.01, "it rocks: {plain}");
+        for (part, close) in [(1e-4, 1e-2), (1e-6, 1e-4), (1e-8, 1e-6)] {
+            let tied = theta(foundation, 0.0, part, 0.0);
+            assert!((tied - plain).abs() < close, "{foundation:?}: k of {part}: {tied}, not {plain}");
+            let uneven = theta(foundation, 0.0, 0.0, part);
+            assert!((uneven - plain).abs() < close, "{foundation:?}: e_x = {part} m: {uneven}, not {plain}");
+        }
+        let most = if foundation == Foundation::Rigid { 1.3 } else { 1e6 };
+        let rough = theta(foundation, most, 0.0, 0.0);
+        assert!((rough - plain).abs() < 1e-9, "{foundation:?}: with friction {rough}, not {plain}");
+    }
+}

@@ -1,0 +1,161 @@
+//! Ties: an elastic tendon through the middle of a rigid base, and ties that break together.
+
+use rocking_block::block::{Block, Common, Foundation, Tie, TieState};
+use rocking_block::excitation::{Inputs, Pulse};
+use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::system::events::EventKind;
+
+use crate::blocks::block;
+
+/// Returns a block with a tendon through the middle of its base, guided at the ground, with a stiffness k b / (M g) of `stiffness` and
+/// a pretension T0/(M g).
+fn with_tendon(foundation: Foundation, stiffness: f64, pretension: f64) -> Block {
+    let block = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+    let weight = block.mass * block.gravity;
+    let tendon = Tie {
+        // It is as long as nothing at rest, but for a direction.
+        ground: [0.0, -1e-12],
+        stiffness: stiffness * weight / block.b,
+        pretension: pretension * weight,
+        ..Tie::default()
+    };
+    block.with_ties(&[tendon]).unwrap()
+}
+
+fn released(block: Block, theta: f64) -> Simulation {
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    let initial = Initial { theta, ..Initial::default() };
+    Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default())
+}
+
+/// The equation of Vassiliou and Makris (2015, 10.1061/(ASCE)EM.1943-7889.0000953) on a rigid base: weight and tendon turn the block
+/// back, with the tendon's elongation `2 b sin(θ/2)` on the arm `b cos(θ/2)`.
+fn angular_acceleration(block: &Block, theta: f64) -> f64 {
+    let Block { mass, gravity, r0, alpha, b, i0, .. } = *block;
+    let tie = block.ties.all()[0];
+    let tension = tie.pretension + tie.stiffness * 2.0 * b * libm::sin(0.5 * theta);
+    -(gravity * r0 * libm::sin(alpha - theta) + tension / mass * b * libm::cos(0.5 * theta)) / (i0 + r0 * r0)
+}
+
+/// The motion of a released block with a tendon is that of this equation, integrated by the classical Runge–Kutta method, until its
+/// first impact.
+#[test]
+fn a_tendon_through_the_base() {
+    for (stiffness, pretension) in [(0.0, 0.1), (0.5, 0.0), (2.0, 0.05), (8.0, 0.3)] {
+        let block = with_tendon(Foundation::Rigid, f64::max(stiffness, 1e-9), pretension);
+        let mut simulation = released(block, 0.15);
+        let (step, mut x) = (2e-5, [0.15, 0.0]);
+        for i in 1.. {
+            let f = |x: [f64; 2]| [x[1], angular_acceleration(&block, x[0])];
+            let at = |k: [f64; 2], h: f64| [x[0] + h * k[0], x[1] + h * k[1]];
+            let k1 = f(x);
+            let k2 = f(at(k1, 0.5 * step));
+            let k3 = f(at(k2, 0.5 * step));
+            let k4 = f(at(k3, step));
+            x = [0, 1].map(|j| x[j] + step / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]));
+            if x[0] < 1e-4 {
+                break;
+            }
+            if i % 500 == 0 {
+                simulation.advance(step * f64::from(i), &Inputs::default(), &mut |_| ()).unwrap();
+                let seen = simulation.observe(&Inputs::default());
+                assert!(
+                    (seen.theta - x[0]).abs() < 1e-8 && (seen.theta_dot - x[1]).abs() < 1e-8,
+                    "{seen:?}, not {x:?}"
+                );
+            }
+        }
+    }
+}
+
+/// A quarter of the rocking period of the same block, from the energy by Gauss's rule.
+#[test]
+fn the_rocking_period_with_a_tendon() {
+    let block = with_tendon(Foundation::Rigid, 1.5, 0.1);
+    let (from, tie) = (0.12, block.ties.all()[0]);
+    let Block { mass, gravity, r0, alpha, b, i0, .. } = block;
+    // Potential energy over the inertia about the corner.
+    let potential = |theta: f64| {
+        let s = 2.0 * b * libm::sin(0.5 * theta);
+        let weight = gravity * r0 * (libm::cos(alpha - theta) - libm::cos(alpha));
+        (weight + (tie.pretension * s + 0.5 * tie.stiffness * s * s) / mass) / (i0 + r0 * r0)
+    };
+    // With θ = from (1 − y²) the integrand is smooth.
+    let pieces = 400_u32;
+    let nodes = [-0.906179845938664, -0.538469310105683, 0.0, 0.538469310105683, 0.906179845938664];
+    let weights = [0.236926885056189, 0.478628670499366, 0.568888888888889, 0.478628670499366, 0.236926885056189];
+    let half = 0.5 / f64::from(pieces);
+    let mut quarter = 0.0;
+    for piece in 0..pieces {
+        for (node, weight) in nodes.into_iter().zip(weights) {
+            let y = half * (f64::from(2 * piece) + 1.0 + node);
+            let speed = (2.0 * (potential(from) - potential(from * (1.0 - y * y)))).sqrt();
+            quarter += half * weight * 2.0 * from * y / speed;
+        }
+    }
+    let mut first = None;
+    released(block, from)
+        .advance(10.0, &Inputs::default(), &mut |event| {
+            first = first.or(matches!(event.kind, EventKind::Landing(_)).then_some(event.time));
+        })
+        .unwrap();
+    let first = first.unwrap();
+    assert!((first - quarter).abs() < 1e-8, "{first} s, not {quarter} s");
+}
+
+/// Two equal ties at one place are one of twice the stiffness, and break in one instant.
+#[test]
+fn two_ties_that_break_at_once() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let block = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+        let weight = block.mass * block.gravity;
+        let tie = |stiffness: f64, strength: f64| Tie {
+            block: [-block.b, block.h],
+            ground: [-3.0 * block.b, 0.0],
+            stiffness: stiffness * weight,
+            slack: 0.01,
+            damping: 0.01 * weight,
+            strength: strength * weight,
+            ..Tie::default()
+        };
+        let run = |ties: &[Tie]| {
+            let initial = Initial { theta_dot: 0.25, ..Initial::default() };
+            let settings = Settings { tolerance: 1e-10, ..Settings::default() };
+            let block = block.with_ties(ties).unwrap();
+            let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+            let mut broken = vec![];
+            simulation
+                .advance(1.5, &Inputs::default(), &mut |event| {
+                    if let EventKind::Break(_) = event.kind {
+                        broken.push(event.time);
+                    }
+                })
+                .unwrap();
+            (simulation, broken)
+        };
+        let (two, broken) = run(&[tie(0.5, 0.02), tie(0.5, 0.02)]);
+        let (one, alone) = run(&[Tie { damping: 0.02 * weight, ..tie(1.0, 0.04) }]);
+        assert_eq!((broken.len(), alone.len()), (2, 1));
+        assert!(broken[1] - broken[0] < 1e-9 && (broken[0] - alone[0]).abs() < 1e-8, "{broken:?} {alone:?}");
+        assert_eq!(two.ties()[..2], [TieState::Broken; 2]);
+        let [two, one] = [two, one].map(|simulation| simulation.observe(&Inputs::default()).theta);
+        assert!((two - one).abs() < 1e-8, "{two} {one}");
+    }
+}
+
+/// A block that is held down at rest sinks as far as its supports yield to weight and pretension, and stays.
+#[test]
+fn a_pretensioned_block_rests() {
+    let plain = block([0.2, 1.5, 60.0, 0.1], &Common::default());
+    let weight = plain.mass * plain.gravity;
+    let tendon =
+        Tie { ground: [0.0, -3.0], stiffness: 2.0 * weight / plain.b, pretension: 0.5 * weight, ..Tie::default() };
+    let mut simulation = released(plain.with_ties(&[tendon]).unwrap(), 0.0);
+    let seen = simulation.observe(&Inputs::default());
+    let pull = seen.tension[0];
+    assert!((seen.reaction[0] + seen.reaction[1] - weight - pull).abs() < 1e-9 * weight, "{seen:?}");
+    assert!(pull < 0.5 * weight && pull > 0.4 * weight, "{pull}");
+    simulation.advance(10.0, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();
+    let after = simulation.observe(&Inputs::default());
+    assert!((after.v - seen.v).abs() < 1e-12 && after.theta == 0.0, "{after:?}");
+}
