@@ -27,15 +27,21 @@ def sketch(block: "Block", ax: Axes | None) -> Axes:
     """Draws a block with its centre of mass, foundation, ties and dimensions, in metres."""
     axes = _free_axes(ax)
     _add(axes, "block")
+    slot = _slot(axes)
     b, body = block.width / 2, block.height
-    h, offset = body / 2, float(getattr(block, "eccentricity", 0.0))
+    h, offset = body / 2, block.eccentricity
     size = max(2 * b, body)
-    ties = [_reach(tie, b, body, size) for tie in getattr(block, "ties", ())]
+    ties = [_reach(tie, b, body, size) for tie in block.ties]
     ends = [end for start, end, _ in ties] + [start for start, _, _ in ties]
     left = min([-b - _LABELS * size, *(x - 0.05 * size for x, _ in ends)])
     right = max([b + _LABELS * size, *(x + 0.05 * size for x, _ in ends)])
     top = max([body, *(z for _, z in ends)])
-    axes.add_patch(Rectangle((-b, 0), 2 * b, body, fc=_FILL, ec=_INK, lw=1.8))
+    # Of a body as it is measured only the height of the centre of mass is known.
+    is_measured = "center_height" in block.parameters()
+    axes.add_patch(Rectangle((-b, 0), 2 * b, body, fc=_FILL, ec="none" if is_measured else _INK, lw=1.8))
+    if is_measured:
+        axes.plot([-b, -b, b, b], [h, 0.0, 0.0, h], color=_INK, lw=1.8)
+        axes.plot([-b, -b, math.nan, b, b], [h, body, math.nan, h, body], color=_FAINT, lw=1, ls="--")
     below = _foundation(axes, block, b, size, (left, right) if ties else None)
     below = min([below, *(z for _, z in ends)])
     _angles(axes, b, h, offset, size)
@@ -47,19 +53,37 @@ def sketch(block: "Block", ax: Axes | None) -> Axes:
     for angle in (0, 180):
         axes.add_patch(Wedge((offset, h), 0.022 * size, angle, angle + 90, fc=_INK, zorder=4))
     axes.add_patch(Circle((offset, h), 0.022 * size, fc="white", ec=_INK, lw=1.2, zorder=3))
-    _vertical(axes, left - 0.3 * _ROW * size, -b, 0.0, body, f"2h = {body:.4g} m")
+    if not is_measured:
+        _vertical(axes, left - 0.3 * _ROW * size, -b, 0.0, body, f"2h = {body:.4g} m")
     _vertical(axes, right + 0.3 * _ROW * size, b, 0.0, h, f"h = {h:.4g} m")
     _horizontal(axes, below - _ROW * size, -b, b, below - 0.02 * size, f"2b = {2 * b:.4g} m")
     if offset:
         for x in (0.0, offset):
             axes.plot([x, x], [0.0, body + 0.08 * size], color=_FAINT, lw=0.8, ls="-.")
         _horizontal(axes, body + 0.06 * size, min(0.0, offset), max(0.0, offset), body, f"$e_x$ = {offset:.4g} m")
-    # Lines alone do not widen the view around the patches.
-    axes.set(xlim=(left - 1.2 * _ROW * size, right + 1.2 * _ROW * size), aspect="equal")
-    axes.set_ylim(below - 1.9 * _ROW * size, max(body + (0.17 if offset else 0.05) * size, top + 0.05 * size))
-    axes.set_axis_off()
-    axes.text(1.04, 1.0, "\n".join(_values(block, offset)), transform=axes.transAxes, va="top", linespacing=1.5)
+    low = below - 1.9 * _ROW * size
+    high = max(body + (0.17 if offset else 0.05) * size, top + 0.05 * size)
+    _write_values(axes, _values(block, offset), slot, (left - 1.2 * _ROW * size, right + 1.8 * _ROW * size), (low, high))
     return axes
+
+
+def _slot(axes: Axes) -> _Point:
+    """Returns width and height that the layout gives to axes without labels (inches)."""
+    axes.set_axis_off()
+    figure: Any = axes.figure.canvas.figure
+    figure.draw_without_rendering()
+    return axes.bbox.width / figure.dpi, axes.bbox.height / figure.dpi
+
+
+def _write_values(axes: Axes, lines: list[str], slot: _Point, x: _Point, y: _Point) -> None:
+    """Sets the view to these ranges of the drawing and as much room at the right as the lines need."""
+    width, height = slot
+    letters = max(len(line.replace("$", "").replace("_", "")) for line in lines)
+    # Letters are 0.58 of the font size wide on average, in points.
+    room = min(letters * 0.58 * pyplot.rcParams["font.size"] / 72, 0.6 * width)
+    scale = min(height / (y[1] - y[0]), (width - room) / (x[1] - x[0]))
+    axes.set(xlim=(x[0], x[0] + width / scale), ylim=y, aspect="equal")
+    axes.text(x[1], y[1], "\n".join(lines), va="top", linespacing=1.5)
 
 
 def _free_axes(ax: Any) -> Axes:
@@ -189,9 +213,9 @@ def _values(block: "Block", offset: float) -> list[str]:
     else:
         lines += ["each support:", f"K = {block.K:.4g} N/m", f"C = {block.C:.4g} N s/m",
                   rf"η = {block.eta:.4g}, $ξ_v$ = {block.xi_v:.4g}, ε = {block.epsilon:.4g}"]
-    if friction := getattr(block, "friction", 0.0):
-        lines += [f"friction μ = {friction:.4g}"]
-    for number, tie in enumerate(getattr(block, "ties", ()), 1):
+    if block.friction:
+        lines += [f"friction μ = {block.friction:.4g}"]
+    for number, tie in enumerate(block.ties, 1):
         ends = f"({tie.block_x:.4g}, {tie.block_z:.4g}) to ({tie.ground_x:.4g}, {tie.ground_z:.4g}) m"
         lines += ["", f"tie {number}: {ends}", f"k = {tie.stiffness:.4g} N/m"]
         given = (("pretension", "N"), ("slack", "m"), ("damping", "N s/m"), ("strength", "N"))

@@ -6,7 +6,6 @@ import inspect
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -124,18 +123,14 @@ def test_a_block_is_drawn_to_scale_with_its_dimensions(figure):
 
 def test_a_sketch_shows_eccentricity_friction_and_ties(figure):
     """The arcs of the angles end on the lines to the centre of mass; a far anchor is broken off on its line."""
-    from rocking_block import _sketch
-
-    block = rb.Block(width=0.8, height=2.0, foundation="rigid")
-    names = ("width", "height", "alpha", "R0", "p", "gamma", "mass", "e", "foundation")
-    of_tie = {"stiffness": 2.5e6, "pretension": 12e3, "slack": 0.0, "damping": 0.0, "strength": 0.0}
-    near = SimpleNamespace(block_x=0.4, block_z=1.8, ground_x=1.0, ground_z=0.0, **of_tie)
-    far = SimpleNamespace(block_x=-0.4, block_z=2.0, ground_x=-9.0, ground_z=0.0, **of_tie)
-    body = SimpleNamespace(eccentricity=-0.1, friction=0.45, ties=[near, far], **{name: getattr(block, name) for name in names})
-    axes = _sketch.sketch(body, None)
+    near = rb.Tie(block_x=0.4, block_z=1.8, ground_x=1.0, stiffness=2.5e6, pretension=12e3)
+    far = rb.Tie(block_x=-0.4, block_z=2.0, ground_x=-9.0, stiffness=2.5e6)
+    size = {"width": 0.8, "center_height": 1.0, "mass": 500, "foundation": "rigid"}
+    axes = rb.Block(**size, eccentricity=-0.1, friction=0.45, ties=[near, far]).plot()
     texts = [text.get_text() for text in axes.texts]
-    assert {"$e_x$ = -0.1 m", "1", "2", r"$\alpha_L$ = 16.7°", r"$\alpha_R$ = 26.57°"} <= set(texts)
+    assert {"$e_x$ = -0.1 m", "h = 1 m", "1", "2", r"$\alpha_L$ = 16.7°", r"$\alpha_R$ = 26.57°"} <= set(texts)
     assert "friction μ = 0.45" in texts[-1] and "tie 2: (-0.4, 2) to (-9, 0) m" in texts[-1]
+    assert not any("2h" in text for text in texts), "the height of the body is not known"
     arcs = [patch for patch in axes.patches if type(patch).__name__ == "Arc"]
     angles = sorted(arc.theta2 - arc.theta1 for arc in arcs)
     assert np.allclose(angles, np.degrees([np.arctan(0.3), np.arctan(0.5)]))
@@ -143,8 +138,11 @@ def test_a_sketch_shows_eccentricity_friction_and_ties(figure):
     assert np.allclose(ends[0], [1.0, 0.0]) and ends[1][0] > -4.0
     assert np.isclose((2.0 - ends[1][1]) / (-0.4 - ends[1][0]), 2.0 / 8.6)
     figure.canvas.draw()
-    body.ties = [SimpleNamespace(block_x=3.0, block_z=20.0, ground_x=4.0, ground_z=0.0, **of_tie)]
-    axes = _sketch.sketch(body, None)
+    for text in axes.texts:
+        box = text.get_window_extent()
+        assert figure.bbox.contains(box.x0, box.y0) and figure.bbox.contains(box.x1, box.y1), text.get_text()
+    outside = rb.Tie(block_x=3.0, block_z=20.0, ground_x=4.0, stiffness=2.5e6)
+    axes = rb.Block(**size, ties=[outside]).plot()
     start, end = next(line.get_xydata() for line in axes.lines if line.get_color() == "#004488")
     assert axes.get_xlim()[1] > start[0] and axes.get_ylim()[1] > start[1] > 2.0, "an end outside the body is seen"
 

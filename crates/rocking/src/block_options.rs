@@ -105,6 +105,11 @@ impl BlockOptions {
         self.g
     }
 
+    /// Returns the height of the body (m), which is unknown if only that of its centre of mass is given.
+    pub fn body_height(&self, block: &Block) -> Option<f64> {
+        self.center_height.is_none().then_some(2.0 * block.h)
+    }
+
     /// Refuses options without effect.
     pub fn refuse_unread(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         let on_supports = match self.foundation {

@@ -63,14 +63,14 @@ struct Supports {
 
 /// Runs the command.
 pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { block, picture, report } = options;
-    block.refuse_unread(explicit)?;
+    let Options { block: given, picture, report } = options;
+    given.refuse_unread(explicit)?;
     explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
-    let block = block.block(explicit)?;
+    let block = given.block(explicit)?;
     let plot = picture.plot.clone().map_or_else(default_output, Ok)?;
     let file = Pending::new(&plot)?;
-    let svg = Sketch::of(&block).svg()?;
+    let svg = Sketch { block, height: given.body_height(&block) }.svg()?;
     Pending::write(vec![(file, format.encode(&svg)?)])?;
     let written = WrittenFiles::new([("plot", Some(plot.as_path()))]);
     let values = Values::of(&block);

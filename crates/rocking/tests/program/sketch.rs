@@ -54,6 +54,36 @@ fn a_rigid_base_has_no_supports() {
     assert_eq!(files(folder.path()), [""; 0]);
 }
 
+/// Eccentricity, friction and ties are drawn; a body of which only the centre of mass is given has no height.
+#[test]
+fn sketches_show_eccentricity_friction_and_ties() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = "--width 0.8 --center-height 1.0 --mass 500 --foundation rigid --eccentricity -0.1 --friction 0.25";
+    let ties = "--tie block_x=-0.4,block_z=1.8,ground_x=-1.6,stiffness=2.5e6,slack=0.005 \
+                --tie block_z=0.2,ground_z=-30,stiffness=1e5,strength=4e4";
+    let options = format!("sketch --plot block.svg {body} {ties}");
+    let told = stdout(folder.path(), &options.split_whitespace().collect::<Vec<_>>());
+    assert!(!told.contains("rocks ") && !told.contains("slides "), "{told}");
+    let texts = texts(&std::fs::read_to_string(folder.path().join("block.svg")).unwrap());
+    for expected in [
+        "ex = −0.1 m",
+        "h = 1 m",
+        "αL = 16.7°",
+        "αR = 26.57°",
+        "αL = 0.2915 rad = 16.7°",
+        "friction μ = 0.25",
+        "tie 1: (−0.4, 1.8) to (−1.6, 0) m",
+        "k = 2.5 MN/m, slack 0.005 m",
+        "tie 2: (0, 0.2) to (0, −30) m",
+        "k = 100 kN/m, strength 40 kN",
+        "1",
+        "2",
+    ] {
+        assert!(texts.iter().any(|text| text == expected), "{expected} is not in {texts:?}");
+    }
+    assert!(texts.iter().all(|text| !text.contains("2h") && !text.contains("high")), "{texts:?}");
+}
+
 /// The summary has the values in full precision, by the names of the FMU.
 #[test]
 fn values_are_printed_as_json() {
