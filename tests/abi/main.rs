@@ -1,5 +1,8 @@
 //! The packed FMU through its C interface, tested against the FMI standard 2.0.4.
 
+#[path = "../common/beyond.rs"]
+#[allow(dead_code, reason = "the solver's own tests use the rest")]
+mod beyond_cases;
 #[path = "../common/mod.rs"]
 #[allow(dead_code, reason = "the solver's own tests use the rest")]
 mod common;
@@ -14,6 +17,7 @@ mod bad_state;
 mod bad_step;
 mod bad_value;
 mod beginning;
+mod beyond;
 mod callbacks;
 mod derivatives;
 mod description;

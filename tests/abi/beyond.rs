@@ -1,0 +1,125 @@
+//! Friction, ties and an eccentric centre of mass, computed by the FMU, beside independent trajectories.
+
+use rocking_block::block::Tie;
+
+use crate::beyond_cases::{Case, Change, cases};
+use crate::common::{Record, inputs_at, record_named};
+use crate::functions::*;
+use crate::host::{Instance, call};
+use crate::logging::Told;
+use crate::skipped::skip;
+
+/// Differences of θ from the trajectory, as a part of α, and of event times (s).
+const CLOSE: f64 = 1e-7;
+
+fn prepare(instance: &Instance, case: &Case) {
+    let (block, pulse) = (case.block(), case.a_gx.pulse());
+    for (name, value) in [
+        ("dimensionless.alpha", case.alpha),
+        ("dimensionless.p", case.p),
+        ("dimensionless.eta", case.eta),
+        ("dimensionless.xi_v", case.xi_v),
+        ("mass", case.mass),
+        ("epsilon", case.epsilon),
+        ("g", case.g),
+        ("eccentricity", case.eccentricity),
+        ("friction", case.friction),
+        ("pulse.shape", f64::from(pulse.shape as i32)),
+        ("pulse.amplitude", pulse.amplitude),
+        ("pulse.period", pulse.period),
+    ] {
+        instance.set(name, value);
+    }
+    for (i, tie) in block.ties.all().iter().enumerate() {
+        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
+        for (name, value) in [
+            ("block_x", block[0]),
+            ("block_z", block[1]),
+            ("ground_x", ground[0]),
+            ("ground_z", ground[1]),
+            ("stiffness", stiffness),
+            ("pretension", pretension),
+            ("slack", slack),
+            ("damping", damping),
+            ("strength", strength),
+        ] {
+            instance.set(&format!("tie_{}.{name}", i + 1), value);
+        }
+    }
+}
+
+/// Compares a case with its trajectory, or names the missing record.
+fn run(case: &Case) -> Result<Vec<String>, String> {
+    let records: [Option<Record>; 2] = [record_named(&case.a_gx, case.g)?, None];
+    let instance = Instance::at(&case.name, None, true);
+    let category = c"logEvents".as_ptr();
+    assert_eq!(call!(instance, set_debug_logging, 1, 1, &category), OK);
+    prepare(&instance, case);
+    let set_inputs = |sample: usize| {
+        let inputs = inputs_at(&records, sample);
+        if records[0].is_some() {
+            instance.set("a_gx", inputs.a_gx.value);
+            instance.set_rate("a_gx", inputs.a_gx.rate);
+        }
+    };
+    set_inputs(0);
+    instance.initialize(Some(1e-10));
+    let step = records[0].as_ref().map_or(case.dt, |record| record.dt);
+    let per_row = (case.dt / step).round() as usize;
+    let name = &case.name;
+    let mut wrong = vec![];
+    for (i, row) in case.rows().iter().enumerate() {
+        for sample in (i * per_row).saturating_sub(per_row)..i * per_row {
+            set_inputs(sample);
+            assert_eq!(instance.try_step(sample as f64 * step, (sample + 1) as f64 * step - sample as f64 * step), OK);
+        }
+        let r0 = instance.get("derived.R0");
+        for (of, expected, size) in [
+            ("theta", row.theta, case.alpha),
+            ("u", row.u, r0),
+            ("v", row.v, r0),
+            ("tie_1.tension", row.tension_1.unwrap_or(0.0), case.mass * case.g),
+            ("tie_2.tension", row.tension_2.unwrap_or(0.0), case.mass * case.g),
+        ] {
+            let found = instance.get(of);
+            if (found - expected).abs() > CLOSE * size && wrong.len() < 5 {
+                wrong.push(format!("{name}: {of} = {found}, not {expected}, in row {i}"));
+            }
+        }
+    }
+    let told: Vec<Told> = instance.messages().into_iter().map(|message| Told::read(&message.text)).collect();
+    let expected = case.lasting_events();
+    if told.len() != expected.len() {
+        wrong.push(format!("{name}: {} events, not {}", told.len(), expected.len()));
+    }
+    for (told, (time, change)) in told.iter().zip(&expected) {
+        let same = match change {
+            Change::Regime { regime, .. } => told.after == *regime && !told.what.starts_with("tie"),
+            Change::Tie(tie) => {
+                let number: i32 = tie[tie.len() - 1..].parse().unwrap();
+                let breaks = tie.starts_with("break");
+                told.what.starts_with(&format!("tie {}", number + 1)) && told.what.ends_with("breaks") == breaks
+            }
+        };
+        if !same || (told.time - time).abs() > CLOSE {
+            wrong.push(format!("{name}: {} at {} s, not {change:?} at {time} s", told.what, told.time));
+            break;
+        }
+    }
+    Ok(wrong)
+}
+
+/// θ and the places within 1e-7 of α and of R0, with the same events within 1e-7 s.
+#[test]
+fn trajectories() {
+    let mut wrong = vec![];
+    for case in cases() {
+        match run(&case) {
+            Ok(differences) => wrong.extend(differences),
+            Err(record) => {
+                skip(&format!("reference case {} through the FMU: its record {record} is not at hand", case.name));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
