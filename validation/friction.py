@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Friction needed by the runs of a typical sweep: the longest time for which |H|/(N_L + N_R) is above 0.3, 0.5 and 0.7.
+"""What friction changes: the runs of a typical sweep without a limit, and with friction of 0.3, 0.5 and 0.7.
 
     python validation/friction.py [--runs 200] [--json]
 
@@ -16,7 +16,6 @@ import numpy as np
 import rocking_block as rb
 
 RECORDS = Path(__file__).resolve().parents[1] / "records"
-STEP = 2.5e-4
 LEVELS = (0.3, 0.5, 0.7)
 
 
@@ -27,38 +26,38 @@ def main():
     arguments = parser.parse_args()
     generator = np.random.default_rng(1)
     records = [rb.read_record(path) for path in sorted(RECORDS.glob("*.smc"))]
-    longest, slenderness = [], []
+    rows = []
     for _ in range(arguments.runs):
         alpha, p = generator.uniform(0.1, 0.35), generator.uniform(1, 5)
         eta, xi_v = generator.uniform(20, 100), generator.uniform(0.05, 0.4)
         scale, record = generator.uniform(1, 6), records[generator.integers(len(records))]
-        block = rb.Block(alpha=alpha, p=p, eta=eta, xi_v=xi_v)
-        run = block.run(record, scale=scale, step=STEP, progress=False)
-        if run.counts.liftoffs == 0:
+
+        def run(friction):
+            block = rb.Block(alpha=alpha, p=p, eta=eta, xi_v=xi_v, friction=friction)
+            run = block.run(record, scale=scale, progress=False)
+            return run.outcome == "overturned", run.peak.theta / alpha, run
+
+        fell, peak, plain = run(0.0)
+        if plain.counts.liftoffs == 0:
             continue
-        demand = run.friction_demand
-        # The longest uninterrupted time above each level.
-        pieces = []
+        row = {"alpha": alpha, "fell": fell}
         for level in LEVELS:
-            above = np.concatenate([[0], (demand > level).astype(int), [0]])
-            ends = np.flatnonzero(np.diff(above))
-            pieces.append(STEP * max(ends[1::2] - ends[::2], default=0))
-        longest.append(pieces)
-        slenderness.append(alpha)
-    longest, slenderness = np.array(longest), np.array(slenderness)
-    shares = {f"{level}": float(np.mean(longest[:, i] > 1e-3)) for i, level in enumerate(LEVELS)}
-    by_slenderness = {
-        f"alpha {low} to {high}": float(np.mean(longest[(slenderness >= low) & (slenderness < high), 1] > 1e-3))
-        for low, high in ((0.1, 0.2), (0.2, 0.3), (0.3, 0.35))
-    }
-    results = {
-        "runs that rock": len(longest),
-        "share above a friction demand for more than 1 ms": shares,
-        "share above 0.5 by slenderness": by_slenderness,
-        "median of the longest time above 0.5 where it is above (s)": float(
-            np.median(longest[longest[:, 1] > 0, 1]) if (longest[:, 1] > 0).any() else 0.0
-        ),
-    }
+            falls, with_friction, limited = run(level)
+            change = 0.0 if fell or falls else abs(with_friction / peak - 1)
+            row[level] = (falls != fell, change, limited.peak.slip)
+        rows.append(row)
+    results = {"runs that rock": len(rows), "overturned without a limit": sum(row["fell"] for row in rows)}
+    for level in LEVELS:
+        flips, changes, slips = (np.array([row[level][i] for row in rows]) for i in range(3))
+        results[f"friction {level}"] = {
+            "outcomes that change": int(flips.sum()),
+            "peaks of rotation that change by more than 10 %": int((changes > 0.1).sum()),
+            "blocks that slide by more than 1 mm": int((slips > 1e-3).sum()),
+            "greatest slip (m)": round(float(slips.max()), 3),
+            "least alpha (rad) whose outcome or peak changes so": round(
+                min((row["alpha"] for row in rows if row[level][0] or row[level][1] > 0.1), default=float("nan")), 2
+            ),
+        }
     if arguments.json:
         return print(json.dumps(results))
     for name, value in results.items():
