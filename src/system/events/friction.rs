@@ -62,15 +62,22 @@ impl Change<'_> {
         velocities.u_dot = height * velocities.theta_dot;
         self.grip_here(placement);
         let now = self.now();
-        let least = |push| Surface::Friction(push).rounding(block) + rest_to_limit(&now, push).value;
-        let falls = |push| rest_to_limit(&now, push).rate < 0.0;
+        let rounding = rounding_of_limit(block);
         for push in Corner::BOTH {
-            let rest = rest_to_limit(&now, push).value;
-            if least(push) < 0.0 || (rest <= Surface::Friction(push).rounding(block) && falls(push)) {
+            let Sample { value, rate } = rest_to_limit(&now, push);
+            if value < -rounding || (value <= rounding && rate < 0.0) {
                 // H pushes the block to a side, and the foot slides to the other one.
                 self.slide(placement, push.sign());
                 return;
             }
+        }
+    }
+
+    /// The same from where the block is.
+    pub(super) fn rub_here(&mut self) {
+        if self.system.block.friction > 0.0 {
+            let now = self.now();
+            self.rub(&mut Placement::of(&now.instant));
         }
     }
 

@@ -112,8 +112,7 @@ impl Change<'_> {
 
     /// Lets go of the corners that would have to be pulled, and returns the way in which the last of them left.
     pub(super) fn settle_on_rigid_base(&mut self) -> Option<Leaving> {
-        let now = self.now();
-        self.rub(&mut Placement::of(&now.instant));
+        self.rub_here();
         self.settle_under_friction()
     }
 
@@ -125,8 +124,7 @@ impl Change<'_> {
             match self.system.leaving_rigid_base(&now) {
                 Some(corner) => {
                     leaving = Some(self.let_go(corner, &now));
-                    let now = self.now();
-                    self.rub(&mut Placement::of(&now.instant));
+                    self.rub_here();
                 }
                 None => return leaving,
             }
