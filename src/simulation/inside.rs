@@ -98,7 +98,6 @@ pub(super) fn first_event<L: Law, const N: usize>(
 }
 
 /// The motion between the ends of a step.
-#[expect(clippy::large_enum_variant, reason = "it stays where it is, on the stack")]
 pub(super) enum Between<'s, const N: usize = 4> {
     /// As it is known.
     Known(DenseOutput<N>),

@@ -173,10 +173,7 @@ fn each<P: Scalar, T: Beside<P>>(
 
 /// Stretch of a tie (m) and its rate (m/s), from an instant.
 #[inline]
-pub fn length<R: Real>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Sample<R>
-where
-    R: Beside<R>,
-{
+pub fn length<R: Real + Beside<R>>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Sample<R> {
     let Stretch { length, rate, .. } = stretch(block, tie, &Place::of(x));
     Sample { value: length, rate }
 }

@@ -103,7 +103,8 @@ impl Draw {
 
 macro_rules! ensure {
     ($holds:expr, $($message:tt)*) => {
-        if !$holds {
+        let holds: bool = $holds;
+        if !holds {
             return Err(format!($($message)*));
         }
     };
