@@ -77,7 +77,13 @@ impl Fmi3OnlyValues {
             | Fmi3Only::IndicatorL
             | Fmi3Only::IndicatorR
             | Fmi3Only::IndicatorQuarterTurn
-            | Fmi3Only::IndicatorSlide => &[],
+            | Fmi3Only::IndicatorSlide
+            | Fmi3Only::IndicatorSlipR
+            | Fmi3Only::IndicatorSlipL
+            | Fmi3Only::IndicatorTie1Taut
+            | Fmi3Only::IndicatorTie1Strength
+            | Fmi3Only::IndicatorTie2Taut
+            | Fmi3Only::IndicatorTie2Strength => &[],
             Fmi3Only::RecordHorizontalSamples => &self.samples[0],
             Fmi3Only::RecordVerticalSamples => &self.samples[1],
             Fmi3Only::IntermediateInterval => std::slice::from_ref(&self.interval),
@@ -91,7 +97,13 @@ impl Fmi3OnlyValues {
             | Fmi3Only::IndicatorL
             | Fmi3Only::IndicatorR
             | Fmi3Only::IndicatorQuarterTurn
-            | Fmi3Only::IndicatorSlide => &mut [],
+            | Fmi3Only::IndicatorSlide
+            | Fmi3Only::IndicatorSlipR
+            | Fmi3Only::IndicatorSlipL
+            | Fmi3Only::IndicatorTie1Taut
+            | Fmi3Only::IndicatorTie1Strength
+            | Fmi3Only::IndicatorTie2Taut
+            | Fmi3Only::IndicatorTie2Strength => &mut [],
             Fmi3Only::RecordHorizontalSamples => &mut self.samples[0],
             Fmi3Only::RecordVerticalSamples => &mut self.samples[1],
             Fmi3Only::IntermediateInterval => std::slice::from_mut(&mut self.interval),
@@ -123,6 +135,12 @@ impl Unit {
             Fmi3Only::IndicatorR => give(self.indicator(1)?),
             Fmi3Only::IndicatorQuarterTurn => give(self.indicator(2)?),
             Fmi3Only::IndicatorSlide => give(self.indicator(3)?),
+            Fmi3Only::IndicatorSlipR => give(self.indicator(4)?),
+            Fmi3Only::IndicatorSlipL => give(self.indicator(5)?),
+            Fmi3Only::IndicatorTie1Taut => give(self.indicator(6)?),
+            Fmi3Only::IndicatorTie1Strength => give(self.indicator(7)?),
+            Fmi3Only::IndicatorTie2Taut => give(self.indicator(8)?),
+            Fmi3Only::IndicatorTie2Strength => give(self.indicator(9)?),
             Fmi3Only::RecordSamples => give(self.sample_count() as f64),
             Fmi3Only::RecordHorizontalSamples | Fmi3Only::RecordVerticalSamples | Fmi3Only::IntermediateInterval => {
                 self.values.fmi3_only.of(fmi3_only).iter().copied().for_each(give);

@@ -8,7 +8,7 @@ use crate::unit::variables::Output;
 
 /// Returns the index of an output among the continuous states, if it is one.
 pub fn state(output: Output) -> Option<usize> {
-    const STATES: [Output; 8] = [
+    const STATES: [Output; crate::simulation::exchange::STATES] = [
         Output::Theta,
         Output::ThetaDot,
         Output::V,
@@ -17,6 +17,8 @@ pub fn state(output: Output) -> Option<usize> {
         Output::UDot,
         Output::EnergyInput,
         Output::EnergyDashpots,
+        Output::EnergyFriction,
+        Output::EnergyTies,
     ];
     STATES.into_iter().position(|state| state == output)
 }
@@ -171,13 +173,13 @@ impl Source {
 
     /// Returns the derivative with respect to inputs and states at one instant, from those of the observation and of the energies.
     ///
-    /// Peaks and event counts do not depend on them.
-    pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies) -> f64 {
+    /// `slip` has those of how far the foot has slid. Peaks and event counts do not depend on them.
+    pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies, slip: &simulation::Slip) -> f64 {
         match self {
             Source::Observed(of) => of(sensitivities),
             Source::Energy(of) => of(energies),
-            Source::Peak(_) | Source::PeakSlip | Source::PeakTension(_) => 0.0,
-            Source::Slip(..) | Source::Discrete(_) => 0.0,
+            Source::Slip(of, _) => of(slip),
+            Source::Peak(_) | Source::PeakSlip | Source::PeakTension(_) | Source::Discrete(_) => 0.0,
         }
     }
 }

@@ -17,13 +17,43 @@ const INPUTS: [(&str, f64); 5] =
 /// Parameters that lead to a regime, and the regime.
 type Scene = (&'static str, &'static [(&'static str, f64)], f64);
 
-const SCENES: [Scene; 7] = [
+/// Little friction, so that the foot slides, and two ties that pull all the time.
+macro_rules! tied {
+    ($($own:expr),*) => {
+        &[
+            ("friction", 5e-4),
+            ("tie_1.block_x", -1.5),
+            ("tie_1.block_z", 10.0),
+            ("tie_1.ground_x", -6.0),
+            ("tie_1.stiffness", 2e3),
+            ("tie_1.pretension", 4e3),
+            ("tie_1.damping", 300.0),
+            ("tie_2.block_x", 1.0),
+            ("tie_2.block_z", 6.0),
+            ("tie_2.ground_x", 5.0),
+            ("tie_2.stiffness", 3e3),
+            ("tie_2.pretension", 3e3),
+            ("tie_2.damping", 200.0),
+            $($own),*
+        ]
+    };
+}
+
+const SCENES: [Scene; 11] = [
     ("full contact", &[("initial.theta", 0.001)], 0.0),
     ("tilting left", &[("initial.theta", -0.1)], -1.0),
     ("tilting right", &[("initial.theta", 0.1)], 1.0),
     ("in flight", &[("on_separation", 3.0), ("initial.settled", 0.0), ("initial.theta", 0.1), ("initial.v", 2.0)], 2.0),
     ("rocking to the left on the rigid base", &[("foundation", 2.0), ("initial.theta", -0.1)], -1.0),
     ("rocking to the right on the rigid base", &[("foundation", 2.0), ("initial.theta", 0.1)], 1.0),
+    ("sliding on both corners under two ties", tied!(("initial.theta", 0.001)), 0.0),
+    ("sliding on a corner under two ties", tied!(("initial.theta", 0.1)), 1.0),
+    (
+        "sliding on the left corner of the rigid base under two ties",
+        tied!(("initial.theta", -0.1), ("foundation", 2.0)),
+        -1.0,
+    ),
+    ("sliding on a corner of the rigid base under two ties", tied!(("initial.theta", 0.1), ("foundation", 2.0)), 1.0),
     ("at rest on the rigid base", &[("foundation", 2.0)], 0.0),
 ];
 
@@ -56,6 +86,8 @@ fn ramp(instance: &Instance) {
 fn size(output: &str) -> f64 {
     match output {
         "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => MASS * G,
+        _ if output.ends_with(".tension") => MASS * G,
+        _ if output.starts_with("power") => MASS * G,
         "M_base" => MASS * G * R0,
         _ if output.starts_with("energy") => MASS * G * R0,
         _ if output.ends_with("_ddot") => G,

@@ -3,11 +3,32 @@
 use crate::functions::*;
 use crate::host::{Instance, call, reference};
 
-const STATES: usize = 8;
-const INDICATORS: usize = 4;
-const NAMES: [&str; STATES] = ["theta", "theta_dot", "v", "v_dot", "u", "u_dot", "energy.input", "energy.dashpots"];
-const DERIVATIVES: [&str; STATES] =
-    ["theta_dot", "theta_ddot", "v_dot", "v_ddot", "u_dot", "u_ddot", "power.input", "power.dashpots"];
+const STATES: usize = 10;
+const INDICATORS: usize = 10;
+const NAMES: [&str; STATES] = [
+    "theta",
+    "theta_dot",
+    "v",
+    "v_dot",
+    "u",
+    "u_dot",
+    "energy.input",
+    "energy.dashpots",
+    "energy.friction",
+    "energy.ties",
+];
+const DERIVATIVES: [&str; STATES] = [
+    "theta_dot",
+    "theta_ddot",
+    "v_dot",
+    "v_ddot",
+    "u_dot",
+    "u_ddot",
+    "power.input",
+    "power.dashpots",
+    "power.friction",
+    "power.ties",
+];
 
 type States = [f64; STATES];
 
@@ -312,10 +333,10 @@ fn arrays_of_another_length_and_numbers_that_are_none_are_refused() {
     let solver = Solver::begin(&FLYING);
     let before = solver.instance.bits();
     let i = &solver.instance;
-    i.refuses(call!(i, get_continuous_states, [0.0; 9].as_mut_ptr(), 9), &["9", "8"]);
-    i.refuses(call!(i, get_derivatives, [0.0; 7].as_mut_ptr(), 7), &["7", "8"]);
-    i.refuses(call!(i, get_event_indicators, [0.0; 3].as_mut_ptr(), 3), &["3", "4"]);
-    i.refuses(call!(i, set_continuous_states, [0.0; 7].as_ptr(), 7), &["7", "8"]);
+    i.refuses(call!(i, get_continuous_states, [0.0; 9].as_mut_ptr(), 9), &["9", "10"]);
+    i.refuses(call!(i, get_derivatives, [0.0; 7].as_mut_ptr(), 7), &["7", "10"]);
+    i.refuses(call!(i, get_event_indicators, [0.0; 3].as_mut_ptr(), 3), &["3", "10"]);
+    i.refuses(call!(i, set_continuous_states, [0.0; 7].as_ptr(), 7), &["7", "10"]);
     i.refuses(call!(i, set_continuous_states, [f64::NAN; STATES].as_ptr(), STATES), &["state 0", "NaN"]);
     i.refuses(call!(i, set_time, f64::INFINITY), &["inf"]);
     i.refuses(call!(i, get_derivatives, std::ptr::null_mut(), STATES), &["derivatives", "NULL"]);
@@ -526,7 +547,7 @@ fn states_can_be_set_as_variables() {
 #[test]
 fn nominal_values_of_the_states_are_those_of_the_default_block() {
     let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
-    let mut nominals = [f64::NAN; 8];
+    let mut nominals = [f64::NAN; STATES];
     assert_eq!(call!(instance, get_nominals, nominals.as_mut_ptr(), nominals.len()), OK);
     let xml = include_str!("../../modelDescription.xml");
     let document = roxmltree::Document::parse(xml).unwrap();

@@ -112,6 +112,24 @@ const STEPS: [&str; 9] = [
     "power.dashpots",
 ];
 
+/// Unknowns that depend on whether the foot slides at the start, and how fast: it may where the block lifts off at once. Rarely, so that
+/// much of what decides it changes none of them here.
+const SLIDING: [&str; 4] = ["u_dot", "energy.kinetic", "energy.potential", "energy.total"];
+
+/// Unknowns of blocks that slide or have ties, which are not drawn here.
+const OF_SLIDES_AND_TIES: [&str; 10] = [
+    "slip_rate",
+    "slides",
+    "power.friction",
+    "power.ties",
+    "tie_1.tension",
+    "tie_2.tension",
+    "tie_1.broken",
+    "tie_2.broken",
+    "peak.tie_1.tension",
+    "peak.tie_2.tension",
+];
+
 /// Pairs whose known cancels: only rounding depends on it.
 const CANCELS: [(&str, &str); 2] =
     [("derived.eta", "dimensionless.p"), ("derived.theta_separation", "dimensionless.p")];
@@ -128,7 +146,9 @@ fn derivatives_are_those_of_the_values() {
     for unknown in real_unknowns(&declared) {
         for known in KNOWNS.iter().map(|known| known.name).filter(|&known| declared[unknown].contains(known)) {
             let found = pairs.get(&(unknown.to_string(), known.to_string())).copied().unwrap_or_default();
-            let decides = STEPS.contains(&unknown) && declared["separated"].contains(known);
+            let decides = STEPS.contains(&unknown) && declared["separated"].contains(known)
+                || SLIDING.contains(&unknown) && !declared["v_dot"].contains(known)
+                || OF_SLIDES_AND_TIES.contains(&unknown);
             if found.compared == 0 || (found.nonzero == 0 && !decides && !CANCELS.contains(&(unknown, known))) {
                 never.push(format!("d{unknown}/d{known}: {found:?}"));
             }
@@ -181,10 +201,17 @@ fn values_change_with_what_they_are_declared_to_depend_on() {
         draw = other;
     }
     // Rare: whether a held block that is drawn up has separated. Channels of a file are not tested here.
+    let slides = |unknown: &str, known: &str| {
+        OF_SLIDES_AND_TIES.contains(&unknown) || SLIDING.contains(&unknown) && !declared["v_dot"].contains(known)
+    };
     let seldom = |unknown: &str, known: &str| {
         CANCELS.contains(&(unknown, known))
             || matches!(unknown, "regime" | "separated" | "overturned")
             || (STEPS.contains(&unknown) && matches!(known, "physical.C" | "physical.inertia"))
+            || slides(unknown, known)
+            // Not drawn here.
+            || known == "friction"
+            || known.starts_with("tie")
             || matches!(known, "on_separation" | "record.horizontal_channel" | "record.vertical_channel")
             // The vertical record has its own unit here.
             || (unknown, known) == ("record.PGA_vertical", "record.horizontal_unit")

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use crate::block::{Block, Ties};
-use crate::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
+use crate::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
 use crate::ground::{Ground, Varied};
 use crate::numerics::dual::Dual64;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
-use crate::simulation::{AtBeginning, Energies, Start};
+use crate::simulation::{AtBeginning, Energies, Simulation, Slip, Start};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
@@ -66,7 +66,13 @@ impl Direction {
             | Fmi3Only::IndicatorL
             | Fmi3Only::IndicatorR
             | Fmi3Only::IndicatorQuarterTurn
-            | Fmi3Only::IndicatorSlide => {
+            | Fmi3Only::IndicatorSlide
+            | Fmi3Only::IndicatorSlipR
+            | Fmi3Only::IndicatorSlipL
+            | Fmi3Only::IndicatorTie1Taut
+            | Fmi3Only::IndicatorTie1Strength
+            | Fmi3Only::IndicatorTie2Taut
+            | Fmi3Only::IndicatorTie2Strength => {
                 return Err(Fault::new(format!(
                     "{name} is no real parameter; while initializing only an input or a parameter is a direction"
                 )));
@@ -102,7 +108,7 @@ fn finite(name: &str, component: f64) -> Result<f64, Fault> {
 #[expect(clippy::large_enum_variant, reason = "between steps nothing is allocated")]
 enum Derivatives {
     /// Derivatives of outputs, at the present time.
-    Now(Observation<f64>, Energies),
+    Now(Observation<f64>, Energies, Slip),
     /// Derivatives of outputs and calculated parameters, in Initialization Mode.
     AtBeginning(Box<Beginning>),
 }
@@ -119,8 +125,8 @@ struct Beginning {
 impl Derivatives {
     fn of(&self, reference: u32) -> Result<f64, Fault> {
         match self {
-            Derivatives::Now(observed, energies) => {
-                Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies))
+            Derivatives::Now(observed, energies, slip) => {
+                Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies, slip))
             }
             Derivatives::AtBeginning(beginning) => match unknown(reference)? {
                 Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
@@ -210,11 +216,12 @@ impl Unit {
             None => (simulation.observe_direction(&at, &along, time), Energies::default()),
             Some(states) => simulation.directional(&at, &states, &along, time),
         };
+        let slip = states.map_or(Slip::default(), |states| slip_along(simulation, &at, &states));
         let mut observed = observed.map(|x| x.eps);
         if let Some([theta, theta_dot, v, v_dot, u, u_dot, ..]) = states {
             observed = Observation { theta, theta_dot, v, v_dot, u, u_dot, ..observed };
         }
-        Ok(Derivatives::Now(observed, energies))
+        Ok(Derivatives::Now(observed, energies, slip))
     }
 
     fn derivatives_at_beginning(&mut self, unknowns: &[u32], direction: &Direction) -> Result<Derivatives, Fault> {
@@ -250,6 +257,7 @@ impl Unit {
         });
         let pulse = acting_pulse(values.pulse_of(of), time);
         let forcing = Excitation::new(&acting, pulse.as_ref(), block.mass).at(time);
+        let forcing = Forcing { ties: simulation.ties(), ..forcing };
         let start = Start { block, initial: values.initial_of(of), forcing };
         let along = simulation.initial_sensitivity(&values.initial(), &inputs, &start);
         let ground = if of_ground {
@@ -272,6 +280,18 @@ impl Unit {
         let lost = self.values[Variable::RecordScale] == 0.0 && direction.of(Variable::RecordScale) != 0.0;
         if lost { self.values.unscaled_ground().map(Some).map_err(Fault) } else { Ok(None) }
     }
+}
+
+/// Returns the derivatives of how far the foot has slid, in a direction of states.
+///
+/// While it slides, its place is that of the centre of mass less `h sin θ + e_x cos θ`, which changes with θ by the height Q of the centre
+/// of mass over the foot.
+fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]: &States) -> Slip {
+    let now = simulation.observe(inputs);
+    let Some(foot) = simulation.regime().foot().filter(|_| simulation.slides()) else { return Slip::default() };
+    let (sin, cos) = now.theta.sin_cos();
+    let way = u - simulation.block().lever(foot, sin, cos).q * theta;
+    Slip { now: way, total: way * now.slip_rate.signum() }
 }
 
 /// Returns the pulse if it acts at `time`.

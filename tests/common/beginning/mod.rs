@@ -80,6 +80,8 @@ impl Sizes {
         let Sizes { mass, r0, force, rate, energy, .. } = *self;
         match name {
             "N_L" | "N_R" | "H" | "peak.N" | "peak.H" => force,
+            _ if name.ends_with(".tension") => force,
+            "slip_rate" => rate,
             "M_base" => force * r0,
             "theta_ddot" => force / mass / r0 * 10.0,
             "v_ddot" | "u_ddot" => force / mass,
@@ -96,6 +98,8 @@ impl Sizes {
 /// Values that tell whether a function is smooth between two points.
 struct Side {
     regime: [f64; 3],
+    /// Whether the foot slides, whether each tie pulls, and whether it is broken.
+    holds: [f64; 5],
     shear: f64,
     /// N_L + N_R, in units of the force.
     pressed: f64,
@@ -114,6 +118,13 @@ impl Side {
         let mut get = |name: &str| host.get(name);
         Side {
             regime: ["regime", "separated", "overturned"].map(&mut get),
+            holds: [
+                get("slides"),
+                sign(get("tie_1.tension"), sizes.force),
+                sign(get("tie_2.tension"), sizes.force),
+                get("tie_1.broken"),
+                get("tie_2.broken"),
+            ],
             shear: sign(get("H"), sizes.force),
             pressed: (get("N_L") + get("N_R")) / sizes.force,
             separation: get("derived.theta_separation"),
@@ -131,6 +142,7 @@ impl Side {
         let pressed = self.pressed.min(other.pressed);
         let steady = pressed > 0.3 && (self.pressed - other.pressed).abs() < 0.01 * pressed;
         self.regime == other.regime
+            && self.holds == other.holds
             && match unknown {
                 "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && steady,
                 // The smaller of two, which are equal without eccentricity.
