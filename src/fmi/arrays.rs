@@ -7,8 +7,7 @@ use std::ffi::{CStr, c_char};
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
-use libc::size_t;
-
+use crate::fmi::size_t;
 use crate::unit::fault::Fault;
 
 /// Refuses a pointer that cannot be an array of `count` elements.

@@ -9,9 +9,15 @@ pub mod fmi3;
 pub mod instance;
 pub mod log;
 
+use std::ffi::c_int;
+
 use crate::fmi::log::Messenger;
 use crate::unit::instance::Interface;
 use crate::unit::life_cycle::Phase;
+
+/// The type of the standard's counts; the crate `libc` has none for WebAssembly.
+#[allow(non_camel_case_types, reason = "the name is that of C")]
+pub type size_t = usize;
 
 /// A version of the standard, and the fields that it adds to an instance.
 pub trait Version {
@@ -51,7 +57,7 @@ pub enum Status {
 
 impl Status {
     /// Returns the number in the standard.
-    pub fn code(self) -> libc::c_int {
-        self as libc::c_int
+    pub fn code(self) -> c_int {
+        self as c_int
     }
 }

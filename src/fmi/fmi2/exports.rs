@@ -8,13 +8,12 @@
 
 use std::ffi::c_char;
 
-use libc::size_t;
-
 use crate::fmi::arrays::{place, read, room, texts};
 use crate::fmi::fmi2::boundary::{self, call, is_true};
 use crate::fmi::fmi2::calls::Call;
 use crate::fmi::fmi2::instance::{Instance, write};
 use crate::fmi::fmi2::types::*;
+use crate::fmi::size_t;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::snapshot;

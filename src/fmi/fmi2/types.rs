@@ -2,7 +2,9 @@
 
 #![allow(non_camel_case_types, reason = "the names are the standard's")]
 
-use libc::{c_char, c_int, c_uint, c_void, size_t};
+use std::ffi::{c_char, c_int, c_uint, c_void};
+
+use crate::fmi::size_t;
 
 pub use crate::fmi::Status;
 

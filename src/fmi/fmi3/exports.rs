@@ -11,8 +11,6 @@
 
 use std::ffi::c_char;
 
-use libc::size_t;
-
 use crate::fmi::arrays::{place, read, room, texts};
 use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
 use crate::fmi::fmi3::callbacks::is_true;
@@ -21,6 +19,7 @@ use crate::fmi::fmi3::instance::{Instance, write};
 use crate::fmi::fmi3::step::Step;
 use crate::fmi::fmi3::types::*;
 use crate::fmi::fmi3::values::of_no_type;
+use crate::fmi::size_t;
 use crate::simulation::exchange::{INDICATORS, STATES};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;

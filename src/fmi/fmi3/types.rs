@@ -2,7 +2,7 @@
 
 #![allow(non_camel_case_types, reason = "the names are the standard's")]
 
-use libc::{c_char, c_int, c_void};
+use std::ffi::{c_char, c_int, c_void};
 
 pub use crate::fmi::Status;
 
