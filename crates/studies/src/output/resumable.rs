@@ -91,8 +91,8 @@ pub struct TableHeader {
 }
 
 impl TableHeader {
-    /// The lines of the file, with their ends.
-    fn text(&self) -> std::io::Result<String> {
+    /// The first lines of the file, with their ends.
+    pub fn text(&self) -> std::io::Result<String> {
         let study: String = self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect();
         let names = std::iter::once("row".to_string()).chain(self.columns.iter().cloned());
         Ok(study + &csv_line(names)?)
@@ -265,7 +265,7 @@ fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
 }
 
 /// Fields as a line of CSV with its end.
-fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
+pub fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(fields.collect::<Vec<_>>())?;
     let bytes = writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
