@@ -1,0 +1,126 @@
+//! A run → the command line of `rocking` with the same numbers.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::excitation::Pulse;
+use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_block::words::Words;
+
+use crate::inputs::{Excitation, Inputs, Parameters, Vertical};
+use crate::records::EMBEDDED_PATH;
+
+/// A command line in progress.
+#[derive(Clone, Debug)]
+pub struct CommandLine(String);
+
+impl CommandLine {
+    /// Begins with a command of the program.
+    pub fn new(command: &str) -> CommandLine {
+        CommandLine(format!("rocking {command}"))
+    }
+
+    /// Adds an option with a value in quotes where a shell needs them.
+    pub fn option(&mut self, name: &str, value: impl ToString) -> &mut CommandLine {
+        let value = value.to_string();
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,+=:%@".contains(c);
+        let value = match !value.is_empty() && value.chars().all(is_plain) {
+            true => value,
+            false => format!("'{}'", value.replace('\'', r"'\''")),
+        };
+        self.0.push_str(&format!(" --{} {value}", name.replace('_', "-")));
+        self
+    }
+
+    /// Adds an option unless its value is the default of the program.
+    pub fn unless<T: ToString + PartialEq>(&mut self, name: &str, value: T, default: T) -> &mut CommandLine {
+        if value != default {
+            self.option(name, value);
+        }
+        self
+    }
+
+    /// Adds the records and their scale factor, or the pulse.
+    pub fn excitation(&mut self, inputs: &Inputs, vertical: &Vertical, names_embedded: bool) -> &mut CommandLine {
+        match &inputs.excitation {
+            Excitation::Embedded if names_embedded || vertical.is_some() => {
+                self.option("record", EMBEDDED_PATH);
+            }
+            Excitation::Embedded => (),
+            Excitation::File { name, settings } => {
+                self.option("record", name);
+                for (setting, value) in settings {
+                    self.option(setting, value);
+                }
+            }
+            Excitation::Pulse => {
+                let Pulse { shape, amplitude, period, .. } = inputs.run.pulse;
+                self.option("pulse", shape.word()).option("amplitude", amplitude).unless("period", period, 1.0);
+            }
+            Excitation::Release => {
+                self.option("theta", inputs.run.initial.theta);
+            }
+        }
+        if let Some((name, settings)) = vertical {
+            self.option("vertical", name);
+            for (setting, value) in settings {
+                self.option(setting, value);
+            }
+        }
+        self.unless("scale", inputs.scale, 1.0)
+    }
+
+    /// The text.
+    pub fn text(&self) -> String {
+        self.0.clone()
+    }
+}
+
+/// Why the program has no command line for a block, if it has none.
+pub fn obstacle(block: &Block) -> Option<&'static str> {
+    let extended = block.friction != 0.0 || block.eccentricity != 0.0;
+    extended.then_some("the program has no options for friction and eccentricity; the FMU has them")
+}
+
+/// The command line of a run that writes its history to `history.csv`.
+pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static str> {
+    let block = &inputs.run.block;
+    if let Some(obstacle) = obstacle(block) {
+        return Err(obstacle);
+    }
+    let common = Common::default();
+    let mut line = CommandLine::new("simulate");
+    line.excitation(inputs, vertical, false);
+    match (block.foundation, inputs.parameters) {
+        (_, Parameters::Dimensionless(Dimensionless { alpha, p, eta, xi_v })) => {
+            line.unless("alpha", alpha, 0.25).unless("p", p, 1.0);
+            if block.foundation == Foundation::Viscoelastic {
+                line.unless("eta", eta, 40.0).unless("xi-v", xi_v, 0.1);
+            }
+        }
+        (_, Parameters::Physical(Physical { width, height, stiffness, damping, .. })) => {
+            line.option("width", width).option("height", height);
+            line.option("stiffness", stiffness).option("damping", damping).option("mass", block.mass);
+        }
+    }
+    if matches!(inputs.parameters, Parameters::Dimensionless(_)) {
+        line.unless("mass", block.mass, common.mass);
+    }
+    line.unless("gamma", block.gamma, common.gamma)
+        .unless("epsilon", block.epsilon, common.epsilon)
+        .unless("g", block.gravity, common.gravity)
+        .unless("foundation", block.foundation.word(), Foundation::Viscoelastic.word())
+        .unless("restitution-factor", block.restitution_factor, common.restitution_factor);
+    let Settings { tolerance, on_separation, .. } = inputs.run.settings;
+    line.unless("tolerance", tolerance, Settings::default().tolerance).unless(
+        "on-separation",
+        on_separation.word(),
+        OnSeparation::Terminate.word(),
+    );
+    if let Some(duration) = inputs.run.duration {
+        line.option("duration", duration);
+    }
+    if let Some(step) = inputs.step {
+        line.option("step", step);
+    }
+    line.option("csv", "history.csv");
+    Ok(line.text())
+}

@@ -1,0 +1,300 @@
+//! A request → its reply.
+
+use std::collections::BTreeMap;
+
+use rocking_block::block::Foundation;
+use rocking_block::simulation::Ending;
+use rocking_charts::numerals::significant;
+use rocking_studies::output::resumable::csv_line;
+use rocking_studies::output::runner::Study as Rows;
+use rocking_studies::run::{History, Row, Run, table};
+use rocking_studies::spectrum::Spectrum;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::ensemble::{self, Study};
+use crate::fields::{FieldError, Fields};
+use crate::inputs::{self, Inputs, Vertical};
+use crate::records::DroppedFile;
+use crate::{command, outcome, spectrum};
+
+/// A request of the page.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "lowercase")]
+pub enum Request {
+    /// Keeps a dropped file, whose bytes follow the request.
+    File {
+        /// `record` or `vertical`.
+        slot: String,
+        /// Name of the file.
+        name: String,
+    },
+    /// Makes a run and keeps it.
+    Run {
+        /// The fields.
+        fields: BTreeMap<String, String>,
+    },
+    /// The table of the last run.
+    Csv,
+    /// The picture of the last run.
+    Svg,
+    /// Prepares a spectrum.
+    Spectrum {
+        /// The fields.
+        fields: BTreeMap<String, String>,
+    },
+    /// Prepares an ensemble.
+    Ensemble {
+        /// The fields.
+        fields: BTreeMap<String, String>,
+    },
+    /// Makes rows of the study last prepared.
+    Rows {
+        /// The first row.
+        from: u64,
+        /// The row after the last.
+        to: u64,
+    },
+}
+
+/// A reply: JSON, followed by bytes.
+#[derive(Debug)]
+pub struct Reply {
+    /// The description.
+    pub json: Value,
+    /// Numbers or the content of a file.
+    pub bytes: Vec<u8>,
+}
+
+/// A series of the plots: its name and its value in a row.
+type Series = (&'static str, fn(&Row) -> f64);
+
+/// The series of a history, in the order of the reply's numbers.
+const SERIES: [Series; 12] = [
+    ("t", |row| row.time),
+    ("theta", |row| row.observation.theta),
+    ("u", |row| row.observation.u),
+    ("v", |row| row.observation.v),
+    ("N_L", |row| row.observation.reaction[0]),
+    ("N_R", |row| row.observation.reaction[1]),
+    ("H", |row| row.observation.horizontal),
+    ("uplift_L", |row| row.observation.uplift[0]),
+    ("uplift_R", |row| row.observation.uplift[1]),
+    ("regime", |row| row.regime.number().into()),
+    ("a_gx", |row| row.ground[0]),
+    ("a_gz", |row| row.ground[1]),
+];
+
+/// The files, the last run and the study of a page.
+#[derive(Default)]
+pub struct Engine {
+    files: [Option<DroppedFile>; 2],
+    last: Option<(Run, History, String)>,
+    study: Option<Prepared>,
+}
+
+/// A study whose rows are made in pieces.
+enum Prepared {
+    Spectrum(Spectrum),
+    Ensemble(Study),
+}
+
+impl Prepared {
+    fn rows(&self) -> &dyn DynRows {
+        match self {
+            Prepared::Spectrum(spectrum) => spectrum,
+            Prepared::Ensemble(study) => &study.sweep,
+        }
+    }
+}
+
+/// The rows of a study.
+trait DynRows {
+    fn make_rows(&self, from: u64, to: u64) -> Vec<Vec<String>>;
+    fn count(&self) -> u64;
+}
+
+impl<S: Rows> DynRows for S {
+    fn make_rows(&self, from: u64, to: u64) -> Vec<Vec<String>> {
+        self.make(from..to, None).into_iter().map(|row| row.fields).collect()
+    }
+
+    fn count(&self) -> u64 {
+        self.rows()
+    }
+}
+
+#[derive(Serialize)]
+struct EventSummary {
+    t: f64,
+    text: String,
+    before: i32,
+    after: i32,
+}
+
+impl Engine {
+    /// Answers a request; `bytes` follow it.
+    pub fn answer(&mut self, request: Request, bytes: &[u8]) -> Reply {
+        let answered = match request {
+            Request::File { slot, name } => {
+                let slot = usize::from(slot == "vertical");
+                self.files[slot] = (!bytes.is_empty()).then(|| DroppedFile { name, bytes: bytes.to_vec() });
+                Ok((json!({}), Vec::new()))
+            }
+            Request::Run { fields } => self.run(&fields),
+            Request::Csv => self.csv(),
+            Request::Svg => self.svg(),
+            Request::Spectrum { fields } => self.spectrum(&fields),
+            Request::Ensemble { fields } => self.ensemble(&fields),
+            Request::Rows { from, to } => self.rows(from, to),
+        };
+        match answered {
+            Ok((mut json, bytes)) => {
+                json["ok"] = true.into();
+                Reply { json, bytes }
+            }
+            Err(errors) => Reply { json: json!({ "ok": false, "errors": errors }), bytes: Vec::new() },
+        }
+    }
+
+    fn inputs(&self, fields: Fields) -> Result<(Inputs, Vertical), Vec<FieldError>> {
+        inputs::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])
+    }
+
+    fn run(&mut self, fields: &BTreeMap<String, String>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+        let (inputs, vertical) = self.inputs(Fields::new(fields))?;
+        let run = &inputs.run;
+        let history = run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
+        let json = json!({
+            "rows": history.rows.len(),
+            "series": SERIES.map(|(name, _)| name),
+            "outcome": history.end.word(),
+            "sentence": outcome::sentence(run, &history),
+            "events": events(&history),
+            "impacts": history.counts.impacts,
+            "liftoffs": history.counts.liftoffs,
+            "peak": peaks(run, &history),
+            "block": parameters(run),
+            "description": inputs.description,
+            "warnings": inputs.warnings,
+            "command": command::simulate(&inputs, &vertical).ok(),
+            "obstacle": command::simulate(&inputs, &vertical).err(),
+            "end_time": history.ending.map(|(_, time)| time),
+            "toppled": matches!(history.ending, Some((Ending::Toppled | Ending::Overturned, _))),
+        });
+        let values = SERIES.iter().flat_map(|(_, value)| history.rows.iter().map(value));
+        let bytes = values.flat_map(f64::to_le_bytes).collect();
+        self.last = Some((inputs.run, history, inputs.description));
+        Ok((json, bytes))
+    }
+
+    fn last(&self) -> Result<&(Run, History, String), Vec<FieldError>> {
+        self.last.as_ref().ok_or_else(|| vec![FieldError::new("run", "no run yet; expected one before its export")])
+    }
+
+    fn csv(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+        let (_, history, _) = self.last()?;
+        let mut bytes = Vec::new();
+        table::write(history, &mut bytes).map_err(|error| vec![FieldError::new("run", error.to_string())])?;
+        Ok((json!({}), bytes))
+    }
+
+    fn svg(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+        let (run, history, description) = self.last()?;
+        let svg = rocking_charts::history::history(&run.block, history, description);
+        let svg = svg.map_err(|error| vec![FieldError::new("run", error.to_string())])?;
+        Ok((json!({}), svg.into_bytes()))
+    }
+
+    fn spectrum(&mut self, fields: &BTreeMap<String, String>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+        let (inputs, vertical) = self.inputs(Fields::new(fields))?;
+        let omega_p = std::f64::consts::TAU / inputs.run.pulse.period;
+        let is_pulse = inputs.excitation == inputs::Excitation::Pulse;
+        let (spectrum, command) = spectrum::read(Fields::new(fields), inputs, &vertical)?;
+        let sizes: Vec<f64> = (0..spectrum.sizes.count).map(|number| spectrum.sizes.p(number)).collect();
+        let json = json!({
+            "rows": spectrum.rows(),
+            "bases": spectrum.bases.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "p": sizes,
+            "omega_p": is_pulse.then_some(omega_p),
+            "columns": spectrum.header().columns,
+            "header": spectrum.header().text().unwrap_or_default(),
+            "command": command.as_ref().ok(),
+            "obstacle": command.as_ref().err(),
+        });
+        self.study = Some(Prepared::Spectrum(spectrum));
+        Ok((json, Vec::new()))
+    }
+
+    fn ensemble(&mut self, fields: &BTreeMap<String, String>) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+        let (inputs, vertical) = self.inputs(Fields::new(fields))?;
+        let study = ensemble::read(Fields::new(fields), inputs, &vertical)?;
+        let json = json!({
+            "rows": study.sweep.rows(),
+            "strengths": study.strengths,
+            "columns": study.sweep.header().columns,
+            "header": study.sweep.header().text().unwrap_or_default(),
+            "file": study.file,
+            "command": "rocking sweep study.toml --csv ensemble.csv",
+        });
+        self.study = Some(Prepared::Ensemble(study));
+        Ok((json, Vec::new()))
+    }
+
+    fn rows(&self, from: u64, to: u64) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
+        let Some(study) = &self.study else {
+            return Err(vec![FieldError::new("run", "no study yet; expected one before its rows")]);
+        };
+        let study = study.rows();
+        let to = to.min(study.count());
+        let fields = study.make_rows(from.min(to), to);
+        let line = |(number, fields): (u64, &Vec<String>)| {
+            csv_line(std::iter::once(number.to_string()).chain(fields.iter().cloned())).unwrap_or_default()
+        };
+        let lines: String = (from..).zip(&fields).map(line).collect();
+        Ok((json!({ "fields": fields }), lines.into_bytes()))
+    }
+}
+
+fn events(history: &History) -> Vec<EventSummary> {
+    let of = |event: &rocking_block::system::events::Event| EventSummary {
+        t: event.time,
+        text: event.kind.place().map_or(event.kind.word().into(), |place| format!("{} {place}", event.kind.word())),
+        before: event.before.number(),
+        after: event.after.number(),
+    };
+    history.events.iter().map(of).collect()
+}
+
+fn peaks(run: &Run, history: &History) -> Value {
+    let (block, peaks) = (&run.block, &history.peaks);
+    let weight = block.mass * block.gravity;
+    json!({
+        "theta": peaks.theta,
+        "ratio": significant(peaks.theta / block.alpha, 4),
+        "uplift": significant(1e3 * peaks.uplift, 4),
+        "reaction": significant(peaks.reaction / weight, 4),
+        "horizontal": significant(peaks.horizontal / weight, 4),
+        "friction_demand": significant(peaks.friction_demand, 4),
+        "slip": significant(1e3 * peaks.slip, 4),
+    })
+}
+
+/// The block in numbers for drawing, and in words.
+fn parameters(run: &Run) -> Value {
+    let block = &run.block;
+    let on_supports = block.foundation == Foundation::Viscoelastic;
+    json!({
+        "alpha": block.alpha,
+        "b": block.b,
+        "h": block.h,
+        "eccentricity": block.eccentricity,
+        "on_supports": on_supports,
+        "deflection": if on_supports { block.static_deflection() } else { 0.0 },
+        "weight": block.mass * block.gravity,
+        "g": block.gravity,
+        "friction": block.friction,
+        "line": rocking_charts::history::block_line(block),
+        "lift_off": significant(libm::tan(block.alpha), 4),
+    })
+}

@@ -1,0 +1,211 @@
+//! Fields → the probability of overturning over the scale, row by row.
+//!
+//! It is a sweep over scale factors, or amplitudes of a pulse, each with an ensemble of slightly different strengths. The same study
+//! as a file for `rocking sweep` gives the same table.
+
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_studies::input::parameters::Parameter;
+use rocking_studies::intensity::Measure;
+use rocking_studies::run::limit::Limit;
+use rocking_studies::sweep::Sweep;
+use rocking_studies::sweep::ensemble::{Distribution, Ensemble, Spread, SpreadTarget, SpreadWidth};
+use rocking_studies::sweep::ground_motion::GroundMotion;
+use rocking_studies::sweep::parameters::{Design, ParameterValues, SweptParameter};
+use rocking_studies::sweep::strength::Strengths;
+
+use crate::fields::{FieldError, Fields};
+use crate::inputs::{Excitation, Inputs, Parameters, Vertical};
+use crate::records::EMBEDDED_PATH;
+
+/// A sweep with its ensembles.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The sweep.
+    pub sweep: Sweep,
+    /// Factors on the record, or amplitudes of the pulse (m/s²): one per row.
+    pub strengths: Vec<f64>,
+    /// The file for `rocking sweep`.
+    pub file: String,
+}
+
+/// The ensembles of the run's block.
+///
+/// # Errors
+/// One for each field at fault.
+pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<Study, Vec<FieldError>> {
+    let is_pulse = inputs.excitation == Excitation::Pulse;
+    if inputs.excitation == Excitation::Release {
+        fields.refuse(FieldError::new("excitation", "found a free motion; an ensemble expects a record or a pulse"));
+    }
+    let from = fields.number("scale_from", |x| x > 0.0, "a factor > 0");
+    let to = fields.number("scale_to", |x| x > from, "a factor above the smallest");
+    let count = fields.integer("scale_count", 2, 200);
+    let samples = fields.integer("samples", 1, 1000);
+    let spread =
+        fields.number("spread", |x| x > 0.0 && x <= 1.0, "a coefficient of variation, more than 0 and at most 1");
+    if fields.has_errors() {
+        return Err(fields.into_errors());
+    }
+    // The strengths of a pulse are factors on its amplitude.
+    let unit = if is_pulse { inputs.run.pulse.amplitude } else { 1.0 };
+    let strength = |number: u64| unit * (from + (to - from) * number as f64 / (count - 1) as f64);
+    let strengths: Vec<f64> = (0..count).map(strength).collect();
+    let parameters = parameters(&inputs, is_pulse.then(|| strengths.clone()));
+    let target = match is_pulse {
+        true => SpreadTarget::Parameter(parameter("pulse.amplitude")),
+        false => SpreadTarget::Scale,
+    };
+    let (distribution, width) = (Distribution::Lognormal, SpreadWidth::Relative(spread));
+    let ensemble = Ensemble {
+        samples: samples as u32,
+        seed: 0,
+        spreads: vec![Spread { target, distribution, width }],
+        limits: vec![Limit::Overturned],
+    };
+    let file = file(&inputs, vertical, &parameters, &strengths, spread, samples);
+    let of_record = Measure::of_record(&[]);
+    let names = match &inputs.excitation {
+        Excitation::Embedded => EMBEDDED_PATH.into(),
+        Excitation::File { name, .. } => name.clone(),
+        Excitation::Pulse | Excitation::Release => String::new(),
+    };
+    let names = [names, vertical.as_ref().map(|(name, _)| name.clone()).unwrap_or_default()];
+    let motion = GroundMotion::new(names, inputs.unscaled.clone(), &of_record, inputs.run.block.gravity);
+    let sweep = Sweep {
+        text: file.lines().map(str::trim).filter(|line| !line.is_empty()).map(String::from).collect(),
+        parameters,
+        design: Design::Grid,
+        motions: vec![motion],
+        strengths: Strengths::Scales(if is_pulse { vec![1.0] } else { strengths.clone() }),
+        ensemble: Some(ensemble),
+        measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
+        // Where the study does not name it; this one does.
+        on_separation: OnSeparation::Fly,
+        tolerance: Settings::OF_STUDIES,
+        duration: inputs.run.duration,
+        step: None,
+        friction: None,
+    };
+    fields.finish(Study { sweep, strengths, file })
+}
+
+fn parameter(name: &str) -> Parameter {
+    Parameter::named(name).unwrap_or_else(|message| unreachable!("{message}"))
+}
+
+/// The parameters of the block, of the run and of the pulse with these amplitudes, as far as they differ from those of the FMU.
+fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParameter> {
+    let Block { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction, .. } =
+        inputs.run.block;
+    let default = Common::default();
+    let on_supports = foundation == Foundation::Viscoelastic;
+    let mut values: Vec<(&str, Vec<f64>)> = Vec::new();
+    match inputs.parameters {
+        Parameters::Dimensionless(Dimensionless { alpha, p, eta, xi_v }) => {
+            values.extend([("alpha", vec![alpha]), ("p", vec![p])]);
+            if on_supports {
+                values.extend([("eta", vec![eta]), ("xi_v", vec![xi_v])]);
+            }
+        }
+        Parameters::Physical(Physical { width, height, stiffness, damping, .. }) => values.extend([
+            ("parameterization", vec![2.0]),
+            ("width", vec![width]),
+            ("height", vec![height]),
+            ("K", vec![stiffness]),
+            ("C", vec![damping]),
+        ]),
+    }
+    let others = [
+        ("mass", mass, default.mass),
+        ("gamma", gamma, default.gamma),
+        ("epsilon", epsilon, default.epsilon),
+        ("g", gravity, default.gravity),
+        ("foundation", f64::from(foundation as i32), f64::from(default.foundation as i32)),
+        ("restitution_factor", restitution_factor, default.restitution_factor),
+        ("eccentricity", eccentricity, default.eccentricity),
+        ("friction", friction, default.friction),
+    ];
+    let differs =
+        |&(name, value, default): &(&'static str, f64, f64)| (value != default).then_some((name, vec![value]));
+    values.extend(others.iter().filter_map(differs));
+    values.push(("on_separation", vec![f64::from(inputs.run.settings.on_separation as i32)]));
+    if let Some(amplitudes) = amplitudes {
+        values.push(("pulse.shape", vec![f64::from(inputs.run.pulse.shape as i32)]));
+        values.push(("pulse.period", vec![inputs.run.pulse.period]));
+        values.push(("pulse.amplitude", amplitudes));
+    }
+    let swept = |(name, values)| SweptParameter { parameter: parameter(name), values: ParameterValues::List(values) };
+    values.into_iter().map(swept).collect()
+}
+
+/// The study as a file for `rocking sweep`.
+fn file(
+    inputs: &Inputs,
+    vertical: &Vertical,
+    parameters: &[SweptParameter],
+    strengths: &[f64],
+    spread: f64,
+    samples: u64,
+) -> String {
+    let list = |values: &[f64]| values.iter().map(|&value| decimal(value)).collect::<Vec<_>>().join(", ");
+    let is_pulse = inputs.excitation == Excitation::Pulse;
+    let target = if is_pulse { "\"pulse.amplitude\"" } else { "scale" };
+    let mut text = String::from("[study]\ndesign = \"grid\"\n");
+    if !is_pulse {
+        text.push_str(&format!("scales = [{}]\n", list(strengths)));
+    }
+    text.push_str(&format!("ensemble = {{ {target} = {}, samples = {samples} }}\n", decimal(spread)));
+    if let Some(duration) = inputs.run.duration {
+        text.push_str(&format!("duration = {}\n", decimal(duration)));
+    }
+    text.push_str("\n[parameters]\n");
+    for SweptParameter { parameter, values } in parameters {
+        let ParameterValues::List(values) = values else { unreachable!("all values are lists") };
+        let value = match values.as_slice() {
+            [value] if parameter.metadata.items.is_empty() => decimal(*value),
+            [value] => format!("\"{}\"", parameter.display(*value)),
+            values => format!("[{}]", list(values)),
+        };
+        let name = parameter.name();
+        let name = if name.contains('.') { format!("\"{name}\"") } else { name.into() };
+        text.push_str(&format!("{name} = {value}\n"));
+    }
+    let (horizontal, settings) = match &inputs.excitation {
+        Excitation::Embedded => (EMBEDDED_PATH, &Vec::new()),
+        Excitation::File { name, settings } => (name.as_str(), settings),
+        Excitation::Pulse | Excitation::Release => return text,
+    };
+    text.push_str(&format!("\n[[records]]\nhorizontal = {}\n", quoted(horizontal)));
+    let mut settings = settings.clone();
+    if let Some((name, vertical_settings)) = vertical {
+        text.push_str(&format!("vertical = {}\n", quoted(name)));
+        settings.extend(vertical_settings.iter().cloned());
+    }
+    for (setting, value) in settings {
+        let is_number = setting.ends_with("dt") || value.parse::<u32>().is_ok();
+        text.push_str(&format!("{setting} = {}\n", if is_number { value } else { quoted(&value) }));
+    }
+    text
+}
+
+/// A number of TOML, in the digits that restore it exactly.
+fn decimal(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// A string of TOML.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_strings_are_those_of_toml() {
+        assert_eq!([0.1, 1.0, 1e-7, 1e22].map(decimal), ["0.1", "1.0", "1e-7", "1e22"]);
+        assert_eq!(quoted("a \"b\" \\c"), r#""a \"b\" \\c""#);
+    }
+}

@@ -1,0 +1,113 @@
+//! Text of input fields → numbers and choices; an error for each field.
+
+use std::collections::BTreeMap;
+use std::str::FromStr;
+
+use rocking_block::words::Words;
+use serde::Serialize;
+
+/// A message, and the field that it stands beside.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FieldError {
+    /// Name of the field.
+    pub field: String,
+    /// The fault and the expected value, on one line.
+    pub message: String,
+}
+
+impl FieldError {
+    /// A message beside a field.
+    pub fn new(field: impl Into<String>, message: impl Into<String>) -> FieldError {
+        FieldError { field: field.into(), message: message.into() }
+    }
+}
+
+/// The fields of the page as typed by the user, and the errors found so far.
+#[derive(Debug)]
+pub struct Fields<'a> {
+    texts: &'a BTreeMap<String, String>,
+    errors: Vec<FieldError>,
+}
+
+impl<'a> Fields<'a> {
+    /// Begins to read these fields.
+    pub fn new(texts: &'a BTreeMap<String, String>) -> Fields<'a> {
+        Fields { texts, errors: Vec::new() }
+    }
+
+    /// Text of a field without surrounding blanks; empty if there is none.
+    pub fn text(&self, field: &str) -> &'a str {
+        self.texts.get(field).map_or("", |text| text.trim())
+    }
+
+    /// Records an error.
+    pub fn refuse(&mut self, error: FieldError) {
+        self.errors.push(error);
+    }
+
+    /// A number that passes `fits`. An error yields NaN, which is never used.
+    pub fn number(&mut self, field: &str, fits: impl Fn(f64) -> bool, expected: &str) -> f64 {
+        let text = self.text(field);
+        // The decimal comma of many countries.
+        let number = text.replace(',', ".").parse().ok().filter(|&number: &f64| number.is_finite() && fits(number));
+        number.unwrap_or_else(|| {
+            let found = if text.is_empty() { "nothing" } else { text };
+            self.refuse(FieldError::new(field, format!("found {found}; expected {expected}")));
+            f64::NAN
+        })
+    }
+
+    /// A number as [`Fields::number`] reads it, or nothing from an empty field.
+    pub fn optional(&mut self, field: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Option<f64> {
+        (!self.text(field).is_empty()).then(|| self.number(field, fits, expected))
+    }
+
+    /// A whole number in a range.
+    pub fn integer(&mut self, field: &str, least: u64, greatest: u64) -> u64 {
+        let text = self.text(field);
+        let number = text.parse().ok().filter(|number| (least..=greatest).contains(number));
+        number.unwrap_or_else(|| {
+            let expected = format!("a whole number from {least} to {greatest}");
+            let found = if text.is_empty() { "nothing" } else { text };
+            self.refuse(FieldError::new(field, format!("found {found}; expected {expected}")));
+            least
+        })
+    }
+
+    /// A choice by its word.
+    pub fn choice<T: Words>(&mut self, field: &str) -> T {
+        let text = self.text(field);
+        T::named(text).unwrap_or_else(|| {
+            let known: Vec<&str> = T::WORDS.iter().map(|(word, _)| *word).collect();
+            self.refuse(FieldError::new(field, format!("found {text}; expected one of {}", known.join(", "))));
+            T::WORDS[0].1
+        })
+    }
+
+    /// A value with a parser of its own, or nothing from an empty field.
+    pub fn parsed<T: FromStr<Err: ToString>>(&mut self, field: &str) -> Option<T> {
+        let text = self.text(field);
+        if text.is_empty() {
+            return None;
+        }
+        text.parse().map_err(|error: T::Err| self.refuse(FieldError::new(field, error.to_string()))).ok()
+    }
+
+    /// The value, unless an error was found.
+    ///
+    /// # Errors
+    /// All errors found, in the order of reading.
+    pub fn finish<T>(self, value: T) -> Result<T, Vec<FieldError>> {
+        if self.errors.is_empty() { Ok(value) } else { Err(self.errors) }
+    }
+
+    /// Whether an error was found.
+    pub fn has_errors(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
+    /// The errors found.
+    pub fn into_errors(self) -> Vec<FieldError> {
+        self.errors
+    }
+}

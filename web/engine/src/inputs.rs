@@ -1,0 +1,280 @@
+//! Fields → a run.
+
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::ground::Ground;
+use rocking_block::simulation::{Initial, Settings};
+use rocking_block::words::Words;
+use rocking_charts::numerals::significant;
+use rocking_records::Record;
+use rocking_studies::intensity::pga;
+use rocking_studies::run::Run;
+
+use crate::fields::{FieldError, Fields};
+use crate::records::{self, Direction, DroppedFile};
+
+/// Everything that the fields describe.
+#[derive(Debug)]
+pub struct Inputs {
+    /// The run.
+    pub run: Run,
+    /// The records before scaling.
+    pub unscaled: Ground,
+    /// Factor on the records.
+    pub scale: f64,
+    /// How the block is given.
+    pub parameters: Parameters,
+    /// What moves the block.
+    pub excitation: Excitation,
+    /// Time between rows, if the user chose one (s).
+    pub step: Option<f64>,
+    /// The excitation in words, as the program's pictures have it.
+    pub description: String,
+    /// Doubts about the block and its records, a line each.
+    pub warnings: Vec<String>,
+}
+
+/// The parameters from which the block was made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameters {
+    /// The paper's.
+    Dimensionless(Dimensionless),
+    /// Sizes, and supports in SI units.
+    Physical(Physical),
+}
+
+/// The kind of excitation, with names and settings of files.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Excitation {
+    /// The embedded record, and perhaps a vertical file.
+    Embedded,
+    /// A dropped file, and perhaps a vertical one.
+    File {
+        /// Name of the horizontal file.
+        name: String,
+        /// Its settings.
+        settings: records::Settings,
+    },
+    /// A pulse.
+    Pulse,
+    /// Free motion from a tilt.
+    Release,
+}
+
+/// A vertical file and its settings.
+pub type Vertical = Option<(String, records::Settings)>;
+
+/// Reads the fields.
+///
+/// # Errors
+/// One for each field at fault.
+pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inputs, Vertical), Vec<FieldError>> {
+    let common = common(&mut fields);
+    let parameters = parameters(&mut fields, &common);
+    let block = match parameters.filter(|_| !fields.has_errors()) {
+        Some(parameters) => block(&mut fields, &parameters, &common),
+        None => None,
+    };
+    let (excitation, vertical) = excitation(&mut fields, files);
+    let pulse = match excitation {
+        Excitation::Pulse => pulse(&mut fields),
+        _ => Pulse::NONE,
+    };
+    let unscaled = records::ground(&mut fields, files, common.gravity);
+    let scale = match excitation {
+        Excitation::Embedded | Excitation::File { .. } => fields.number("scale", |_| true, "a finite factor"),
+        Excitation::Pulse | Excitation::Release => 1.0,
+    };
+    let tilt = match excitation {
+        Excitation::Release => fields.number("tilt", |x| x != 0.0, "a rotation over alpha, other than 0"),
+        _ => 0.0,
+    };
+    let tolerance = fields.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE);
+    let on_separation = fields.choice("on_separation");
+    let duration = fields.optional("duration", |x| x > 0.0, "a time > 0 s, or nothing");
+    let step = fields.optional("step", |x| x > 0.0, "a time > 0 s, or nothing");
+    let Some(block) = block else { return Err(fields.into_errors()) };
+    if fields.has_errors() {
+        return Err(fields.into_errors());
+    }
+    let theta = tilt * block.alpha;
+    if theta.abs() >= 1.57 {
+        fields.refuse(FieldError::new("tilt", format!("found {theta} rad; expected a rotation within ±1.57 rad")));
+    }
+    let ground = unscaled.clone().scaled(scale);
+    let output_step = step.or(ground.time_step()).unwrap_or(0.01);
+    let settings = Settings { tolerance, on_separation, ..Settings::default() };
+    let initial = Initial { theta, ..Initial::default() };
+    let description = describe(&excitation, &vertical, &ground, &pulse, block.gravity);
+    let mut warnings = Vec::from_iter(soft_supports(&block));
+    let sources = [(files[0], &unscaled.horizontal, "excitation"), (files[1], &unscaled.vertical, "vertical")];
+    for (file, record, field) in sources {
+        if let (Some(file), Some(record), "file") = (file, record, fields.text(field)) {
+            warnings.extend(records::doubt(file, record));
+        }
+    }
+    let run = Run { block, settings, initial, pulse, ground, duration, output_step };
+    let rows = run.longest_duration() / output_step;
+    // A page keeps all rows in memory.
+    if rows > 4e6 {
+        let field = if step.is_some() { "step" } else { "duration" };
+        fields.refuse(FieldError::new(field, format!("found {rows:.0} rows; expected at most 4000000")));
+    }
+    let parameters = parameters.unwrap_or_else(|| unreachable!("a block has parameters"));
+    fields.finish((Inputs { run, unscaled, scale, parameters, excitation, step, description, warnings }, vertical))
+}
+
+fn common(fields: &mut Fields) -> Common {
+    let foundation = fields.choice("foundation");
+    let restitution_factor = match foundation {
+        Foundation::Rigid => fields.number("restitution_factor", |x| x >= 0.0, "a factor of at least 0"),
+        Foundation::Viscoelastic => 1.0,
+    };
+    Common {
+        mass: fields.number("mass", |x| x > 0.0, "a mass > 0 kg"),
+        gamma: fields.number("gamma", |x| x > 0.0, "a number > 0"),
+        epsilon: fields.number("epsilon", |x| (0.0..=1.0).contains(&x), "a number from 0 to 1"),
+        gravity: fields.number("g", |x| x > 0.0, "an acceleration > 0 m/s²"),
+        foundation,
+        restitution_factor,
+        eccentricity: fields.number("eccentricity", |_| true, "a length in m"),
+        friction: fields.number("friction", |x| x >= 0.0, "a coefficient > 0, or 0 for no limit"),
+    }
+}
+
+fn is_in_stiffness(fields: &Fields) -> bool {
+    fields.text("shape") == "size" && fields.text("supports") == "stiffness" && fields.text("foundation") != "rigid"
+}
+
+fn parameters(fields: &mut Fields, common: &Common) -> Option<Parameters> {
+    let on_supports = common.foundation == Foundation::Viscoelastic;
+    let in_stiffness = is_in_stiffness(fields);
+    let (eta, xi_v) = match on_supports && !in_stiffness {
+        true => (
+            fields.number("eta", |x| x > 0.0, "a ratio > 0"),
+            fields.number("xi_v", |x| x >= 0.0, "a ratio of at least 0"),
+        ),
+        // The rigid base reads neither; these are the defaults of the program.
+        false => (40.0, 0.1),
+    };
+    if fields.text("shape") != "size" {
+        let alpha =
+            fields.number("alpha", |x| x > 0.0 && x < std::f64::consts::FRAC_PI_2, "an angle between 0 and π/2 rad");
+        let p = fields.number("p", |x| x > 0.0, "a frequency > 0 rad/s");
+        return Some(Parameters::Dimensionless(Dimensionless { alpha, p, eta, xi_v }));
+    }
+    let width = fields.number("width", |x| x > 0.0, "a length > 0 m");
+    let height = fields.number("height", |x| x > 0.0, "a length > 0 m");
+    if in_stiffness {
+        let stiffness = fields.number("stiffness", |x| x > 0.0, "a stiffness > 0 N/m");
+        let damping = fields.number("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m");
+        return Some(Parameters::Physical(Physical { width, height, stiffness, damping, inertia: None }));
+    }
+    if fields.has_errors() {
+        return None;
+    }
+    // α and p of these sizes, for which the supports make no difference.
+    let any_supports = Physical { width, height, stiffness: common.mass, damping: 0.0, inertia: None };
+    let block = block(fields, &Parameters::Physical(any_supports), common)?;
+    Some(Parameters::Dimensionless(Dimensionless { alpha: block.alpha, p: block.p, eta, xi_v }))
+}
+
+fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Option<Block> {
+    let made = match parameters {
+        Parameters::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
+        Parameters::Physical(physical) => Block::from_physical(physical, common),
+    };
+    made.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
+}
+
+/// The field of a parameter at fault.
+pub fn block_error(error: &BlockError, shape: &str) -> FieldError {
+    let field = match error.name() {
+        "K" | "omega_v" | "delta_s" => "stiffness",
+        "C" => "damping",
+        name @ ("mass" | "gamma" | "g" | "epsilon" | "eta" | "xi_v" | "restitution_factor") => name,
+        name @ ("eccentricity" | "friction" | "width" | "height") => name,
+        _ if shape == "size" => "width",
+        "p" => "p",
+        _ => "alpha",
+    };
+    FieldError::new(field, error.to_string())
+}
+
+fn excitation(fields: &mut Fields, files: [Option<&DroppedFile>; 2]) -> (Excitation, Vertical) {
+    let name = |file: Option<&DroppedFile>| file.map(|file| file.name.clone()).unwrap_or_default();
+    let excitation = match fields.text("excitation") {
+        "embedded" => Excitation::Embedded,
+        "file" => Excitation::File { name: name(files[0]), settings: records::settings(fields, Direction::Horizontal) },
+        "pulse" => Excitation::Pulse,
+        "release" => Excitation::Release,
+        other => {
+            let expected = "expected embedded, file, pulse or release";
+            fields.refuse(FieldError::new("excitation", format!("found {other}; {expected}")));
+            Excitation::Release
+        }
+    };
+    let has_vertical = fields.text("vertical") == "file";
+    let vertical = match excitation {
+        Excitation::Embedded | Excitation::File { .. } if has_vertical => {
+            Some((name(files[1]), records::settings(fields, Direction::Vertical)))
+        }
+        _ => None,
+    };
+    (excitation, vertical)
+}
+
+fn pulse(fields: &mut Fields) -> Pulse {
+    let shape = fields.choice("pulse");
+    if shape == PulseShape::None {
+        fields.refuse(FieldError::new("pulse", "found none; expected a shape"));
+    }
+    Pulse {
+        shape,
+        amplitude: fields.number("amplitude", |x| x != 0.0, "an acceleration in m/s², other than 0"),
+        period: fields.number("period", |x| x > 0.0, "a time > 0 s"),
+        start: 0.0,
+    }
+}
+
+/// Describes the excitation as the program does.
+fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse: &Pulse, gravity: f64) -> String {
+    let one_line = |record: &Record| record.title.split_whitespace().collect::<Vec<_>>().join(" ");
+    let title = |record: &Record, name: &str| match one_line(record) {
+        title if title == name => title,
+        title => format!("{name}: {title}"),
+    };
+    let strength = |record: &Record| significant(pga(record) / gravity, 3);
+    let name = match excitation {
+        Excitation::Embedded => records::EMBEDDED.0,
+        Excitation::File { name, .. } => name,
+        Excitation::Pulse => {
+            let Pulse { shape, amplitude, period, .. } = pulse;
+            return format!("{} pulse, a_p = {amplitude} m/s², T_p = {period} s", shape.word());
+        }
+        Excitation::Release => return "free motion".into(),
+    };
+    let mut parts = Vec::new();
+    if let Some(record) = &ground.horizontal {
+        parts.push(format!("{}, {} g", title(record, name), strength(record)));
+    }
+    if let (Some(record), Some((name, _))) = (&ground.vertical, vertical) {
+        parts.push(format!("vertical {}, {} g", title(record, name), strength(record)));
+    }
+    parts.join(" + ")
+}
+
+/// Warns of a block that falls over by itself: its supports resist with 2 K b² per radian, its weight acts with M g h.
+fn soft_supports(block: &Block) -> Option<String> {
+    let least = block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
+    let is_soft = block.foundation == Foundation::Viscoelastic && block.stiffness <= least;
+    is_soft.then(|| {
+        let least_eta = block.eta() * (least / block.stiffness).sqrt();
+        format!(
+            "the block falls over by itself on supports of η = {}, K = {:.4e} N/m; expected η > {}, K > {least:.4e} N/m",
+            significant(block.eta(), 4),
+            block.stiffness,
+            significant(least_eta, 4)
+        )
+    })
+}

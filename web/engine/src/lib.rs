@@ -1,0 +1,33 @@
+//! The engine of the page: requests as JSON → replies as JSON with numbers in binary.
+//!
+//! Compiled to WebAssembly, it is the program's own engine; compiled for any other target, it is tested like the other crates.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`fields`] | text of input fields → numbers and choices; an error for each field |
+//! | [`records`] | dropped files and their settings → records |
+//! | [`inputs`] | fields → a run |
+//! | [`command`] | a run → the command line of `rocking` with the same numbers |
+//! | [`outcome`] | a history → its outcome in words |
+//! | [`spectrum`] | fields → a spectrum, row by row |
+//! | [`ensemble`] | fields → the probability of overturning over the scale, row by row |
+//! | [`engine`] | a request → its reply |
+//! | [`exports`] | bytes in the memory of WebAssembly ↔ requests and replies |
+
+pub mod fields;
+
+pub mod records;
+
+pub mod inputs;
+
+pub mod command;
+
+pub mod outcome;
+
+pub mod spectrum;
+
+pub mod ensemble;
+
+pub mod engine;
+
+pub mod exports;

@@ -1,0 +1,153 @@
+//! Dropped files and their settings → records.
+
+use rocking_block::ground::Ground;
+use rocking_records::{Column, ReadOptions, Record, Setting};
+
+use crate::fields::{FieldError, Fields};
+
+/// The embedded record: U.S. Geological Survey, public domain.
+pub const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../../records/np01002p_4225a_a.smc"));
+
+/// Path of the embedded record in the repository, for command lines.
+pub const EMBEDDED_PATH: &str = "records/np01002p_4225a_a.smc";
+
+/// A file that the user dropped.
+#[derive(Clone, Debug)]
+pub struct DroppedFile {
+    /// Its name, without a folder.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// Direction of a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Horizontal.
+    Horizontal,
+    /// Vertical.
+    Vertical,
+}
+
+/// Settings of a file that the command line can name, with their values.
+pub type Settings = Vec<(&'static str, String)>;
+
+impl Direction {
+    /// Name of the field of the file.
+    pub fn field(self) -> &'static str {
+        match self {
+            Direction::Horizontal => "record",
+            Direction::Vertical => "vertical",
+        }
+    }
+
+    /// Name of the field of a setting.
+    fn setting_field(self, setting: Setting) -> &'static str {
+        let [horizontal, vertical] = match setting {
+            Setting::Format => ["format", "vertical_format"],
+            Setting::Unit => ["unit", "vertical_unit"],
+            Setting::TimeStep => ["dt", "vertical_dt"],
+            Setting::Channel => ["channel", "vertical_channel"],
+            Setting::TimeColumn => ["time_column", "vertical_time_column"],
+            Setting::AccelerationColumn => ["acceleration_column", "vertical_acceleration_column"],
+        };
+        match self {
+            Direction::Horizontal => horizontal,
+            Direction::Vertical => vertical,
+        }
+    }
+}
+
+/// The settings of a direction, as read from the fields.
+fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptions {
+    let field = |setting| direction.setting_field(setting);
+    let own = ReadOptions {
+        format: fields.parsed(field(Setting::Format)),
+        unit: fields.parsed(field(Setting::Unit)),
+        time_step: fields.optional(field(Setting::TimeStep), |x| x > 0.0, "a time > 0 s"),
+        gravity,
+        time_column: fields.parsed::<Column>(field(Setting::TimeColumn)),
+        acceleration_column: fields.parsed::<Column>(field(Setting::AccelerationColumn)),
+        channel: fields.parsed(field(Setting::Channel)),
+    };
+    // As in the program, settings of the horizontal file hold for the vertical one too unless it has its own.
+    match direction {
+        Direction::Vertical if fields.text("excitation") == "file" => {
+            own.or(&options(fields, Direction::Horizontal, gravity))
+        }
+        Direction::Horizontal | Direction::Vertical => own,
+    }
+}
+
+/// The settings that are given for a direction, by the names of their fields.
+pub fn settings(fields: &Fields, direction: Direction) -> Settings {
+    let all = [
+        Setting::Unit,
+        Setting::TimeStep,
+        Setting::Format,
+        Setting::Channel,
+        Setting::AccelerationColumn,
+        Setting::TimeColumn,
+    ];
+    let given = all.map(|setting| direction.setting_field(setting));
+    given
+        .into_iter()
+        .map(|field| (field, fields.text(field).to_string()))
+        .filter(|(_, text)| !text.is_empty())
+        .collect()
+}
+
+/// Reads a dropped file; an error stands beside the setting that resolves it, or beside the file.
+fn read(fields: &mut Fields, direction: Direction, file: Option<&DroppedFile>, gravity: f64) -> Option<Record> {
+    let Some(DroppedFile { name, bytes }) = file else {
+        let expected = fields.text(match direction {
+            Direction::Horizontal => "record_name",
+            Direction::Vertical => "vertical_name",
+        });
+        let expected = if expected.is_empty() { "an accelerogram" } else { expected };
+        fields.refuse(FieldError::new(direction.field(), format!("no file yet; expected {expected}")));
+        return None;
+    };
+    let options = options(fields, direction, gravity);
+    if fields.has_errors() {
+        return None;
+    }
+    match rocking_records::parse(name, bytes, &options) {
+        Ok(record) => Some(record),
+        Err(error) => {
+            let mut field = direction.field();
+            let message = error.naming(|setting| {
+                field = direction.setting_field(setting);
+                format!("the {setting}")
+            });
+            fields.refuse(FieldError::new(field, message));
+            None
+        }
+    }
+}
+
+/// Returns a warning if the numbers of a dropped file are implausible as accelerations.
+pub fn doubt(file: &DroppedFile, record: &Record) -> Option<String> {
+    let why = rocking_records::implausibility(&file.bytes, record)?;
+    Some(format!("{}: its columns have no names, and {why}; expected accelerations", file.name))
+}
+
+/// Reads the ground motion that the fields choose, unscaled.
+pub fn ground(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f64) -> Ground {
+    let horizontal = match fields.text("excitation") {
+        "embedded" => {
+            let (name, bytes) = EMBEDDED;
+            let options = ReadOptions { gravity, ..ReadOptions::default() };
+            rocking_records::parse(name, bytes, &options)
+                .map_err(|error| fields.refuse(FieldError::new("record", error.to_string())))
+                .ok()
+        }
+        "file" => read(fields, Direction::Horizontal, files[0], gravity),
+        _ => return Ground::default(),
+    };
+    let vertical = match fields.text("vertical") {
+        "file" => read(fields, Direction::Vertical, files[1], gravity),
+        _ => None,
+    };
+    Ground { horizontal, vertical }
+}

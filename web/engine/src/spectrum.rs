@@ -1,0 +1,91 @@
+//! Fields → a spectrum, row by row.
+
+use rocking_block::block::{Common, Foundation};
+use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_block::words::Words;
+use rocking_studies::spectrum::statistics::direction;
+use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
+
+use crate::command::{self, CommandLine};
+use crate::fields::{FieldError, Fields};
+use crate::inputs::{Excitation, Inputs, Vertical, block_error};
+
+/// A spectrum of the run's block in all sizes, and its command line.
+///
+/// # Errors
+/// One for each field at fault.
+pub fn read(
+    mut fields: Fields,
+    inputs: Inputs,
+    vertical: &Vertical,
+) -> Result<(Spectrum, Result<String, &'static str>), Vec<FieldError>> {
+    if inputs.excitation == Excitation::Release {
+        fields.refuse(FieldError::new("excitation", "found a free motion; a spectrum expects a record or a pulse"));
+    }
+    let least = fields.number("p_min", |x| x >= 0.001, "a frequency of at least 0.001 rad/s");
+    let greatest = fields.number("p_max", |x| x > least, "a frequency above the smallest p");
+    let count = fields.integer("points", 2, 2000);
+    let with_rigid = fields.text("also_rigid") == "yes";
+    let block = &inputs.run.block;
+    let base = match block.foundation {
+        Foundation::Rigid => {
+            FoundationParameters::Rigid { epsilon: block.epsilon, restitution_factor: block.restitution_factor }
+        }
+        Foundation::Viscoelastic => {
+            FoundationParameters::Viscoelastic { eta: block.eta(), xi_v: block.xi_v, epsilon: block.epsilon }
+        }
+    };
+    let is_viscoelastic = block.foundation == Foundation::Viscoelastic;
+    let bases = std::iter::once(base).chain((with_rigid && is_viscoelastic).then_some(FoundationParameters::HOUSNER));
+    let common = Common {
+        mass: block.mass,
+        gamma: block.gamma,
+        gravity: block.gravity,
+        eccentricity: block.eccentricity,
+        friction: block.friction,
+        ..Common::default()
+    };
+    let on_separation = inputs.run.settings.on_separation;
+    let spectrum = Spectrum {
+        alpha: block.alpha,
+        common,
+        bases: bases.collect(),
+        sizes: Sizes { least, greatest, count },
+        motions: vec![(direction(vertical.is_some()).into(), inputs.run.ground.clone())],
+        pulse: inputs.run.pulse,
+        settings: Settings { tolerance: Settings::OF_STUDIES, on_separation, ..Settings::default() },
+        duration: inputs.run.duration,
+        step: None,
+        friction: None,
+    };
+    if !fields.has_errors()
+        && let Err(error) = spectrum.check()
+    {
+        fields.refuse(block_error(&error, "ratios"));
+    }
+    let command = command_line(&spectrum, &inputs, vertical);
+    fields.finish((spectrum, command))
+}
+
+fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static str> {
+    if let Some(obstacle) = command::obstacle(&inputs.run.block) {
+        return Err(obstacle);
+    }
+    let default = Common::default();
+    let Common { mass, gamma, gravity, .. } = spectrum.common;
+    let mut line = CommandLine::new("spectrum");
+    line.excitation(inputs, vertical, true).option("alpha", spectrum.alpha);
+    for base in &spectrum.bases {
+        line.option("foundation", base);
+    }
+    let Sizes { least, greatest, count } = spectrum.sizes;
+    line.option("p-min", least).option("p-max", greatest).option("points", count);
+    line.unless("mass", mass, default.mass).unless("gamma", gamma, default.gamma).unless("g", gravity, default.gravity);
+    let on_separation = spectrum.settings.on_separation;
+    line.unless("on-separation", on_separation.word(), OnSeparation::Fly.word());
+    if let Some(duration) = spectrum.duration {
+        line.option("duration", duration);
+    }
+    line.option("csv", "spectrum.csv");
+    Ok(line.text())
+}
