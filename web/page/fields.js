@@ -1,0 +1,113 @@
+// The input fields: names, labels, units, ranges of their sliders, and when they are shown.
+
+const on = (field, ...values) => (state) => values.includes(state[field]);
+const all = (...conditions) => (state) => conditions.every((condition) => condition(state));
+
+const record = on("excitation", "embedded", "file");
+const supports = on("foundation", "viscoelastic");
+const inStiffness = all(on("shape", "size"), on("supports", "stiffness"));
+const inRatios = (state) => !inStiffness(state);
+const hasVertical = all(record, on("vertical", "file"));
+
+/** Settings of a file that does not say everything itself. */
+const settings = (prefix, slot, when) => [
+  { id: `${prefix}unit`, label: "Unit", kind: "choice", value: "", group: slot, when, options: [
+    ["", "as the file says"], ["g", "g"], ["m/s2", "m/s²"], ["cm/s2", "cm/s²"]] },
+  { id: `${prefix}dt`, label: "Time step", unit: "s", value: "", hint: "as the file says", group: slot, when },
+  { id: `${prefix}format`, label: "Format", kind: "choice", value: "", group: slot, when, options: [
+    ["", "by its content"], ["peer", "PEER AT2"], ["smc", "USGS SMC"], ["columns", "table (CSV)"], ["cosmos", "COSMOS"],
+    ["csmip", "CSMIP"], ["esm", "ESM"]] },
+  { id: `${prefix}channel`, label: "Channel", value: "", hint: "from 1", group: slot, when },
+  { id: `${prefix}acceleration_column`, label: "Column of accelerations", value: "", hint: "name or number", group: slot, when },
+  { id: `${prefix}time_column`, label: "Column of times", value: "", hint: "name or number", group: slot, when },
+];
+
+export const FIELDS = [
+  { id: "shape", label: "Describe the block by", kind: "segments", value: "size", group: "block",
+    options: [["size", "width and height"], ["ratios", "α and p"]] },
+  { id: "width", label: "Width", symbol: "2b", unit: "m", value: "0.6", slider: [0.1, 5, "log"], group: "block", when: on("shape", "size") },
+  { id: "height", label: "Height", symbol: "2h", unit: "m", value: "2.4", slider: [0.3, 20, "log"], group: "block", when: on("shape", "size"),
+    title: "Twice the height of the centre of mass" },
+  { id: "alpha", label: "Slenderness", symbol: "α", unit: "rad", value: "0.25", slider: [0.05, 0.6], group: "block", when: on("shape", "ratios") },
+  { id: "p", label: "Frequency parameter", symbol: "p", unit: "rad/s", value: "1", slider: [0.3, 6, "log"], group: "block", when: on("shape", "ratios"),
+    title: "√(3g/4R) of a rectangle: larger for smaller blocks" },
+
+  { id: "foundation", label: "Stands on", kind: "segments", value: "viscoelastic", group: "foundation",
+    options: [["viscoelastic", "supports"], ["rigid", "rigid base"]] },
+  { id: "preset", label: "Supports", kind: "choice", value: "", group: "foundation", when: all(supports, inRatios), preset: true,
+    options: [["", "own values"], ["20,0.1", "soft: η = 20, ξᵥ = 0.1"], ["40,0.1", "of the paper: η = 40, ξᵥ = 0.1"],
+      ["80,0.1", "stiff: η = 80, ξᵥ = 0.1"], ["60,0.4", "with dampers: η = 60, ξᵥ = 0.4"]] },
+  { id: "supports", label: "Stiffness and damping as", kind: "segments", value: "ratios", group: "foundation",
+    when: all(supports, on("shape", "size")), options: [["ratios", "η and ξᵥ"], ["stiffness", "K and C"]] },
+  { id: "eta", label: "Stiffness ratio", symbol: "η", unit: "1", value: "40", slider: [10, 300, "log"], group: "foundation", when: all(supports, inRatios),
+    title: "Vertical frequency of the block on its supports, over p" },
+  { id: "xi_v", label: "Damping ratio", symbol: "ξᵥ", unit: "1", value: "0.1", slider: [0, 0.6], group: "foundation", when: all(supports, inRatios) },
+  { id: "stiffness", label: "Stiffness of a support", symbol: "K", unit: "N/m", value: "1000000", slider: [1e4, 1e10, "log"], group: "foundation", when: all(supports, inStiffness) },
+  { id: "damping", label: "Damping of a support", symbol: "C", unit: "N·s/m", value: "4000", slider: [1e2, 1e8, "log"], group: "foundation", when: all(supports, inStiffness) },
+  { id: "epsilon", label: "Restitution of a corner", symbol: "ε", unit: "1", value: "0", slider: [0, 1], group: "foundation" },
+  { id: "restitution_factor", label: "Factor on Housner’s e", unit: "1", value: "1", slider: [0.8, 1.1], group: "foundation", when: on("foundation", "rigid") },
+  { id: "friction", label: "Friction", symbol: "μ", unit: "1", value: "0", slider: [0, 1], group: "foundation", title: "0: no limit, the feet do not slide" },
+
+  { id: "eccentricity", label: "Eccentricity", symbol: "eₓ", unit: "m", value: "0", slider: [-1, 1], group: "more", title: "The centre of mass to the right of the middle" },
+  { id: "mass", label: "Mass", symbol: "M", unit: "kg", value: "1000", group: "more" },
+  { id: "gamma", label: "Shape factor", symbol: "γ", unit: "1", value: "3", group: "more", title: "M R₀²/I₀; 3 for a homogeneous rectangle" },
+  { id: "g", label: "Gravity", symbol: "g", unit: "m/s²", value: "9.81", group: "more" },
+
+  { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
+    options: [["embedded", "Loma Prieta"], ["file", "my record"], ["pulse", "pulse"], ["release", "release"]] },
+  { id: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
+  { id: "scale", label: "Scale", unit: "1", value: "2", slider: [0.1, 10, "log"], group: "ground", when: record },
+  { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
+    options: [["one-sine", "one sine (type A)"], ["one-cosine", "one cosine (type B)"], ["c1", "type C1"], ["c2", "type C2"]] },
+  { id: "amplitude", label: "Amplitude", symbol: "aₚ", unit: "m/s²", value: "4", slider: [0.2, 20, "log"], group: "ground", when: on("excitation", "pulse") },
+  { id: "period", label: "Period", symbol: "Tₚ", unit: "s", value: "0.8", slider: [0.1, 5, "log"], group: "ground", when: on("excitation", "pulse") },
+  { id: "tilt", label: "Tilt at release", symbol: "θ/α", unit: "1", value: "0.6", slider: [-0.99, 0.99], group: "ground", when: on("excitation", "release") },
+  ...settings("", "file", on("excitation", "file")),
+  { id: "vertical", label: "Vertical motion", kind: "segments", value: "none", group: "vertical", when: record,
+    options: [["none", "none"], ["file", "from a file"]] },
+  { id: "vertical_file", errors: "vertical", label: "Vertical accelerogram", kind: "file", group: "vertical", when: hasVertical },
+  ...settings("vertical_", "vertical", hasVertical),
+
+  { id: "on_separation", label: "When the block leaves the ground", kind: "segments", value: "fly", group: "run",
+    options: [["fly", "it flies"], ["terminate", "end the run"]] },
+  { id: "duration", label: "Duration", unit: "s", value: "", hint: "until it is decided", group: "run" },
+  { id: "step", label: "Time between rows", unit: "s", value: "", hint: "as the record", group: "run" },
+  { id: "tolerance", label: "Relative tolerance", unit: "1", value: "1e-8", group: "run" },
+
+  { id: "p_min", label: "Smallest p (largest block)", unit: "rad/s", value: "0.5", group: "spectrum" },
+  { id: "p_max", label: "Largest p (smallest block)", unit: "rad/s", value: "8", group: "spectrum" },
+  { id: "points", label: "Number of sizes", value: "120", group: "spectrum" },
+  { id: "also_rigid", label: "Compare with", kind: "choice", value: "yes", group: "spectrum", when: supports,
+    options: [["yes", "rigid base"], ["no", "nothing"]] },
+
+  { id: "scale_from", label: "Smallest factor", unit: "1", value: "0.5", group: "ensemble" },
+  { id: "scale_to", label: "Largest factor", unit: "1", value: "6", group: "ensemble" },
+  { id: "scale_count", label: "Number of factors", value: "24", group: "ensemble" },
+  { id: "samples", label: "Runs per factor", value: "24", group: "ensemble" },
+  { id: "spread", label: "Spread of the strength", unit: "1", value: "0.1", group: "ensemble", title: "Coefficient of variation" },
+];
+
+/** Fields whose values make up a state: not files and not presets. */
+export const STATE = FIELDS.filter((field) => field.kind !== "file" && !field.preset);
+
+export const DEFAULTS = Object.fromEntries(STATE.map(({ id, value }) => [id, value]));
+
+/** The state in the address, with defaults for the rest. Names of files are kept as a reminder. */
+export function fromHash(hash) {
+  const state = { ...DEFAULTS };
+  for (const [id, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
+    if (id in DEFAULTS || id === "record_name" || id === "vertical_name") state[id] = value;
+  }
+  return state;
+}
+
+/** The address of a state: only what differs from the defaults, and what is in use. */
+export function toHash(state) {
+  const parts = new URLSearchParams();
+  for (const { id, when } of STATE) {
+    if (state[id] !== DEFAULTS[id] && (!when || when(state))) parts.set(id, state[id]);
+  }
+  if (state.excitation === "file" && state.record_name) parts.set("record_name", state.record_name);
+  if (state.vertical === "file" && state.vertical_name) parts.set("vertical_name", state.vertical_name);
+  return parts.toString();
+}

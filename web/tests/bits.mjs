@@ -1,0 +1,169 @@
+// The engine of the page gives the bytes of the program: node --test web/tests/bits.mjs
+//
+// Both are told the same in their own ways: the page's fields in one, the command line that the page shows in the other.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import test from "node:test";
+import { fileURLToPath } from "node:url";
+import { DEFAULTS } from "../page/fields.js";
+import { call, start } from "../page/worker.js";
+
+const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
+const target = process.env.CARGO_TARGET_DIR ?? join(root, "target");
+const program = process.env.ROCKING ?? join(target, "release", "rocking");
+const module = new WebAssembly.Module(readFileSync(join(root, "target/web/rocking_web.wasm")));
+const cases = JSON.parse(readFileSync(join(root, "tests/reference/cases.json"), "utf8"));
+
+/** Runs the program in the repository's folder with the words of a command line. */
+function rocking(command, changes = {}) {
+  const words = command.match(/'(?:[^'\\]|\\.)*'|\S+/g).map((word) => word.replace(/^'|'$/g, ""));
+  const args = words.slice(1).map((word) => changes[word] ?? word);
+  return execFileSync(program, args, { cwd: root, maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "ignore"] });
+}
+
+function page() {
+  const exports = start(module);
+  return (request, bytes) => {
+    const { reply, buffer } = call(exports, request, bytes);
+    return { ...reply, bytes: Buffer.from(buffer) };
+  };
+}
+
+/** Checks table and picture of a run against those of the command line that the page shows. */
+function compare(ask, fields) {
+  const run = ask({ op: "run", fields: { ...DEFAULTS, ...fields } });
+  assert.ok(run.ok, JSON.stringify(run.errors));
+  assert.ok(run.rows > 100);
+  const table = ask({ op: "csv" }).bytes;
+  assert.equal(table.toString().split("\n").length, run.rows + 2);
+  assert.ok(table.equals(rocking(run.command, { "history.csv": "-" })), `the table of ${run.command}`);
+  const svg = rocking(run.command.replace("--csv history.csv", "--plot - --plot-format svg"));
+  assert.ok(ask({ op: "svg" }).bytes.equals(svg), `the picture of ${run.command}`);
+  return run;
+}
+
+test("the embedded record gives the bytes of the program", () => {
+  compare(page(), {});
+  const alone = compare(page(), { shape: "ratios", alpha: "0.15", p: "2", xi_v: "0.2", scale: "1", on_separation: "terminate" });
+  assert.equal(alone.command, "rocking simulate --alpha 0.15 --p 2 --xi-v 0.2 --csv history.csv");
+});
+
+// Pulses, a small block, free motion, supports and the rigid base.
+for (const name of ["sine_eta40", "sine_rigid", "cosine_small_block", "free_rigid", "overturns", "sine_separates"]) {
+  test(`the reference case ${name} gives the bytes of the program`, (t) => {
+    const found = cases.find((one) => one.name === name);
+    const { alpha, p, eta = 40, xi_v = 0.1, epsilon = 0, foundation = "viscoelastic", gamma = 3, g, M = 1, t_end, dt, a_gx } = found;
+    const texts = { alpha, p, eta, xi_v, epsilon, foundation, gamma, g, mass: M, duration: t_end, step: dt };
+    const fields = { shape: "ratios", on_separation: "terminate" };
+    for (const [key, value] of Object.entries(texts)) fields[key] = String(value);
+    if (a_gx?.kind === "sine" || a_gx?.kind === "cosine") {
+      Object.assign(fields, { excitation: "pulse", pulse: `one-${a_gx.kind}`, amplitude: String(a_gx.a_p), period: String((2 * Math.PI) / a_gx.omega_p) });
+    } else if (found.initial?.theta) {
+      Object.assign(fields, { excitation: "release", tilt: String(found.initial.theta / alpha) });
+    } else return t.skip("the page has no initial velocity");
+    const run = compare(page(), fields);
+    assert.equal(run.outcome === "undecided" ? "completed" : run.outcome, found.end);
+    assert.ok(Math.abs(run.peak.theta - found.peak_theta) < 1e-3 * alpha, `${run.peak.theta} and ${found.peak_theta}`);
+  });
+}
+
+test("dropped files, one of them vertical, give the bytes of the program", () => {
+  const ask = page();
+  const folder = mkdtempSync(join(tmpdir(), "rocking-"));
+  try {
+    const files = { record: "0111a.smc", vertical: "np01002p_4225a_a.smc" };
+    for (const [slot, name] of Object.entries(files)) ask({ op: "file", slot, name }, readFileSync(join(root, "records", name)));
+    const fields = { ...DEFAULTS, excitation: "file", vertical: "file", scale: "3" };
+    const run = ask({ op: "run", fields });
+    assert.ok(run.ok, JSON.stringify(run.errors));
+    const changes = { "history.csv": "-", [files.record]: `records/${files.record}`, [files.vertical]: `records/${files.vertical}` };
+    assert.ok(ask({ op: "csv" }).bytes.equals(rocking(run.command, changes)), run.command);
+    // A table without a unit: the message stands beside the unit, and the unit resolves it.
+    const rows = Array.from({ length: 600 }, (_, i) => `${(i / 100).toFixed(2)},${(3 * Math.sin(i / 10)).toFixed(4)}`).join("\n");
+    const path = join(folder, "my record's.csv");
+    writeFileSync(path, `t,a\n${rows}\n`);
+    ask({ op: "file", slot: "record", name: "my record's.csv" }, readFileSync(path));
+    const refused = ask({ op: "run", fields: { ...fields, vertical: "none" } });
+    assert.deepEqual(refused.errors.map(({ field }) => field), ["unit"]);
+    assert.match(refused.errors[0].message, /my record's\.csv.*unit/);
+    const read = ask({ op: "run", fields: { ...fields, vertical: "none", unit: "m/s2", scale: "1" } });
+    assert.ok(read.ok, JSON.stringify(read.errors));
+    const command = read.command.replace("'my record'\\''s.csv'", path.replaceAll(" ", "\u0001"));
+    const words = command.split(" ").slice(1).map((word) => word.replaceAll("\u0001", " ").replace("history.csv", "-"));
+    const table = execFileSync(program, words, { maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "ignore"] });
+    assert.ok(ask({ op: "csv" }).bytes.equals(table));
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+});
+
+/** All rows of a study in pieces of three. */
+function rows(ask, count) {
+  let lines = "";
+  for (let from = 0; from < count; from += 3) lines += ask({ op: "rows", from, to: from + 3 }).bytes.toString();
+  return lines;
+}
+
+test("spectra in pieces give the bytes of the program", () => {
+  for (const fields of [{ points: "9" }, { points: "5", excitation: "pulse", foundation: "rigid", epsilon: "0.2", mass: "70" }]) {
+    const ask = page();
+    const study = ask({ op: "spectrum", fields: { ...DEFAULTS, ...fields } });
+    assert.ok(study.ok, JSON.stringify(study.errors));
+    const table = rocking(study.command, { "spectrum.csv": "-" }).toString();
+    assert.equal(study.header + rows(ask, study.rows), table);
+  }
+});
+
+test("ensembles in pieces give the bytes of the program", () => {
+  const sizes = { shape: "size", supports: "stiffness", stiffness: "2e6", damping: "3000", mass: "1500", friction: "0.4" };
+  for (const fields of [{}, { excitation: "pulse", ...sizes }, { foundation: "rigid", on_separation: "terminate" }]) {
+    const ask = page();
+    const study = ask({ op: "ensemble", fields: { ...DEFAULTS, scale_count: "4", samples: "5", ...fields } });
+    assert.ok(study.ok, JSON.stringify(study.errors));
+    // The study file names the embedded record from the repository's folder.
+    const path = join(root, `.study-${process.pid}.toml`);
+    try {
+      writeFileSync(path, study.file);
+      const table = rocking(study.command, { "study.toml": path, "ensemble.csv": "-" }).toString();
+      assert.equal(study.header + rows(ask, study.rows), table);
+    } finally {
+      rmSync(path, { force: true });
+    }
+  }
+});
+
+test("wrong input is refused beside its field", () => {
+  const ask = page();
+  const refused = (fields) => {
+    const { ok, errors } = ask({ op: "run", fields: { ...DEFAULTS, ...fields } });
+    assert.equal(ok, false);
+    return errors.map(({ field, message }) => `${field}: ${message}`);
+  };
+  assert.deepEqual(refused({ width: "wide", height: "" }), [
+    "width: found wide; expected a length > 0 m",
+    "height: found nothing; expected a length > 0 m",
+  ]);
+  assert.deepEqual(refused({ epsilon: "2" }), ["epsilon: found 2; expected a number from 0 to 1"]);
+  assert.match(refused({ eccentricity: "0.4" })[0], /^eccentricity: .*expected less than half the width/);
+  assert.match(refused({ foundation: "rigid", friction: "1.5" })[0], /^friction: .*jam/);
+  assert.deepEqual(refused({ excitation: "file", record_name: "lost.at2" }), ["record: no file yet; expected lost.at2"]);
+  assert.match(refused({ step: "1e-9" })[0], /^step: .*expected at most/);
+  // The engine goes on.
+  assert.ok(ask({ op: "run", fields: { ...DEFAULTS, width: "0,6" } }).ok);
+});
+
+test("friction and eccentricity change the run, and the page says that the program has no options for them", () => {
+  const ask = page();
+  const plain = ask({ op: "run", fields: { ...DEFAULTS } });
+  for (const fields of [{ friction: "0.2" }, { eccentricity: "0.1" }]) {
+    const run = ask({ op: "run", fields: { ...DEFAULTS, ...fields } });
+    assert.ok(run.ok, JSON.stringify(run.errors));
+    assert.equal(run.command, null);
+    assert.match(run.obstacle, /no options/);
+    assert.notEqual(run.peak.theta, plain.peak.theta);
+  }
+});
