@@ -54,7 +54,7 @@ export const FIELDS = [
   { id: "g", label: "Gravity", symbol: "g", unit: "m/s²", value: "9.81", group: "more" },
 
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
-    options: [["embedded", "Loma Prieta"], ["file", "my record"], ["pulse", "pulse"], ["release", "release"]] },
+    options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
   { id: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
   { id: "scale", label: "Scale", unit: "1", value: "2", slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),

@@ -292,8 +292,7 @@ function showOutcome(reply) {
   const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
   list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));
   $("numbers").replaceChildren(...list);
-  $("command").textContent = reply.command ?? `${reply.obstacle}.`;
-  $("copy-command").disabled = !reply.command;
+  $("command").textContent = reply.command;
 }
 
 // ---------------------------------------------------------------- time

@@ -109,7 +109,7 @@ function rows(ask, count) {
 }
 
 test("spectra in pieces give the bytes of the program", () => {
-  for (const fields of [{ points: "9" }, { points: "5", excitation: "pulse", foundation: "rigid", epsilon: "0.2", mass: "70" }]) {
+  for (const fields of [{ points: "9" }, { points: "5", excitation: "pulse", foundation: "rigid", epsilon: "0.2", mass: "70", friction: "0.4" }]) {
     const ask = page();
     const study = ask({ op: "spectrum", fields: { ...DEFAULTS, ...fields } });
     assert.ok(study.ok, JSON.stringify(study.errors));
@@ -156,14 +156,12 @@ test("wrong input is refused beside its field", () => {
   assert.ok(ask({ op: "run", fields: { ...DEFAULTS, width: "0,6" } }).ok);
 });
 
-test("friction and eccentricity change the run, and the page says that the program has no options for them", () => {
-  const ask = page();
-  const plain = ask({ op: "run", fields: { ...DEFAULTS } });
-  for (const fields of [{ friction: "0.2" }, { eccentricity: "0.1" }]) {
-    const run = ask({ op: "run", fields: { ...DEFAULTS, ...fields } });
-    assert.ok(run.ok, JSON.stringify(run.errors));
-    assert.equal(run.command, null);
-    assert.match(run.obstacle, /no options/);
-    assert.notEqual(run.peak.theta, plain.peak.theta);
+test("friction and an eccentric centre of mass give the bytes of the program, and other runs than without", () => {
+  const plain = compare(page(), {});
+  for (const fields of [{ friction: "0.2" }, { eccentricity: "-0.1" }, { foundation: "rigid", friction: "0.3", eccentricity: "0.05" }]) {
+    assert.notEqual(compare(page(), fields).peak.theta, plain.peak.theta);
   }
+  const spectrum = page()({ op: "spectrum", fields: { ...DEFAULTS, eccentricity: "0.01" } });
+  assert.equal(spectrum.command, null);
+  assert.match(spectrum.obstacle, /no option/);
 });

@@ -1,6 +1,6 @@
 //! A run → the command line of `rocking` with the same numbers.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::{Common, Dimensionless, Foundation, Physical};
 use rocking_block::excitation::Pulse;
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_block::words::Words;
@@ -74,18 +74,9 @@ impl CommandLine {
     }
 }
 
-/// Why the program has no command line for a block, if it has none.
-pub fn obstacle(block: &Block) -> Option<&'static str> {
-    let extended = block.friction != 0.0 || block.eccentricity != 0.0;
-    extended.then_some("the program has no options for friction and eccentricity; the FMU has them")
-}
-
 /// The command line of a run that writes its history to `history.csv`.
-pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static str> {
+pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
     let block = &inputs.run.block;
-    if let Some(obstacle) = obstacle(block) {
-        return Err(obstacle);
-    }
     let common = Common::default();
     let mut line = CommandLine::new("simulate");
     line.excitation(inputs, vertical, false);
@@ -108,7 +99,9 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static
         .unless("epsilon", block.epsilon, common.epsilon)
         .unless("g", block.gravity, common.gravity)
         .unless("foundation", block.foundation.word(), Foundation::Viscoelastic.word())
-        .unless("restitution-factor", block.restitution_factor, common.restitution_factor);
+        .unless("restitution-factor", block.restitution_factor, common.restitution_factor)
+        .unless("friction", block.friction, common.friction)
+        .unless("eccentricity", block.eccentricity, common.eccentricity);
     let Settings { tolerance, on_separation, .. } = inputs.run.settings;
     line.unless("tolerance", tolerance, Settings::default().tolerance).unless(
         "on-separation",
@@ -122,5 +115,5 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static
         line.option("step", step);
     }
     line.option("csv", "history.csv");
-    Ok(line.text())
+    line.text()
 }

@@ -177,8 +177,7 @@ impl Engine {
             "block": parameters(run),
             "description": inputs.description,
             "warnings": inputs.warnings,
-            "command": command::simulate(&inputs, &vertical).ok(),
-            "obstacle": command::simulate(&inputs, &vertical).err(),
+            "command": command::simulate(&inputs, &vertical),
             "end_time": history.ending.map(|(_, time)| time),
             "toppled": matches!(history.ending, Some((Ending::Toppled | Ending::Overturned, _))),
         });
@@ -193,9 +192,10 @@ impl Engine {
     }
 
     fn csv(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
-        let (_, history, _) = self.last()?;
+        let (run, history, _) = self.last()?;
         let mut bytes = Vec::new();
-        table::write(history, &mut bytes).map_err(|error| vec![FieldError::new("run", error.to_string())])?;
+        table::write(&run.block, history, &mut bytes)
+            .map_err(|error| vec![FieldError::new("run", error.to_string())])?;
         Ok((json!({}), bytes))
     }
 

@@ -85,7 +85,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         tolerance: Settings::OF_STUDIES,
         duration: inputs.run.duration,
         step: None,
-        friction: None,
+        friction_demand: None,
     };
     fields.finish(Study { sweep, strengths, file })
 }

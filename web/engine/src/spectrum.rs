@@ -6,7 +6,7 @@ use rocking_block::words::Words;
 use rocking_studies::spectrum::statistics::direction;
 use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
 
-use crate::command::{self, CommandLine};
+use crate::command::CommandLine;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{Excitation, Inputs, Vertical, block_error};
 
@@ -56,7 +56,7 @@ pub fn read(
         settings: Settings { tolerance: Settings::OF_STUDIES, on_separation, ..Settings::default() },
         duration: inputs.run.duration,
         step: None,
-        friction: None,
+        friction_demand: None,
     };
     if !fields.has_errors()
         && let Err(error) = spectrum.check()
@@ -68,11 +68,13 @@ pub fn read(
 }
 
 fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static str> {
-    if let Some(obstacle) = command::obstacle(&inputs.run.block) {
-        return Err(obstacle);
+    if inputs.run.block.eccentricity != 0.0 {
+        return Err(
+            "`rocking spectrum` has no option for an eccentricity, which would be the same for blocks of all sizes",
+        );
     }
     let default = Common::default();
-    let Common { mass, gamma, gravity, .. } = spectrum.common;
+    let Common { mass, gamma, gravity, friction, .. } = spectrum.common;
     let mut line = CommandLine::new("spectrum");
     line.excitation(inputs, vertical, true).option("alpha", spectrum.alpha);
     for base in &spectrum.bases {
@@ -81,6 +83,7 @@ fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> Re
     let Sizes { least, greatest, count } = spectrum.sizes;
     line.option("p-min", least).option("p-max", greatest).option("points", count);
     line.unless("mass", mass, default.mass).unless("gamma", gamma, default.gamma).unless("g", gravity, default.gravity);
+    line.unless("friction", friction, default.friction);
     let on_separation = spectrum.settings.on_separation;
     line.unless("on-separation", on_separation.word(), OnSeparation::Fly.word());
     if let Some(duration) = spectrum.duration {
