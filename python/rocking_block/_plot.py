@@ -54,7 +54,7 @@ def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any
     for panel, of_order in zip(panels, (_rotation, _reactions, _ground, None, None)):
         panel._rocking_block = {"run": number + 1}
         draw = getattr(panel, "_rocking_kind", of_order)
-        if draw in (*kinds, _ground):
+        if draw is not None and draw in (*kinds, _ground):
             draw(panel, run, first, label, _style(look, style if draw is _rotation else {}))
     rotation = panels[0]
     title = f"{label}\n{run.outcome}, |θ|/α = {run.peak.theta / block.alpha:.4g}, {run.counts.impacts} impacts"

@@ -191,7 +191,7 @@ def blocks(**parameters: npt.ArrayLike) -> list[Block]:
     >>> [block.p for block in rb.blocks(alpha=[0.1, 0.2], p=[1.0, 2.0], eta=60)]
     [1.0, 2.0]
     """
-    ties = {name: parameters.pop(name) for name in ("ties",) if name in parameters}
+    ties: dict[str, Any] = {name: parameters.pop(name) for name in ("ties",) if name in parameters}
     names = list(parameters)
     arrays = _same_shape({name: np.asarray(value) for name, value in parameters.items()})
     rows = zip(*(array.ravel().tolist() for array in arrays.values()), strict=True)

@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -242,15 +243,15 @@ def test_a_duration_that_is_too_short_leaves_a_run_undecided(record):
 def test_the_time_above_a_friction_is_a_column(record):
     block = rb.Block(alpha=0.2, p=2, eta=60)
     plain = rb.outcomes(block, record, scale=[1.0, 3.0], progress=False)
-    table = rb.outcomes(block, record, scale=[1.0, 3.0], friction=0.3, progress=False)
+    table = rb.outcomes(block, record, scale=[1.0, 3.0], friction_demand=0.3, progress=False)
     assert table.units["friction_demand>0.3"] == "s" and set(table) - set(plain) == {"friction_demand>0.3"}
     assert all(np.array_equal(table[name], plain[name], equal_nan=plain[name].dtype.kind == "f") for name in plain)
     for scale, above in zip([1.0, 3.0], table["friction_demand>0.3"], strict=True):
         demand = block.run(record, scale=scale, step=1e-3, tolerance=1e-6, progress=False).friction_demand
         ends = np.flatnonzero(np.diff(np.concatenate([[0], (demand > 0.3).astype(int), [0]])))
         assert abs(above - 1e-3 * max(ends[1::2] - ends[::2], default=0)) < 5e-3
-    with pytest.raises(ValueError, match="friction = -1"):
-        rb.outcomes(block, record, friction=-1.0, progress=False)
+    with pytest.raises(ValueError, match="friction_demand = -1"):
+        rb.outcomes(block, record, friction_demand=-1.0, progress=False)
 
 
 def test_stiffness_needs_a_mass():
@@ -258,3 +259,69 @@ def test_stiffness_needs_a_mass():
     with pytest.raises(ValueError, match="K without mass; expected both"):
         rb.Block(**sizes)
     assert rb.Block(**sizes, mass=4000).mass == 4000
+
+
+TIE = rb.Tie(block_x=-0.4, block_z=2.6, ground_x=-2.0, ground_z=2.6, stiffness=2e4, slack=0.01, strength=3e3)
+CABINET = rb.Block(
+    width=0.8, center_height=1.4, eccentricity=0.05, mass=600, inertia=420, foundation="rigid", friction=0.4, ties=[TIE]
+)
+SHAKEN = rb.Pulse("one-sine", amplitude=5.0, period=0.8)
+
+
+def test_a_measured_body_keeps_its_parameters():
+    assert np.isclose(CABINET.alpha_L, np.arctan(0.45 / 1.4), rtol=1e-14) and np.isclose(CABINET.I0, 420.0, rtol=1e-14)
+    assert CABINET.ties == (TIE,) and pickle.loads(pickle.dumps(CABINET)) == CABINET
+    assert hash(CABINET.replace()) == hash(CABINET) and CABINET.replace(ties=()) != CABINET
+    assert CABINET.replace(gamma=3.0).gamma == 3.0 and CABINET.replace(height=3.0).height == 3.0
+    assert "friction=0.4, 1 tie" in repr(CABINET)
+
+
+def test_slip_and_tensions_are_those_of_the_program(rocking):
+    run = CABINET.run(pulse=SHAKEN, progress=False)
+    options = "--width 0.8 --center-height 1.4 --eccentricity 0.05 --mass 600 --inertia 420 --foundation rigid --friction 0.4"
+    tie = "block_x=-0.4,block_z=2.6,ground_x=-2,ground_z=2.6,stiffness=2e4,slack=0.01,strength=3e3"
+    pulse = "--pulse one-sine --amplitude 5 --period 0.8 --on-separation fly"
+    table = rocking("simulate", *options.split(), *pulse.split(), "--tie", tie)
+    for name, column in (("slip", run.slip), ("tie_1.tension", run.tensions[0]), ("energy.ties", run.energy.ties)):
+        heading = next(heading for heading in table if heading.split(" [")[0] == name)
+        assert np.array_equal(column, np.array(table[heading], dtype=float))
+    # The spring of a tie that breaks holds T²/(2 k).
+    assert run.broken == (True,) and np.isclose(run.energy.ties[-1], 3e3**2 / 4e4, rtol=1e-9)
+    assert run.peak.slip == np.abs(run.slip).max() > 1e-3 and np.isclose(run.peak.tensions[0], 3e3)
+    assert len(run.plot()) == 5
+
+
+def test_outcomes_have_slip_and_limits_on_it():
+    table = rb.outcomes([CABINET, CABINET.replace(friction=0.3)], pulse=SHAKEN, progress=False)
+    assert table.units["peak.slip"] == "m" and table.units["peak.tie_1.tension"] == "N"
+    assert table["peak.slip"][1] > 10 * table["peak.slip"][0]
+    assert "peak.slip" not in rb.outcomes(rb.Block(), pulse=SHAKEN, progress=False)
+    slips = [0, 0.01, 0.2, 0.05, 0.3, 0.4, 0.02, 0]
+    rows = {"PGV": np.arange(2, 10) / 10, "outcome": ["completed"] * 7 + ["overturned"], "peak.slip": slips}
+    fit = rb.fragility(rows, im="PGV", limit="slip:0.1", progress=False)
+    assert fit.limit == "slip>0.1" and fit.fractions.tolist() == [0, 0, 1, 0, 1, 1, 0, 1]
+    with pytest.raises(ValueError, match='limit = "slip:no"; expected "overturned"'):
+        rb.fragility(rows, im="PGV", limit="slip:no")
+
+
+@pytest.mark.parametrize(
+    "wrong, words",
+    [
+        ({"ties": [TIE]}, "ties without mass"),
+        ({"friction": 2.0, "foundation": "rigid"}, "friction = 2 lets a corner jam"),
+        ({"eccentricity": 9.0}, "eccentricity = 9 m is not valid"),
+        ({"inertia": 9.0}, "inertia has no effect without width"),
+        ({"width": 1, "height": 4, "center_height": 2, "foundation": "rigid"}, "height has no effect with center_height"),
+        ({"width": 1, "height": 4, "inertia": 3, "mass": 2, "gamma": 2, "foundation": "rigid"}, "gamma has no effect"),
+    ],
+)
+def test_what_makes_no_block_is_refused(wrong, words):
+    with pytest.raises(ValueError, match=words):
+        rb.Block(**wrong)
+
+
+def test_what_a_block_lacks_is_told():
+    run = rb.Block().run(theta=0.1, duration=0.1, progress=False)
+    assert run.tensions == () and not hasattr(run, "slip") and not run.energy.friction.any()
+    with pytest.raises(ValueError, match="stiffness = 0"):
+        rb.Tie(stiffness=0)

@@ -90,7 +90,7 @@ def test_a_block_amounts_to_what_the_paper_says():
         ({"foundation": "sand"}, 'foundation = "sand"; expected one of "viscoelastic", "rigid"'),
         ({"foundation": "rigid", "eta": 40}, "eta has no effect on a rigid base"),
         ({"restitution_factor": 1}, 'restitution_factor has no effect on viscoelastic supports; expected foundation="rigid"'),
-        ({"width": 1}, "width without height; expected both"),
+        ({"width": 1}, "width without height; expected both, or center_height"),
         ({"width": 1, "height": 2}, 'width without K and C; expected both and mass, or foundation="rigid"'),
         ({"width": 1, "alpha": 0.2}, "alpha has no effect with width"),
         ({"K": 1e6}, "K has no effect without width"),
