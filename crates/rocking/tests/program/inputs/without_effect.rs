@@ -105,7 +105,7 @@ fn a_rigid_base_needs_no_stiffness() {
     assert_eq!(peaks[0], peaks[1]);
     assert!(!peaks[0].contains("|θ|/α = 0.0000"), "{}", peaks[0]);
     for (options, told) in [
-        (&["--width", "1"][..], "--width without --height; expected both"),
+        (&["--width", "1"][..], "--width without --height; expected both, or --center-height"),
         (
             &["--width", "1", "--height", "4", "--stiffness", "1e6"],
             "--width without --stiffness and --damping; expected both and --mass, or --foundation rigid",
