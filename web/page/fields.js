@@ -53,6 +53,14 @@ export const FIELDS = [
   { id: "gamma", label: "Shape factor", symbol: "γ", unit: "1", value: "3", group: "more", title: "M R₀²/I₀; 3 for a homogeneous rectangle" },
   { id: "g", label: "Gravity", symbol: "g", unit: "m/s²", value: "9.81", group: "more" },
 
+  { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"]] },
+  ...[
+    ["block_x", "On the block, to the right of the middle", "m", "0"], ["block_z", "On the block, above the base", "m", "2.4"],
+    ["ground_x", "On the ground, to the right", "m", "3"], ["ground_z", "On the ground, above", "m", "0"],
+    ["stiffness", "Stiffness", "N/m", "10000"], ["pretension", "Pretension", "N", "0"], ["slack", "Slack", "m", "0"],
+    ["damping", "Damping", "N·s/m", "0"], ["strength", "Strength, 0: unbreakable", "N", "0"],
+  ].map(([key, label, unit, value]) => ({ id: `tie_${key}`, label, unit, value, group: "tie", when: on("tie", "one") })),
+
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
   { id: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },

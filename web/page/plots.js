@@ -20,7 +20,7 @@ function axes(xLabel, yLabel, x = true) {
   });
   return [
     { ...common(), label: x ? xLabel : null, labelSize: 18, size: x ? 24 : 8, values: x ? undefined : (u, splits) => splits.map(() => "") },
-    { ...common(), label: yLabel, labelSize: 20, size: 52 },
+    { ...common(), label: yLabel, labelSize: 20, size: 52, space: 22, values: (u, splits) => splits.map((value) => String(Number(value.toPrecision(6))).replace("-", "−")) },
   ];
 }
 

@@ -38,7 +38,6 @@ export class Scene {
     add(g, "rect", { class: "soil", x: -10 * reach, y: support, width: 20 * reach, height: 10 * size });
     add(g, "line", { class: "ground", x1: -10 * reach, x2: 10 * reach, y1: support, y2: support, "stroke-width": 0.7 * u });
     this.supports = on_supports ? [-b, b].map((x) => ({ x, path: add(g, "path", { class: "support", "stroke-width": 0.55 * u }) })) : [];
-    this.trail = add(g, "path", { class: "trail", "stroke-width": 0.45 * u });
     this.shape = add(g, "g");
     add(this.shape, "rect", { class: "block", x: -b - eccentricity, y: -h, width: 2 * b, height: high, "stroke-width": 0.8 * u, rx: 0.4 * u });
     for (const corner of [-b, b]) {
@@ -49,6 +48,7 @@ export class Scene {
     const r = 2.1 * u;
     add(mark, "circle", { r, "stroke-width": 0.6 * u });
     for (const turn of [0, 180]) add(mark, "path", { d: `M0 0 L${r} 0 A${r} ${r} 0 0 1 0 ${r} Z`, transform: `rotate(${turn})` });
+    this.ties = block.ties.map(() => add(g, "line", { class: "tie", "stroke-width": 0.7 * u }));
     this.arrow = add(g, "g", { class: "arrow" });
     this.shaft = add(this.arrow, "line", { "stroke-width": 1.1 * u });
     this.head = add(this.arrow, "path");
@@ -67,6 +67,11 @@ export class Scene {
     this.supports.forEach(({ x, path }, side) => {
       const top = corners[side][1] - [uplift_L, uplift_R][side];
       path.setAttribute("d", this.#springAndDashpot(x, -top));
+    });
+    this.ties.forEach((line, number) => {
+      const [[x, z], [groundX, groundZ]] = this.block.ties[number];
+      const [endX, endZ] = placed([x - eccentricity, z - h], theta, centre);
+      for (const [key, value] of Object.entries({ x1: groundX, y1: -groundZ, x2: endX, y2: -endZ })) line.setAttribute(key, value);
     });
     this.#accelerate(a_gx / g);
   }

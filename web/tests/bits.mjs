@@ -101,6 +101,9 @@ test("dropped files, one of them vertical, give the bytes of the program", () =>
   }
 });
 
+// A guy that goes slack and breaks.
+const TIE = { tie: "one", tie_stiffness: "3e4", tie_slack: "0.01", tie_strength: "4e3", shape: "ratios", alpha: "0.2", p: "2" };
+
 /** All rows of a study in pieces of three. */
 function rows(ask, count) {
   let lines = "";
@@ -120,7 +123,7 @@ test("spectra in pieces give the bytes of the program", () => {
 
 test("ensembles in pieces give the bytes of the program", () => {
   const sizes = { shape: "size", supports: "stiffness", stiffness: "2e6", damping: "3000", mass: "1500", friction: "0.4" };
-  for (const fields of [{}, { excitation: "pulse", ...sizes }, { foundation: "rigid", on_separation: "terminate" }]) {
+  for (const fields of [{}, { excitation: "pulse", ...sizes }, { foundation: "rigid", on_separation: "terminate" }, TIE]) {
     const ask = page();
     const study = ask({ op: "ensemble", fields: { ...DEFAULTS, scale_count: "4", samples: "5", ...fields } });
     assert.ok(study.ok, JSON.stringify(study.errors));
@@ -156,12 +159,14 @@ test("wrong input is refused beside its field", () => {
   assert.ok(ask({ op: "run", fields: { ...DEFAULTS, width: "0,6" } }).ok);
 });
 
-test("friction and an eccentric centre of mass give the bytes of the program, and other runs than without", () => {
+test("friction, an eccentric centre of mass and a tie give the bytes of the program, and other runs than without", () => {
   const plain = compare(page(), {});
-  for (const fields of [{ friction: "0.2" }, { eccentricity: "-0.1" }, { foundation: "rigid", friction: "0.3", eccentricity: "0.05" }]) {
+  for (const fields of [{ friction: "0.2" }, { eccentricity: "-0.1" }, TIE, { foundation: "rigid", friction: "0.3", eccentricity: "0.05" }]) {
     assert.notEqual(compare(page(), fields).peak.theta, plain.peak.theta);
   }
   const spectrum = page()({ op: "spectrum", fields: { ...DEFAULTS, eccentricity: "0.01" } });
   assert.equal(spectrum.command, null);
   assert.match(spectrum.obstacle, /no option/);
+  const tied = page()({ op: "spectrum", fields: { ...DEFAULTS, ...TIE } });
+  assert.deepEqual(tied.errors.map(({ field }) => field), ["tie"]);
 });

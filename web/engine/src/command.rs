@@ -1,6 +1,6 @@
 //! A run → the command line of `rocking` with the same numbers.
 
-use rocking_block::block::{Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::{Common, Dimensionless, Foundation, Physical, Tie};
 use rocking_block::excitation::Pulse;
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_block::words::Words;
@@ -74,6 +74,21 @@ impl CommandLine {
     }
 }
 
+/// The numbers of a tie, by the keys of the program.
+pub fn tie_values(tie: &Tie) -> [(&'static str, f64); 9] {
+    [
+        ("block_x", tie.block[0]),
+        ("block_z", tie.block[1]),
+        ("ground_x", tie.ground[0]),
+        ("ground_z", tie.ground[1]),
+        ("stiffness", tie.stiffness),
+        ("pretension", tie.pretension),
+        ("slack", tie.slack),
+        ("damping", tie.damping),
+        ("strength", tie.strength),
+    ]
+}
+
 /// The command line of a run that writes its history to `history.csv`.
 pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
     let block = &inputs.run.block;
@@ -93,7 +108,15 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
         }
     }
     if matches!(inputs.parameters, Parameters::Dimensionless(_)) {
-        line.unless("mass", block.mass, common.mass);
+        // A tie needs a mass, even that of the default.
+        match block.ties.is_empty() {
+            true => line.unless("mass", block.mass, common.mass),
+            false => line.option("mass", block.mass),
+        };
+    }
+    for tie in block.ties.all() {
+        let values = tie_values(tie).map(|(key, value)| format!("{key}={value}"));
+        line.option("tie", values.join(","));
     }
     line.unless("gamma", block.gamma, common.gamma)
         .unless("epsilon", block.epsilon, common.epsilon)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rocking_block::block::Foundation;
+use rocking_block::block::{Corner, Foundation};
 use rocking_block::simulation::Ending;
 use rocking_charts::numerals::significant;
 use rocking_studies::output::resumable::csv_line;
@@ -181,8 +181,12 @@ impl Engine {
             "end_time": history.ending.map(|(_, time)| time),
             "toppled": matches!(history.ending, Some((Ending::Toppled | Ending::Overturned, _))),
         });
-        let values = SERIES.iter().flat_map(|(_, value)| history.rows.iter().map(value));
-        let bytes = values.flat_map(f64::to_le_bytes).collect();
+        let mut bytes = Vec::with_capacity(8 * SERIES.len() * history.rows.len());
+        for (_, value) in SERIES {
+            for row in &history.rows {
+                bytes.extend_from_slice(&value(row).to_le_bytes());
+            }
+        }
         self.last = Some((inputs.run, history, inputs.description));
         Ok((json, bytes))
     }
@@ -276,6 +280,7 @@ fn peaks(run: &Run, history: &History) -> Value {
         "reaction": significant(peaks.reaction / weight, 4),
         "horizontal": significant(peaks.horizontal / weight, 4),
         "friction_demand": significant(peaks.friction_demand, 4),
+        "tension": significant(peaks.tension[0], 4),
         "slip": significant(1e3 * peaks.slip, 4),
     })
 }
@@ -294,7 +299,8 @@ fn parameters(run: &Run) -> Value {
         "weight": block.mass * block.gravity,
         "g": block.gravity,
         "friction": block.friction,
+        "ties": block.ties.all().iter().map(|tie| [tie.block, tie.ground]).collect::<Vec<_>>(),
         "line": rocking_charts::history::block_line(block),
-        "lift_off": significant(libm::tan(block.alpha), 4),
+        "lift_off": significant(libm::tan(Corner::each(|corner| block.alpha_of(corner)).into_iter().fold(f64::INFINITY, f64::min)), 4),
     })
 }

@@ -14,6 +14,7 @@ use rocking_studies::sweep::ground_motion::GroundMotion;
 use rocking_studies::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use rocking_studies::sweep::strength::Strengths;
 
+use crate::command;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{Excitation, Inputs, Parameters, Vertical};
 use crate::records::EMBEDDED_PATH;
@@ -129,6 +130,21 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     let differs =
         |&(name, value, default): &(&'static str, f64, f64)| (value != default).then_some((name, vec![value]));
     values.extend(others.iter().filter_map(differs));
+    let names = [
+        "tie_1.block_x",
+        "tie_1.block_z",
+        "tie_1.ground_x",
+        "tie_1.ground_z",
+        "tie_1.stiffness",
+        "tie_1.pretension",
+        "tie_1.slack",
+        "tie_1.damping",
+        "tie_1.strength",
+    ];
+    for tie in inputs.run.block.ties.all() {
+        let given = names.into_iter().zip(command::tie_values(tie));
+        values.extend(given.filter(|(_, (_, value))| *value != 0.0).map(|(name, (_, value))| (name, vec![value])));
+    }
     values.push(("on_separation", vec![f64::from(inputs.run.settings.on_separation as i32)]));
     if let Some(amplitudes) = amplitudes {
         values.push(("pulse.shape", vec![f64::from(inputs.run.pulse.shape as i32)]));

@@ -1,8 +1,7 @@
 //! Bytes in the memory of WebAssembly ↔ requests and replies.
 //!
 //! The host asks for room with [`rocking_input`], writes a request there, and calls [`rocking_call`]. The reply then stands at
-//! [`rocking_output`]. Both are four bytes with the length of the JSON (little endian), the JSON, and further bytes. In a reply the
-//! JSON ends with blanks such that the further bytes begin at a multiple of eight.
+//! [`rocking_output`]. Both are four bytes with the length of the JSON (little endian), the JSON, and further bytes.
 
 use std::cell::RefCell;
 
@@ -14,8 +13,7 @@ use crate::engine::{Engine, Reply, Request};
 struct Exchange {
     engine: Engine,
     input: Vec<u8>,
-    /// In words of eight bytes, so that numbers are aligned.
-    output: Vec<u64>,
+    output: Vec<u8>,
 }
 
 thread_local! {
@@ -43,16 +41,15 @@ pub extern "C" fn rocking_call() -> usize {
                 bytes: Vec::new(),
             },
         };
-        let bytes = joined(&reply);
-        *output = bytes.chunks(8).map(word).collect();
-        bytes.len()
+        *output = joined(&reply);
+        output.len()
     })
 }
 
 /// Returns the address of the reply, which stands until the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn rocking_output() -> *const u8 {
-    EXCHANGE.with_borrow(|exchange| exchange.output.as_ptr().cast())
+    EXCHANGE.with_borrow(|exchange| exchange.output.as_ptr())
 }
 
 /// Reads the request and the bytes that follow it.
@@ -64,18 +61,6 @@ fn split(input: &[u8]) -> Result<(Request, &[u8]), String> {
 }
 
 fn joined(Reply { json, bytes }: &Reply) -> Vec<u8> {
-    let mut json = json.to_string();
-    let blanks = (12 - json.len() % 8) % 8;
-    json.push_str(&" ".repeat(blanks));
-    let mut joined = (json.len() as u32).to_le_bytes().to_vec();
-    joined.extend(json.as_bytes());
-    joined.extend(bytes);
-    joined
-}
-
-/// Eight bytes as they stand in memory, the last ones zero if there are fewer.
-fn word(bytes: &[u8]) -> u64 {
-    let mut word = [0; 8];
-    word[..bytes.len()].copy_from_slice(bytes);
-    u64::from_ne_bytes(word)
+    let json = json.to_string();
+    [&(json.len() as u32).to_le_bytes(), json.as_bytes(), bytes].concat()
 }

@@ -1,6 +1,6 @@
 //! Fields → a run.
 
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
@@ -74,6 +74,10 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     let block = match parameters.filter(|_| !fields.has_errors()) {
         Some(parameters) => block(&mut fields, &parameters, &common),
         None => None,
+    };
+    let block = match fields.text("tie") {
+        "one" => tied(&mut fields, block),
+        _ => block,
     };
     let (excitation, vertical) = excitation(&mut fields, files);
     let pulse = match excitation {
@@ -185,6 +189,25 @@ fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Optio
         Parameters::Physical(physical) => Block::from_physical(physical, common),
     };
     made.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
+}
+
+/// The block with a tie.
+fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
+    let mut place = |field| fields.number(field, |_| true, "a length in m");
+    let ends = ["tie_block_x", "tie_block_z", "tie_ground_x", "tie_ground_z"].map(&mut place);
+    let tie = Tie {
+        block: [ends[0], ends[1]],
+        ground: [ends[2], ends[3]],
+        stiffness: fields.number("tie_stiffness", |x| x > 0.0, "a stiffness > 0 N/m"),
+        pretension: fields.number("tie_pretension", |x| x >= 0.0, "a force of at least 0 N"),
+        slack: fields.number("tie_slack", |x| x >= 0.0, "a length of at least 0 m"),
+        damping: fields.number("tie_damping", |x| x >= 0.0, "a damping of at least 0 N·s/m"),
+        strength: fields.number("tie_strength", |x| x >= 0.0, "a force > 0 N, or 0 for a tie that does not break"),
+    };
+    if fields.has_errors() {
+        return None;
+    }
+    block?.with_ties(&[tie]).map_err(|error| fields.refuse(FieldError::new("tie_stiffness", error.to_string()))).ok()
 }
 
 /// The field of a parameter at fault.

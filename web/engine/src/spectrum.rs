@@ -22,6 +22,12 @@ pub fn read(
     if inputs.excitation == Excitation::Release {
         fields.refuse(FieldError::new("excitation", "found a free motion; a spectrum expects a record or a pulse"));
     }
+    if !inputs.run.block.ties.is_empty() {
+        fields.refuse(FieldError::new(
+            "tie",
+            "found a tie; a spectrum expects none, since a tie does not grow with the block",
+        ));
+    }
     let least = fields.number("p_min", |x| x >= 0.001, "a frequency of at least 0.001 rad/s");
     let greatest = fields.number("p_max", |x| x > least, "a frequency above the smallest p");
     let count = fields.integer("points", 2, 2000);
