@@ -180,3 +180,43 @@ fn a_grip_on_the_rigid_base_throws_the_corner_up() {
         }
     }
 }
+
+/// A landing with friction keeps the momenta, the vertical restitution and the limit of friction, and stops the foot if that allows it.
+#[test]
+fn landings_with_friction() {
+    let (mut stopped, mut slid) = (0, 0);
+    for friction in [0.05, 0.3, 1.0, 1e6] {
+        for (on, at) in [(Corner::Left, -1.0), (Corner::Right, 1.0)] {
+            for foot in [Foot::Middle, Foot::Corner(on)] {
+                for theta in ANGLES {
+                    for before in BEFORE {
+                        let block = Block { friction, ..uneven(Foundation::Viscoelastic, 0.1) };
+                        let landing = arm(&block, theta, at * block.b);
+                        let rate = velocity(before, landing)[1];
+                        if rate >= 0.0 {
+                            continue;
+                        }
+                        let after = impact::landing_with_friction(&block, on, foot, theta, before, -0.3 * rate);
+                        let [h, n] = [after.u_dot - before.u_dot, after.v_dot - before.v_dot];
+                        let turn = block.i0 * (after.theta_dot - before.theta_dot);
+                        let size = 1.0 + h.abs() + n.abs();
+                        // The impulse acts at the corner.
+                        assert!((turn - (landing[1] * h - landing[0] * n)).abs() < 1e-12 * size * block.r0);
+                        assert!((velocity(after, landing)[1] + 0.3 * rate).abs() < 1e-12 * size);
+                        assert!(h.abs() <= friction * n * (1.0 + 1e-12) + 1e-13, "{h} {n}");
+                        let foot = if foot == Foot::Middle { arm(&block, theta, 0.0) } else { landing };
+                        let [was, is] = [before, after].map(|velocities| velocity(velocities, foot)[0]);
+                        if is.abs() < 1e-12 * size {
+                            stopped += 1;
+                        } else {
+                            assert!((h.abs() - friction * n).abs() < 1e-12 * size, "it slides at less than the limit");
+                            assert!(is * h < 0.0 || was * is < 0.0, "friction drives the foot: {was} {is} {h}");
+                            slid += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(stopped > 20 && slid > 20, "{stopped} {slid}");
+}

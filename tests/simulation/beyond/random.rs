@@ -215,3 +215,30 @@ fn limits_are_the_plain_block() {
         assert!((rough - plain).abs() < 1e-9, "{foundation:?}: with friction {rough}, not {plain}");
     }
 }
+
+/// A foot that slides may be stopped by a landing: it then grips, without a velocity.
+#[test]
+fn landings_stop_feet_that_slide() {
+    let mut stopped = 0;
+    for i in 0..60 {
+        let part = f64::from(i) / 60.0;
+        let dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 20.0 + 60.0 * part, xi_v: 0.1 };
+        let common = Common { friction: 0.18 + 0.01 * f64::from(i % 12), ..Common::default() };
+        let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+        let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0 + 6.0 * part, period: 1.26, start: 0.0 };
+        let inputs = Inputs::default();
+        let mut simulation = Simulation::new(block, Settings::default(), pulse, &Initial::default(), 0.0, &inputs);
+        let mut end = None;
+        while simulation.time() < 6.0 && !matches!(end, Some(Progress::Ended(..))) {
+            let (slid, mut landed) = (simulation.slides(), false);
+            simulation.settle(&inputs, &mut |event| landed = matches!(event.kind, EventKind::Landing(_))).unwrap();
+            if landed && slid && !simulation.slides() {
+                stopped += 1;
+                assert_eq!(simulation.observe(&inputs).slip_rate, 0.0);
+            }
+            let now = simulation.time();
+            end = simulation.advance_to_event(6.0, now, &inputs, &mut |_| ()).unwrap();
+        }
+    }
+    assert!(stopped > 0, "{stopped} landings stopped a foot");
+}

@@ -31,12 +31,15 @@ fn bits(simulation: &Simulation) -> Vec<u8> {
 
 /// A block on supports in an arbitrary initial state.
 fn simulation() -> impl Strategy<Value = Simulation> {
-    let block = (0.05..0.6_f64, 0.3..8.0_f64, 5.0..120.0_f64, 0.0..0.6_f64, 0.0..1.0_f64, 1.0..4.0_f64);
+    let eccentricity = prop_oneof![Just(0.0), -0.9..0.9];
+    let block = (0.05..0.6_f64, 0.3..8.0_f64, 5.0..120.0_f64, 0.0..0.6_f64, 0.0..1.0_f64, 1.0..4.0_f64, eccentricity);
     let beginning = (-1.1..1.1_f64, -1.5..1.5_f64, any::<bool>());
     let settings = (4.0..11.0_f64, any::<bool>());
     (block, beginning, settings).prop_map(
-        |((alpha, p, eta, xi_v, epsilon, gamma), (theta, theta_dot, stands), (digits, flies))| {
+        |((alpha, p, eta, xi_v, epsilon, gamma, eccentricity), (theta, theta_dot, stands), (digits, flies))| {
             let common = Common { gamma, epsilon, mass: 13.0, ..Common::default() };
+            let even = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
+            let common = Common { eccentricity: eccentricity * even.b, ..common };
             let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
             let settings = Settings {
                 tolerance: libm::exp10(-digits),
@@ -147,7 +150,9 @@ fn ground(scale: f64, vertical: bool) -> Ground {
 fn run(number: u32) -> Run {
     let k = f64::from(number);
     let foundation = if number % 7 == 3 { Foundation::Rigid } else { Foundation::Viscoelastic };
-    let common = Common { epsilon: [0.0, 0.3, 0.6][number as usize % 3], foundation, ..Common::default() };
+    // Blocks with friction are stepped alone between the others.
+    let friction = if number % 5 == 2 { 0.4 } else { 0.0 };
+    let common = Common { epsilon: [0.0, 0.3, 0.6][number as usize % 3], foundation, friction, ..Common::default() };
     let d = Dimensionless {
         alpha: 0.1 + 0.013 * (k * 7.0 % 11.0),
         p: 1.0 + 0.07 * k,
