@@ -6,7 +6,7 @@ use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::{Rate, roots};
 use crate::system::dynamics::State;
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Surface, all_watched};
+use crate::system::events::{Surface, watched, watched_beyond};
 use crate::system::law::Law;
 
 /// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
@@ -48,7 +48,15 @@ pub(super) fn may_hold_event(law: impl Law, here: &Evaluation, there: &Evaluatio
             there.time - here.time,
         )
     };
-    all_watched(law, here.block).any(may_fall)
+    watched(law).into_iter().flatten().any(may_fall) || (!law.is_known() && may_hold_event_beyond(law, here, there))
+}
+
+#[inline(never)]
+fn may_hold_event_beyond(law: impl Law, here: &Evaluation, there: &Evaluation) -> bool {
+    watched_beyond(law, here.block).into_iter().flatten().any(|surface| {
+        let (start, end) = (surface.sample(here), surface.sample(there));
+        roots::may_fall(start, end, surface.rounding(here.block), there.time - here.time)
+    })
 }
 
 /// A fall through a surface between two instants.
@@ -74,7 +82,7 @@ pub(super) fn first_event<L: Law, const N: usize>(
     let duration = there.time - here.time;
     let law = inside.motion.law();
     let turns_far = turn_in_flight::<4, 4>(law, &here.state, &there.state, duration) > SMALL_TURN;
-    for surface in all_watched(law, here.block) {
+    for surface in watched(law).into_iter().flatten() {
         let rounding = surface.rounding(here.block);
         let (start, end) = (surface.sample(here), surface.sample(there));
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
@@ -92,6 +100,31 @@ pub(super) fn first_event<L: Law, const N: usize>(
         {
             let rise_unseen = elapsed == 0.0 && !down && start.value >= -rounding;
             first = Some(Fall { elapsed, surface, rise_unseen });
+        }
+    }
+    if L::KNOWN { first } else { first_event_beyond(here, there, inside, first) }
+}
+
+/// The same through those of friction and ties, if that is earlier than `first`.
+#[inline(never)]
+fn first_event_beyond<L: Law, const N: usize>(
+    here: &Evaluation,
+    there: &Evaluation,
+    inside: &mut Inside<L, N>,
+    mut first: Option<Fall>,
+) -> Option<Fall> {
+    let duration = there.time - here.time;
+    for surface in watched_beyond(inside.motion.law(), here.block).into_iter().flatten() {
+        let rounding = surface.rounding(here.block);
+        let (start, end) = (surface.sample(here), surface.sample(there));
+        if !roots::may_fall(start, end, rounding, duration) {
+            continue;
+        }
+        let fall = roots::first_fall(start, end, rounding, duration, |elapsed| surface.sample(&inside.at(elapsed)));
+        if let Some(elapsed) = fall
+            && first.is_none_or(|earliest| elapsed < earliest.elapsed)
+        {
+            first = Some(Fall { elapsed, surface, rise_unseen: elapsed == 0.0 && start.value >= -rounding });
         }
     }
     first

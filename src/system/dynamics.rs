@@ -251,6 +251,7 @@ where
 }
 
 /// The state with its sine and cosine.
+#[derive(Clone, Copy)]
 struct Posture<'a, P, T> {
     block: &'a Block<P>,
     theta: T,
@@ -459,21 +460,8 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     /// The forcing with the pull of the ties; no foot stands in flight.
     #[inline(always)]
     fn with_ties(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
-        tie::added_to(self.block, forcing, || {
-            let Posture { block, theta_dot, w, w_dot, sin, cos, footing, .. } = *self;
-            let foot_or_middle = foot.unwrap_or(Foot::Middle);
-            let Lever { x, q } = block.lever(foot_or_middle, sin, cos);
-            let (versine, offset) = (self.versine(), block.offset_from(foot_or_middle));
-            let (u, u_dot) = match footing {
-                Footing::Grips { offset: by } => (sin * block.h - versine * offset + by, q * theta_dot),
-                Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => (u, u_dot),
-            };
-            let (v, v_dot) = match foot {
-                Some(_) => (w - versine * block.h - sin * offset, w_dot - x * theta_dot),
-                None => (w, w_dot),
-            };
-            tie::Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] }
-        })
+        // A copy, so that the rest stays in registers.
+        if tie::pulls(&forcing.ties) { pulled(*self, foot, forcing) } else { forcing }
     }
 
     /// Height of a corner above its place at rest (m).
@@ -509,6 +497,25 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     fn versine(&self) -> T {
         self.sin * self.sin / (self.cos + 1.0)
     }
+}
+
+/// The forcing with the pull of the ties. A function of its own, which the equations without ties do not contain.
+#[inline(never)]
+fn pulled<P: Scalar, T: Beside<P>>(posture: Posture<P, T>, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
+    let Posture { block, theta_dot, w, w_dot, sin, cos, footing, .. } = posture;
+    let foot_or_middle = foot.unwrap_or(Foot::Middle);
+    let Lever { x, q } = block.lever(foot_or_middle, sin, cos);
+    let (versine, offset) = (posture.versine(), block.offset_from(foot_or_middle));
+    let (u, u_dot) = match footing {
+        Footing::Grips { offset: by } => (sin * block.h - versine * offset + by, q * theta_dot),
+        Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => (u, u_dot),
+    };
+    let (v, v_dot) = match foot {
+        Some(_) => (w - versine * block.h - sin * offset, w_dot - x * theta_dot),
+        None => (w, w_dot),
+    };
+    let place = tie::Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] };
+    tie::added_to(block, forcing, &place)
 }
 
 /// A force at one corner, none at the other.

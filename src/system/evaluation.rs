@@ -230,12 +230,21 @@ impl<L: Law, const N: usize> Motion<'_, L, N> {
 
     #[inline(always)]
     fn rate_inlined(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
-        if N > 4 || self.law.held().is_some() {
-            return self.rate_of(&self.at(time, *state));
+        if N > 4 {
+            return self.rate_extended(time, state);
         }
         let footing = self.footing_at(time, state);
-        let Rate { state, quadratures } = rate(self.law, self.block, self.excitation, footing, time, &four(state));
+        let Rate { state, quadratures } = match self.held_at(time) {
+            Some(held) => self.at_held(time, four(state), footing, held).rate,
+            None => rate(self.law, self.block, self.excitation, footing, time, &four(state)),
+        };
         Rate { state: State::from(std::array::from_fn(|i| state[i])), quadratures }
+    }
+
+    /// The same where the horizontal motion is integrated too.
+    #[inline(never)]
+    fn rate_extended(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
+        self.rate_of(&self.at(time, *state))
     }
 }
 

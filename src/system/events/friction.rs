@@ -11,6 +11,7 @@ use crate::system::events::{EventKind, ROUNDING, Surface, grip};
 use crate::system::impact;
 
 /// The distance of a foot that grips from sliding to one side (m/s²): `μ N ∓ H` per mass, with − where H is to push to the right.
+#[inline(never)]
 pub(super) fn rest_to_limit(at: &Evaluation, push: Corner) -> Sample {
     let of = |x: &Instant<Dual<f64>>| {
         let normal = x.reaction[0] + x.reaction[1];
@@ -21,6 +22,7 @@ pub(super) fn rest_to_limit(at: &Evaluation, push: Corner) -> Sample {
 }
 
 /// The speed of a foot that slides (m/s).
+#[inline(never)]
 pub(super) fn speed(at: &Evaluation) -> Sample {
     let Footing::Slides { direction, .. } = at.footing else { return Sample::default() };
     let rate = at.foot_acceleration();
@@ -28,7 +30,7 @@ pub(super) fn speed(at: &Evaluation) -> Sample {
 }
 
 /// Round-off of [`rest_to_limit`] at zero (m/s²). On the rigid base no dashpot makes forces of the round-off of rates.
-#[inline]
+#[inline(never)]
 pub(super) fn rounding_of_limit(block: &Block) -> f64 {
     const ULPS: f64 = 16.0;
     match block.foundation {

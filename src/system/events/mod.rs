@@ -181,7 +181,7 @@ pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
 }
 
 /// The further functions that are watched of a block with friction or ties: two of the foot, then two of each tie.
-#[inline]
+#[inline(never)]
 pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND] {
     let mut watched = [None; BEYOND];
     if law.has_friction() && law.regime() != Regime::Separated {
@@ -206,13 +206,6 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
 
 /// How many [`watched_beyond`] there are.
 pub const BEYOND: usize = 2 + 2 * MOST_TIES;
-
-/// All functions that are watched, in their order.
-#[inline(always)]
-pub fn all_watched(law: impl Law, block: &Block) -> impl Iterator<Item = Surface> {
-    let beyond = if law.is_known() { None } else { Some(watched_beyond(law, block)) };
-    watched(law).into_iter().flatten().chain(beyond.into_iter().flatten().flatten())
-}
 
 impl Surface {
     /// Value and rate at an instant.

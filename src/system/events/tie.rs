@@ -10,29 +10,32 @@ use crate::system::events::placement::Placement;
 use crate::system::forces::tie;
 
 /// The stretch of a tie (m).
+#[inline(never)]
 pub(super) fn stretch(at: &Evaluation, tie: usize) -> Sample {
     tie::length(at.block, &at.block.ties.all()[tie], &at.instant)
 }
 
 /// The tension of a tie if it is taut (N).
+#[inline(never)]
 pub(super) fn tension(at: &Evaluation, tie: usize) -> Sample {
     tie::tension_with_rate(at.block, &at.block.ties.all()[tie], &at.rates())
 }
 
 /// The rest of the strength of a tie that is taut (N).
+#[inline(never)]
 pub(super) fn rest_of_strength(at: &Evaluation, tie: usize) -> Sample {
     let Sample { value, rate } = tension(at, tie);
     Sample { value: at.block.ties.all()[tie].strength - value, rate: -rate }
 }
 
 /// Size of the terms of a stretch (m).
-#[inline]
+#[inline(never)]
 pub(super) fn length(block: &Block, tie: usize) -> f64 {
     block.ties.all()[tie].length().max(block.r0)
 }
 
 /// Size of the terms of a tension (N).
-#[inline]
+#[inline(never)]
 pub(super) fn force(block: &Block, tie: usize) -> f64 {
     let Tie { stiffness, damping, .. } = block.ties.all()[tie];
     (stiffness * length(block, tie)).max(damping * block.p * block.r0).max(block.mass * block.gravity)

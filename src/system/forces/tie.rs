@@ -44,7 +44,6 @@ pub struct Stretch<T> {
 }
 
 /// Stretch of a tie.
-#[inline(always)]
 pub fn stretch<P: Scalar, T: Beside<P>>(block: &Block<P>, tie: &Tie<P>, place: &Place<T>) -> Stretch<T> {
     let &Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = place;
     // From the centre of mass to the end at the block, at rest and turned.
@@ -82,20 +81,11 @@ pub fn tension<P: Scalar, T: Beside<P>>(tie: &Tie<P>, state: TieState, stretch: 
 }
 
 /// The forcing with the pull of the ties in place of their states.
-#[inline(always)]
-pub fn added_to<P: Scalar, T: Beside<P>>(
-    block: &Block<P>,
-    forcing: Forcing<T>,
-    place: impl Fn() -> Place<T>,
-) -> Forcing<T> {
-    if !pulls(&forcing.ties) {
-        return forcing;
-    }
-    let place = place();
+pub fn added_to<P: Scalar, T: Beside<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
     let mut sum = forcing;
     for (tie, state) in block.ties.all().iter().zip(forcing.ties) {
         if state == TieState::Taut {
-            let stretch = stretch(block, tie, &place);
+            let stretch = stretch(block, tie, place);
             let pull = tension(tie, state, &stretch) * (P::from(1.0) / block.mass);
             let [x, z, arm] = stretch.along;
             // A forcing is an acceleration of the ground: a load counts less.
@@ -109,7 +99,7 @@ pub fn added_to<P: Scalar, T: Beside<P>>(
 
 /// Whether a tie pulls.
 #[inline(always)]
-fn pulls(states: &TieStates) -> bool {
+pub fn pulls(states: &TieStates) -> bool {
     states.contains(&TieState::Taut)
 }
 
@@ -126,18 +116,20 @@ pub fn static_pull<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<
 /// Tensions of all ties (N).
 #[inline(always)]
 pub fn tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; MOST_TIES] {
+    if pulls(ties) { taut_tensions(block, ties, *x) } else { [T::from(0.0); MOST_TIES] }
+}
+
+#[inline(never)]
+fn taut_tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> [T; MOST_TIES] {
     let mut tensions = [T::from(0.0); MOST_TIES];
-    if pulls(ties) {
-        let place = Place::of(x);
-        for ((of, tie), &state) in tensions.iter_mut().zip(block.ties.all()).zip(ties) {
-            *of = tension(tie, state, &stretch(block, tie, &place));
-        }
+    let place = Place::of(&x);
+    for ((of, tie), &state) in tensions.iter_mut().zip(block.ties.all()).zip(ties) {
+        *of = tension(tie, state, &stretch(block, tie, &place));
     }
     tensions
 }
 
 /// Energy of the springs of the ties per mass (m²/s²): `½ k s²` while a tie is stretched.
-#[inline(always)]
 pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
     each(block, ties, x, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
 }
@@ -145,13 +137,17 @@ pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &I
 /// Power per mass (m²/s³) that the dashpots of the ties take: all that T does beyond the spring, `(T − k s) ṡ`.
 #[inline(always)]
 pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
-    each(block, ties, x, |tie, state, stretch| {
+    if pulls(ties) || ties.contains(&TieState::Limp) { power_of_dashpots(block, ties, *x) } else { T::from(0.0) }
+}
+
+#[inline(never)]
+fn power_of_dashpots<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> T {
+    each(block, ties, &x, |tie, state, stretch| {
         (tension(tie, state, &stretch) - stretch.length * tie.stiffness) * stretch.rate
     })
 }
 
 /// A sum over the stretched ties, per mass.
-#[inline(always)]
 fn each<P: Scalar, T: Beside<P>>(
     block: &Block<P>,
     ties: &TieStates,
