@@ -48,7 +48,7 @@ impl System {
         let pose = self.tied(pose, excitation);
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = Change::begin(self, &pose, excitation);
-        placement.u = change.place_at_start(placement.u);
+        change.grip_at_start(&mut placement);
         change.settle(contacts.regime(), placement);
         debug_assert!(!change.path.overflows(), "{:?}", change.path);
         (change.pose, change.path)
@@ -134,27 +134,38 @@ fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T
         }
     }
     // A step by Newton's method brings the derivatives.
-    let apart = 1e-6 * block.static_deflection().value();
-    let slope = (value(high + apart) - value(high - apart)) / (2.0 * apart);
-    T::from(high) - surplus(T::from(high)) * (1.0 / slope)
+    T::from(high) - surplus(T::from(high)) * (1.0 / slope(block, [sin, cos], high))
+}
+
+/// The rate at which [`surplus`] changes with the height (N/m).
+fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f64 {
+    let (place, pushes) = stands(block, [sin, cos], T::from(middle));
+    let supports: f64 = pushes.iter().filter(|push| push.value() > 0.0).map(|_| block.stiffness.value()).sum();
+    let ties: f64 = block.ties.all().iter().map(|tie| tie::static_stiffness(block, tie, &place)).sum();
+    -(supports + ties)
 }
 
 /// The force (N) by which the supports push more than the weight and the ties pull, with the middle of the base at this height.
-fn surplus<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
+fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
+    let (place, pushes) = stands(block, turn, middle);
     let zero = T::from(0.0);
     let mut sum = -(block.mass * block.gravity);
-    let mut touching = [false; 2];
-    for corner in Corner::BOTH {
-        let push = block.free_height(corner) - middle - block.half_base(corner) * sin;
-        touching[corner.index()] = push.value() > 0.0;
+    for push in pushes {
         sum = sum + T::select_less(0.0, push.value(), push * block.stiffness, zero);
     }
-    let foot = Regime::of_touching(touching).foot().unwrap_or(Foot::Middle);
-    let (versine, offset) = (sin * sin / (cos + 1.0), block.offset_from(foot));
-    let center = [sin * block.h - versine * offset, middle - versine * block.h - sin * block.eccentricity];
-    let place = tie::Place { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] };
     for tie in block.ties.all() {
         sum = sum - tie::static_pull(block, tie, &place)[1];
     }
     sum
+}
+
+/// The place of a block that stands at this height, and how far its supports are pressed down (m).
+fn stands<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (tie::Place<T>, [T; 2]) {
+    let zero = T::from(0.0);
+    let pushes = Corner::each(|corner| block.free_height(corner) - middle - block.half_base(corner) * sin);
+    let touching = pushes.map(|push| push.value() > 0.0);
+    let foot = Regime::of_touching(touching).foot().unwrap_or(Foot::Middle);
+    let (versine, offset) = (sin * sin / (cos + 1.0), block.offset_from(foot));
+    let center = [sin * block.h - versine * offset, middle - versine * block.h - sin * block.eccentricity];
+    (tie::Place { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] }, pushes)
 }

@@ -101,13 +101,14 @@ impl<'a, T: Elementary> Walk<'a, T> {
         let instant = instant(&start.block, regime, placement.state(regime), footing, start.forcing);
         let mut walk = Walk { start, placement, footing, regime, instant };
         walk.follow_regime();
+        walk.slide_at_limit();
         walk
     }
 
     /// Goes on in another regime.
     fn enter(&mut self, regime: Regime) {
         let before = self.placement.u;
-        if regime == Regime::Separated && self.footing.grips() {
+        if regime == Regime::Separated && !matches!(self.footing, Footing::Free { .. }) {
             self.footing = free(&self.placement);
         }
         self.regime = regime;
@@ -115,6 +116,18 @@ impl<'a, T: Elementary> Walk<'a, T> {
         if let (Footing::Grips { offset }, true) = (self.footing, self.start.block.is_extended()) {
             // The place of the block stays.
             self.footing = Footing::Grips { offset: offset + before - self.placement.u };
+            self.look();
+        }
+        self.slide_at_limit();
+    }
+
+    /// The foot slides from here on, if H is beyond the limit of friction.
+    fn slide_at_limit(&mut self) {
+        let (friction, x) = (self.start.block.friction.value(), &self.instant);
+        let (h, n) = (x.horizontal.value(), x.reaction[0].value() + x.reaction[1].value());
+        if friction > 0.0 && self.footing.grips() && self.regime != Regime::Separated && h.abs() > friction * n {
+            let (u, u_dot) = (self.placement.u, self.placement.velocities.u_dot);
+            self.footing = Footing::Slides { u, u_dot, direction: -h.signum() };
             self.look();
         }
     }

@@ -120,9 +120,12 @@ impl Change<'_> {
         }
     }
 
-    /// Horizontal place of the centre of mass at the beginning (m), where the foot stands at its place; `u` in flight.
-    pub(in crate::system) fn place_at_start(&mut self, u: f64) -> f64 {
-        if self.regime() == Regime::Separated { u } else { self.now().instant.u }
+    /// The foot of a block at its beginning stands at its place and grips.
+    pub(in crate::system) fn grip_at_start(&mut self, placement: &mut Placement) {
+        if self.system.block.is_extended() && self.regime() != Regime::Separated {
+            let now = self.now();
+            (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);
+        }
     }
 
     /// The foot grips where it is.

@@ -113,6 +113,18 @@ pub fn static_pull<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<
     [tension * x, tension * z]
 }
 
+/// Vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z.
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> f64 {
+    let stiffness = tie.stiffness.value();
+    if stiffness == 0.0 {
+        return 0.0;
+    }
+    let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, place);
+    let (stretch, z) = (length.value(), z.value());
+    let free = tie.length().value() + tie.slack.value() - tie.pretension.value() / stiffness;
+    if stretch > 0.0 { stiffness * (z * z + stretch * (1.0 - z * z) / (stretch + free)) } else { 0.0 }
+}
+
 /// Tensions of all ties (N).
 #[inline(always)]
 pub fn tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; MOST_TIES] {
