@@ -356,14 +356,15 @@ impl Evaluation<'_> {
 
     /// Acceleration of the foot (m/s²), positive to the right.
     pub fn foot_acceleration(&self) -> f64 {
-        let (x, (sin, cos)) = (&self.instant, self.instant.theta.sin_cos());
+        let (x, (sin, cos)) = (&self.instant, libm::sincos(self.instant.theta));
         let Lever { x: across, q } = self.block.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
         x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
     }
 
     /// Place of the foot beside that at the start (m), positive to the right.
     pub fn foot_place(&self) -> f64 {
-        let (sin, cos) = self.instant.theta.sin_cos();
+        // Not the method of f64, which is that of the platform.
+        let (sin, cos) = libm::sincos(self.instant.theta);
         let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
         self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
     }

@@ -289,7 +289,7 @@ impl Unit {
 fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]: &States) -> Slip {
     let now = simulation.observe(inputs);
     let Some(foot) = simulation.regime().foot().filter(|_| simulation.slides()) else { return Slip::default() };
-    let (sin, cos) = now.theta.sin_cos();
+    let (sin, cos) = libm::sincos(now.theta);
     let way = u - simulation.block().lever(foot, sin, cos).q * theta;
     Slip { now: way, total: way * now.slip_rate.signum() }
 }

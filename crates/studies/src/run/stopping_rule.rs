@@ -47,7 +47,7 @@ pub fn overturning_barrier(block: &Block) -> f64 {
 /// − g δ_s (1 + s_L² + s_R² − 2 s_I)`.
 fn barrier_over(block: &Block, corner: Corner) -> f64 {
     let Block { gravity, b, h, omega_v, share: [left, right], .. } = *block;
-    let radius = if block.eccentricity == 0.0 { block.r0 } else { block.offset(corner).hypot(h) };
+    let radius = if block.eccentricity == 0.0 { block.r0 } else { libm::hypot(block.offset(corner), h) };
     let (sin, cos) = (block.offset(corner).abs() / radius, h / radius);
     let rigid = gravity * (radius - h);
     let sunk = block.static_deflection();
@@ -85,7 +85,7 @@ fn slowest(block: &Block) -> f64 {
         return block.p;
     }
     let [left, right] = Corner::each(|corner| {
-        let radius = block.offset(corner).hypot(block.h);
+        let radius = libm::hypot(block.offset(corner), block.h);
         (block.gravity * radius / (block.i0 + radius * radius)).sqrt()
     });
     left.min(right)
