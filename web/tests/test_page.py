@@ -118,7 +118,7 @@ def test_a_block_that_overturns_says_so(visit):
 def test_the_address_reproduces_a_run(visit):
     page = visit()
     ran(page)
-    page.click("text=rigid base >> nth=0")
+    page.click(".segments label:has-text('rigid base')")
     page.click("label:has-text('pulse') >> nth=0")
     expect(page.locator("#command")).to_contain_text("--pulse one-sine")
     fill(page, "amplitude", "5.5")
