@@ -110,13 +110,13 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
             block.newDiscreteStates()
             block.enterContinuousTimeMode()
             block.setTime(0.05)
-            array = (ctypes.c_double * 8)()
+            array = (ctypes.c_double * 10)()
             if states is None:
-                block.getContinuousStates(array, 8)
+                block.getContinuousStates(array, 10)
                 array[1], array[3], array[5] = array[1] + 0.1, array[3] + 0.01, array[5] + 0.1
             else:
                 array[:] = states
-            block.setContinuousStates(array, 8)
+            block.setContinuousStates(array, 10)
             regime = block.getInteger([variables["regime"].valueReference])
             return list(array), regime, block.getReal([v.valueReference for v in outputs])
         finally:

@@ -47,8 +47,11 @@ impl Unit {
             Fault::new(error.to_string())
         })?;
         let after = simulation.states(&self.inputs);
-        // Events do not change the works.
+        // Events do not change the works, but for the energy of a tie that breaks.
         self.states[..6].copy_from_slice(&after[..6]);
+        if !simulation.block().ties.is_empty() {
+            self.states[9] = after[9];
+        }
         self.last_inputs = self.values.present_inputs();
         let next_time = [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {
