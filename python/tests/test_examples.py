@@ -19,7 +19,7 @@ sys.path.insert(0, str(EXAMPLES))
 def test_the_examples_of_the_page(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    assert len(codes) == 2
+    assert len(codes) == 3
     names = {}
     for code in codes:
         exec(compile(code, "python.md", "exec"), names)

@@ -124,17 +124,23 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
 
     pulse = {"pulse.shape": 2, "pulse.amplitude": 2.0, "pulse.period": 0.7}
     sizes = {"physical.width": 2.0, "physical.height": 6.0, "physical.K": 9e5, "physical.C": 5e3}
+    tie = {"block_x": 1.0, "block_z": 8.0, "ground_x": 6.0, "ground_z": -0.5, "stiffness": 3e3, "pretension": 400.0, "damping": 50.0}
+    ties = {f"tie_{number}.{name}": value for number in (1, 2) for name, value in tie.items()}
     seen = set()
     for base in (
         {"initial.theta": 0.1},
         {"initial.theta": 0.002},
         {"initial.theta": -0.1, "foundation": 2},
         {"initial.theta": 0.1, "parameterization": 2} | sizes,
+        {"initial.theta": 0.1, "friction": 0.4} | ties,
     ):
         base = pulse | base
         states, regime, before = outputs_at(base)
         for name, variable in variables.items():
             if variable.causality != "parameter" or variable.type != "Real" or name.startswith(("record", "initial")):
+                continue
+            # Without its ends a tie cannot be.
+            if name.startswith("tie_") and "tie_1.stiffness" not in base:
                 continue
             value = base.get(name, float(variable.start))
             _, other, after = outputs_at(base | {name: 1.01 * value if value else 0.01}, states)
