@@ -154,7 +154,7 @@ def _support(axes: Axes, corner: float, middle: float, bottom: float, size: floa
     axes.plot([min(spring, corner), max(dashpot, corner)], [bar, bar], **line)
     turns = [(spring + (-1) ** i * 0.013 * size, bottom * (0.24 + 0.62 * i / 6)) for i in range(7)]
     points = [(spring, bar), (spring, 0.19 * bottom), *turns, (spring, 0.91 * bottom), (spring, bottom)]
-    axes.plot(*zip(*points), **line)
+    axes.plot([x for x, _ in points], [y for _, y in points], **line)
     half = 0.016 * size
     axes.plot([dashpot, dashpot], [bar, 0.5 * bottom], **line)
     axes.plot([dashpot - 0.7 * half, dashpot + 0.7 * half], [0.5 * bottom] * 2, **line | {"lw": 2.2})
