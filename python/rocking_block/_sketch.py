@@ -157,7 +157,8 @@ def _support(axes: Axes, corner: float, middle: float, bottom: float, size: floa
     axes.plot([x for x, _ in points], [y for _, y in points], **line)
     half = 0.016 * size
     axes.plot([dashpot, dashpot], [bar, 0.5 * bottom], **line)
-    axes.plot([dashpot - 0.7 * half, dashpot + 0.7 * half], [0.5 * bottom] * 2, **line | {"lw": 2.2})
+    thick: dict[str, Any] = {**line, "lw": 2.2}
+    axes.plot([dashpot - 0.7 * half, dashpot + 0.7 * half], [0.5 * bottom] * 2, **thick)
     pot = [(-half, 0.35), (-half, 0.72), (half, 0.72), (half, 0.35)]
     axes.plot([dashpot + x for x, _ in pot], [part * bottom for _, part in pot], **line)
     axes.plot([dashpot, dashpot], [0.72 * bottom, bottom], **line)
