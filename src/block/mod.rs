@@ -95,7 +95,7 @@ impl Block {
         Block::of_physical(physical, common).checked()
     }
 
-    /// The same block with these ties, of which there are at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
+    /// Returns the block with these ties, at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
     pub fn with_ties(self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > ties::MOST_TIES {
             return Err(BlockError::Ties { count: ties.len() });

@@ -253,7 +253,7 @@ impl Simulation {
         let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
         ahead.advance_to_event(stop, self.pose.time, inputs, &mut |_| ()).ok()?;
         let Pending { surface, .. } = ahead.pending?;
-        // A corner may be held or let go on the way, which is no event that anybody is told of.
+        // A corner may be held or let go on the way, which is not reported.
         let direct = ahead.pose.contacts == self.pose.contacts && ahead.last_event == self.last_event;
         direct.then_some(Foreseen { pose: ahead.pose, surface, peaks: ahead.peaks, inputs: *inputs })
     }

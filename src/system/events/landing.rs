@@ -72,7 +72,7 @@ impl Change<'_> {
     }
 }
 
-/// The landing with the given vertical rate after it (m/s), or with as much of it as makes no energy.
+/// Returns the landing with this vertical rate after it (m/s), reduced if the landing would create energy.
 pub(super) fn without_gain(
     block: &Block,
     before: Velocities,

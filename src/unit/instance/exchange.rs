@@ -47,7 +47,7 @@ impl Unit {
             Fault::new(error.to_string())
         })?;
         let after = simulation.states(&self.inputs);
-        // Events do not change the works, but for the energy of a tie that breaks.
+        // Events leave the works unchanged, except for the energy of a tie that breaks.
         self.states[..6].copy_from_slice(&after[..6]);
         if !simulation.block().ties.is_empty() {
             self.states[9] = after[9];

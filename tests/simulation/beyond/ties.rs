@@ -13,7 +13,7 @@ fn with_tendon(foundation: Foundation, stiffness: f64, pretension: f64) -> Block
     let block = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
     let weight = block.mass * block.gravity;
     let tendon = Tie {
-        // It is as long as nothing at rest, but for a direction.
+        // The length at rest is negligible, but gives a direction.
         ground: [0.0, -1e-12],
         stiffness: stiffness * weight / block.b,
         pretension: pretension * weight,
