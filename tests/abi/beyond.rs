@@ -1,7 +1,5 @@
 //! Friction, ties and an eccentric centre of mass, computed by the FMU, beside independent trajectories.
 
-use rocking_block::block::Tie;
-
 use crate::beyond_cases::{Case, Change, cases};
 use crate::common::{Record, inputs_at, record_named};
 use crate::functions::*;
@@ -12,49 +10,13 @@ use crate::skipped::skip;
 /// Differences of θ from the trajectory, as a part of α, and of event times (s).
 const CLOSE: f64 = 1e-7;
 
-fn prepare(instance: &Instance, case: &Case) {
-    let (block, pulse) = (case.block(), case.a_gx.pulse());
-    for (name, value) in [
-        ("dimensionless.alpha", case.alpha),
-        ("dimensionless.p", case.p),
-        ("dimensionless.eta", case.eta),
-        ("dimensionless.xi_v", case.xi_v),
-        ("mass", case.mass),
-        ("epsilon", case.epsilon),
-        ("g", case.g),
-        ("eccentricity", case.eccentricity),
-        ("friction", case.friction),
-        ("pulse.shape", f64::from(pulse.shape as i32)),
-        ("pulse.amplitude", pulse.amplitude),
-        ("pulse.period", pulse.period),
-    ] {
-        instance.set(name, value);
-    }
-    for (i, tie) in block.ties.all().iter().enumerate() {
-        let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
-        for (name, value) in [
-            ("block_x", block[0]),
-            ("block_z", block[1]),
-            ("ground_x", ground[0]),
-            ("ground_z", ground[1]),
-            ("stiffness", stiffness),
-            ("pretension", pretension),
-            ("slack", slack),
-            ("damping", damping),
-            ("strength", strength),
-        ] {
-            instance.set(&format!("tie_{}.{name}", i + 1), value);
-        }
-    }
-}
-
 /// Compares a case with its trajectory, or names the missing record.
 fn run(case: &Case) -> Result<Vec<String>, String> {
     let records: [Option<Record>; 2] = [record_named(&case.a_gx, case.g)?, None];
     let instance = Instance::at(&case.name, None, true);
     let category = c"logEvents".as_ptr();
     assert_eq!(call!(instance, set_debug_logging, 1, 1, &category), OK);
-    prepare(&instance, case);
+    case.parameters().iter().for_each(|(name, value)| instance.set(name, *value));
     let set_inputs = |sample: usize| {
         let inputs = inputs_at(&records, sample);
         if records[0].is_some() {

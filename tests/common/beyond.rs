@@ -110,6 +110,45 @@ pub fn cases() -> Vec<Case> {
 }
 
 impl Case {
+    /// Returns the values of the FMU's parameters.
+    pub fn parameters(&self) -> Vec<(String, f64)> {
+        let (block, pulse) = (self.block(), self.a_gx.pulse());
+        let mut values: Vec<(String, f64)> = [
+            ("dimensionless.alpha", self.alpha),
+            ("dimensionless.p", self.p),
+            ("dimensionless.eta", self.eta),
+            ("dimensionless.xi_v", self.xi_v),
+            ("mass", self.mass),
+            ("epsilon", self.epsilon),
+            ("g", self.g),
+            ("eccentricity", self.eccentricity),
+            ("friction", self.friction),
+            ("pulse.shape", f64::from(pulse.shape as i32)),
+            ("pulse.amplitude", pulse.amplitude),
+            ("pulse.period", pulse.period),
+        ]
+        .map(|(name, value)| (name.to_string(), value))
+        .into();
+        for (i, tie) in (1..).zip(block.ties.all()) {
+            let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
+            values.extend(
+                [
+                    ("block_x", block[0]),
+                    ("block_z", block[1]),
+                    ("ground_x", ground[0]),
+                    ("ground_z", ground[1]),
+                    ("stiffness", stiffness),
+                    ("pretension", pretension),
+                    ("slack", slack),
+                    ("damping", damping),
+                    ("strength", strength),
+                ]
+                .map(|(name, value)| (format!("tie_{i}.{name}"), value)),
+            );
+        }
+        values
+    }
+
     pub fn rows(&self) -> Vec<Row> {
         let path = folder().join(format!("{}.csv", self.name));
         csv::Reader::from_path(path).unwrap().deserialize().map(|row| row.unwrap()).collect()

@@ -114,6 +114,11 @@ pub fn cases() -> Vec<Case> {
 }
 
 impl Motion {
+    /// Returns the name of its record, if it has one.
+    pub fn record(&self) -> Option<&str> {
+        self.record.as_deref()
+    }
+
     pub fn pulse(&self) -> Pulse {
         let shape = match self.kind.as_deref() {
             Some("sine") => PulseShape::OneSine,

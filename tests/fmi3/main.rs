@@ -1,7 +1,15 @@
 //! The packed FMU of FMI 3.0 through its C interface, tested against the FMI standard 3.0.1.
 
+#[path = "../common/beyond.rs"]
+#[allow(dead_code, reason = "the solver's own tests use the rest")]
+mod beyond_cases;
+#[path = "../common/mod.rs"]
+#[allow(dead_code, reason = "the solver's own tests use the rest")]
+mod common;
+
 mod arrays;
 mod beginning;
+mod beyond;
 #[path = "../common/beginning/mod.rs"]
 #[allow(dead_code, reason = "the file of FMI 3.0 is read here")]
 mod differences;

@@ -1,0 +1,98 @@
+//! Early return at slip, grip, taut and slack ties, and breaks, at the times of independent trajectories.
+
+use std::collections::BTreeSet;
+
+use crate::beyond_cases::{Case, Change, cases};
+use crate::functions::OK;
+use crate::host::{Instance, Wanted, call};
+
+/// Differences of event times from the trajectory (s).
+const CLOSE: f64 = 1e-7;
+
+/// The time after an event (s) at which a foot that slides has a direction, and a taut tie a tension.
+const MOMENT: f64 = 1e-8;
+
+/// The discrete outputs: regime, direction of slip, and of each tie whether it pulls and whether it is broken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct State {
+    regime: i32,
+    slip: i32,
+    pulls: [bool; 2],
+    broken: [bool; 2],
+}
+
+impl State {
+    fn of(instance: &Instance) -> State {
+        let slides = instance.get("slides") == 1.0;
+        State {
+            regime: instance.get("regime") as i32,
+            slip: if slides { instance.get("slip_rate").signum() as i32 } else { 0 },
+            pulls: ["tie_1.tension", "tie_2.tension"].map(|name| instance.get(name) > 0.0),
+            broken: ["tie_1.broken", "tie_2.broken"].map(|name| instance.get(name) == 1.0),
+        }
+    }
+}
+
+/// Stops a case at its events, with Event Mode or without, and returns the kinds of changes that were seen.
+fn run(case: &Case, event_mode: bool) -> BTreeSet<&'static str> {
+    let instance = Instance::new(Wanted { event_mode, early_return: true, ..Wanted::default() });
+    case.parameters().iter().for_each(|(name, value)| instance.set(name, *value));
+    instance.ok(call!(instance, enter_initialization_mode, true, 1e-10, 0.0, false, 0.0));
+    instance.ok(call!(instance, exit_initialization_mode));
+    if event_mode {
+        instance.handle_event();
+    }
+    let (name, mut now, mut kinds) = (&case.name, 0.0, BTreeSet::new());
+    let mut state = State::of(&instance);
+    for (time, change) in case.lasting_events() {
+        // A step that would end some time after the event.
+        let stepped = instance.step(now, time - now + 0.003);
+        now = stepped.reached;
+        let at = format!("{name}: {stepped:?}, not {change:?} at {time} s");
+        assert!(stepped.early && stepped.event == event_mode && (now - time).abs() < CLOSE, "{at}");
+        if event_mode {
+            assert_eq!(call!(instance, enter_event_mode), OK);
+            instance.handle_event();
+        }
+        let moment = instance.step(now, MOMENT);
+        assert!(!moment.early, "{at}: {moment:?}");
+        now = moment.reached;
+        let before = std::mem::replace(&mut state, State::of(&instance));
+        match change {
+            Change::Regime { regime, slip } => {
+                assert_eq!((state.regime, state.slip), (regime, slip), "{at}");
+                match (before.slip, slip) {
+                    (0, 0) => {}
+                    (_, 0) => _ = kinds.insert("grip"),
+                    (before, now) if before != now => _ = kinds.insert("slip"),
+                    _ => {}
+                }
+            }
+            Change::Tie(tie) => {
+                let place: usize = tie[tie.len() - 1..].parse().unwrap();
+                let breaks = tie.starts_with("break");
+                assert_eq!((before.broken[place], state.broken[place]), (false, breaks), "{at}");
+                assert!(!breaks || (before.pulls[place] && !state.pulls[place]), "{at}: {before:?}, {state:?}");
+                assert!(breaks || before.pulls[place] != state.pulls[place], "{at}: {before:?}, {state:?}");
+                kinds.insert(if breaks {
+                    "break"
+                } else if state.pulls[place] {
+                    "taut"
+                } else {
+                    "slack"
+                });
+            }
+        }
+    }
+    kinds
+}
+
+/// Each event of the pulses' cases ends a step early, at its time, and is handled as the trajectory has it.
+#[test]
+fn steps_return_early_at_slip_grip_taut_slack_and_break() {
+    for event_mode in [true, false] {
+        let cases = cases().into_iter().filter(|case| case.a_gx.record().is_none());
+        let kinds: BTreeSet<&str> = cases.flat_map(|case| run(&case, event_mode)).collect();
+        assert_eq!(Vec::from_iter(kinds), ["break", "grip", "slack", "slip", "taut"], "event mode {event_mode}");
+    }
+}
