@@ -460,7 +460,8 @@ impl Simulation {
         Motion::from_pose(self.block(), pose, &Excitation::none()).at(pose.time, pose.state).foot_place()
     }
 
-    /// Whether the foot slides now.
+    /// Whether the foot slides now. Under inputs that have just changed it may begin to slide in this very instant:
+    /// [`Simulation::slides_under`] tells that.
     pub fn slides(&self) -> bool {
         !self.pose.footing.grips() && self.regime() != Regime::Separated && !self.is_frozen()
     }

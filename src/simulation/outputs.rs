@@ -228,7 +228,13 @@ impl Simulation {
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// The same with, in the dual parts, the exact rates of change along the motion while the inputs go on.
+    /// Whether the foot slides under these inputs, as the block goes on from here. The next step counts the event.
+    pub fn slides_under(&self, inputs: &Inputs) -> bool {
+        let slides = |now: &Evaluation| !now.footing.grips() && now.regime != Regime::Separated;
+        !self.is_frozen() && self.shown(inputs, slides)
+    }
+
+    /// The same as [`Simulation::observe`] with, in the dual parts, the exact rates of change along the motion while the inputs go on.
     pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
         let seen = self.shown(inputs, |now| now.observe_rates());
         if self.is_frozen() { seen.frozen() } else { seen }

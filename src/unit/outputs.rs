@@ -1,6 +1,7 @@
 //! Outputs of modelDescription.xml → the sources of their values and derivatives.
 
 use crate::block::TieState;
+use crate::excitation::Inputs;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
 use crate::simulation::{self, AtBeginning, Ending, Energies, Simulation};
@@ -37,13 +38,15 @@ pub enum Source {
     PeakSlip,
     /// The largest tension of a tie since the start.
     PeakTension(usize),
+    /// Whether the foot slides.
+    Slides,
     /// A value that changes only at events.
     Discrete(fn(&Observation<f64>, &Simulation) -> f64),
 }
 
 /// Returns the source of an output.
 pub fn source(output: Output) -> Source {
-    use Source::{Discrete, Energy, Observed, Peak, PeakSlip, PeakTension, Slip};
+    use Source::{Discrete, Energy, Observed, Peak, PeakSlip, PeakTension, Slides, Slip};
     match output {
         Output::Theta => Observed(|at| at.theta),
         Output::ThetaDot => Observed(|at| at.theta_dot),
@@ -94,7 +97,7 @@ pub fn source(output: Output) -> Source {
         Output::EventsLastTime => Discrete(|_, simulation| simulation.last_event()),
         Output::EventsImpacts => Discrete(|_, simulation| f64::from(simulation.counts().impacts)),
         Output::EventsLiftoffs => Discrete(|_, simulation| f64::from(simulation.counts().liftoffs)),
-        Output::Slides => Discrete(|_, simulation| flag(simulation.slides())),
+        Output::Slides => Slides,
         Output::Tie1Broken => Discrete(|_, simulation| flag(simulation.ties()[0] == TieState::Broken)),
         Output::Tie2Broken => Discrete(|_, simulation| flag(simulation.ties()[1] == TieState::Broken)),
         Output::Separated => Discrete(|_, simulation| ended_by(simulation, Ending::is_separation)),
@@ -129,7 +132,13 @@ pub struct Rates {
 
 impl Source {
     /// Returns the value.
-    pub fn value(&self, observed: &Observation<f64>, energies: &Energies, simulation: &Simulation) -> f64 {
+    pub fn value(
+        &self,
+        observed: &Observation<f64>,
+        energies: &Energies,
+        simulation: &Simulation,
+        inputs: &Inputs,
+    ) -> f64 {
         match self {
             Source::Observed(of) => of(observed),
             Source::Energy(of) => of(energies),
@@ -137,6 +146,7 @@ impl Source {
             Source::Slip(of, _) => of(&simulation.slip()),
             Source::PeakSlip => simulation.peaks().slip,
             Source::PeakTension(tie) => simulation.peaks().tension[*tie],
+            Source::Slides => flag(simulation.slides_under(inputs)),
             Source::Discrete(of) => of(observed, simulation),
         }
     }
@@ -156,7 +166,7 @@ impl Source {
                 rate_of_peak(peaks.slip, slip.now.abs(), outward)
             }
             Source::PeakTension(tie) => rate_of_peak(peaks.tension[*tie], observed.tension[*tie], rates.tension[*tie]),
-            Source::Discrete(_) => 0.0,
+            Source::Slides | Source::Discrete(_) => 0.0,
         }
     }
 
@@ -167,7 +177,7 @@ impl Source {
             Source::Energy(of) => of(&along.energies),
             Source::Peak(channel) => along.peaks.of(*channel),
             Source::PeakTension(tie) => along.peaks.tension[*tie],
-            Source::Slip(..) | Source::PeakSlip | Source::Discrete(_) => 0.0,
+            Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Discrete(_) => 0.0,
         }
     }
 
@@ -179,7 +189,7 @@ impl Source {
             Source::Observed(of) => of(sensitivities),
             Source::Energy(of) => of(energies),
             Source::Slip(of, _) => of(slip),
-            Source::Peak(_) | Source::PeakSlip | Source::PeakTension(_) | Source::Discrete(_) => 0.0,
+            Source::Peak(_) | Source::PeakSlip | Source::PeakTension(_) | Source::Slides | Source::Discrete(_) => 0.0,
         }
     }
 }

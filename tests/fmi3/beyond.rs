@@ -96,3 +96,25 @@ fn steps_return_early_at_slip_grip_taut_slack_and_break() {
         assert_eq!(Vec::from_iter(kinds), ["break", "grip", "slack", "slip", "taut"], "event mode {event_mode}");
     }
 }
+
+/// After a jump of the inputs `slides`, `regime` and `H` all show the motion after it.
+#[test]
+fn a_jump_of_the_inputs_shows_the_motion_after_it() {
+    let (g, friction) = (9.81, 0.3);
+    for (alpha, a_gx, slides, regime) in
+        [(0.9, 5.0, 1.0, 0.0), (0.9, 2.9, 0.0, 0.0), (0.25, 2.6, 0.0, -1.0), (0.25, 8.0, 1.0, -1.0)]
+    {
+        let block = Instance::new(Wanted::default());
+        block.set_all(&[("foundation", 2.0), ("friction", friction), ("dimensionless.alpha", alpha), ("g", g)]);
+        block.initialize(false);
+        block.step(0.0, 0.1);
+        assert_eq!((block.get("slides"), block.get("regime")), (0.0, 0.0));
+        block.set("a_gx", a_gx);
+        assert_eq!((block.get("slides"), block.get("regime")), (slides, regime), "a_gx = {a_gx} m/s2");
+        let limit = friction * (block.get("N_L") + block.get("N_R"));
+        let (h, rounding) = (block.get("H").abs(), 1e-12 * limit);
+        assert_eq!(slides == 1.0, (h - limit).abs() < rounding, "H = {h} N, limit {limit} N");
+        let stepped = block.step(0.1, 1e-6);
+        assert_eq!((block.get("slides"), block.get("regime")), (slides, regime), "{stepped:?}");
+    }
+}

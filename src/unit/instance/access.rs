@@ -109,8 +109,8 @@ impl Unit {
                         *self.observed.insert(observed)
                     }
                 };
-                let (simulation, _) = self.preview()?;
-                Ok(source(output).value(&observed, &energies, simulation))
+                let (simulation, inputs) = self.preview()?;
+                Ok(source(output).value(&observed, &energies, simulation, &inputs))
             }
         }
     }
