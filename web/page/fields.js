@@ -22,12 +22,21 @@ const settings = (prefix, slot, when) => [
   { id: `${prefix}time_column`, label: "Column of times", value: "", hint: "name or number", group: slot, when },
 ];
 
+/** A tie, whose end on the ground is at `ground_x` (m) to the right. */
+const tie = (number, ground_x, when) =>
+  [
+    ["block_x", "on the block, to the right of the middle", "m", "0"], ["block_z", "on the block, above the base", "m", "2.4"],
+    ["ground_x", "on the ground, to the right", "m", ground_x], ["ground_z", "on the ground, above", "m", "0"],
+    ["stiffness", "stiffness", "N/m", "10000"], ["pretension", "pretension", "N", "0"], ["slack", "slack", "m", "0"],
+    ["damping", "damping", "N·s/m", "0"], ["strength", "strength, 0: unbreakable", "N", "0"],
+  ].map(([key, label, unit, value]) => ({ id: `tie_${number}_${key}`, label: `Tie ${number}: ${label}`, unit, value, group: "tie", when }));
+
 export const FIELDS = [
   { id: "shape", label: "Describe the block by", kind: "segments", value: "size", group: "block",
     options: [["size", "width and height"], ["ratios", "α and p"]] },
   { id: "width", label: "Width", symbol: "2b", unit: "m", value: "0.6", slider: [0.1, 5, "log"], group: "block", when: on("shape", "size") },
   { id: "height", label: "Height", symbol: "2h", unit: "m", value: "2.4", slider: [0.3, 20, "log"], group: "block", when: on("shape", "size"),
-    title: "Twice the height of the centre of mass" },
+    title: "Twice the height of the centre of mass, unless that is given below" },
   { id: "alpha", label: "Slenderness", symbol: "α", unit: "rad", value: "0.25", slider: [0.05, 0.6], group: "block", when: on("shape", "ratios") },
   { id: "p", label: "Frequency parameter", symbol: "p", unit: "rad/s", value: "1", slider: [0.3, 6, "log"], group: "block", when: on("shape", "ratios"),
     title: "√(3g/4R) of a rectangle: larger for smaller blocks" },
@@ -47,19 +56,22 @@ export const FIELDS = [
   { id: "epsilon", label: "Restitution of a corner", symbol: "ε", unit: "1", value: "0", slider: [0, 1], group: "foundation" },
   { id: "restitution_factor", label: "Factor on Housner’s e", unit: "1", value: "1", slider: [0.8, 1.1], group: "foundation", when: on("foundation", "rigid") },
   { id: "friction", label: "Friction", symbol: "μ", unit: "1", value: "0", slider: [0, 1], group: "foundation", title: "0: no limit, the feet do not slide" },
+  { id: "surfaces_friction", label: "Friction of", kind: "choice", value: "", group: "foundation", surfaces: "friction", options: [["", "choose surfaces"]] },
+  { id: "surfaces_restitution", label: "Restitution of", kind: "choice", value: "", group: "foundation", surfaces: "restitution_factor",
+    when: on("foundation", "rigid"), options: [["", "choose surfaces"]] },
 
   { id: "eccentricity", label: "Eccentricity", symbol: "eₓ", unit: "m", value: "0", slider: [-1, 1], group: "more", title: "The centre of mass to the right of the middle" },
+  { id: "center_height", label: "Height of the centre of mass", unit: "m", value: "", hint: "half the height", group: "more", when: on("shape", "size") },
+  { id: "inertia", label: "Moment of inertia", symbol: "I₀", unit: "kg·m²", value: "", hint: "from γ", group: "more", when: on("shape", "size"),
+    title: "About the centre of mass" },
   { id: "mass", label: "Mass", symbol: "M", unit: "kg", value: "1000", group: "more" },
-  { id: "gamma", label: "Shape factor", symbol: "γ", unit: "1", value: "3", group: "more", title: "M R₀²/I₀; 3 for a homogeneous rectangle" },
+  { id: "gamma", label: "Shape factor", symbol: "γ", unit: "1", value: "3", group: "more", title: "M R₀²/I₀; 3 for a homogeneous rectangle",
+    when: (state) => state.shape !== "size" || state.inertia.trim() === "" },
   { id: "g", label: "Gravity", symbol: "g", unit: "m/s²", value: "9.81", group: "more" },
 
-  { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"]] },
-  ...[
-    ["block_x", "On the block, to the right of the middle", "m", "0"], ["block_z", "On the block, above the base", "m", "2.4"],
-    ["ground_x", "On the ground, to the right", "m", "3"], ["ground_z", "On the ground, above", "m", "0"],
-    ["stiffness", "Stiffness", "N/m", "10000"], ["pretension", "Pretension", "N", "0"], ["slack", "Slack", "m", "0"],
-    ["damping", "Damping", "N·s/m", "0"], ["strength", "Strength, 0: unbreakable", "N", "0"],
-  ].map(([key, label, unit, value]) => ({ id: `tie_${key}`, label, unit, value, group: "tie", when: on("tie", "one") })),
+  { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"], ["two", "by two"]] },
+  ...tie(1, "3", on("tie", "one", "two")),
+  ...tie(2, "-3", on("tie", "two")),
 
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
@@ -70,6 +82,7 @@ export const FIELDS = [
   { id: "amplitude", label: "Amplitude", symbol: "aₚ", unit: "m/s²", value: "4", slider: [0.2, 20, "log"], group: "ground", when: on("excitation", "pulse") },
   { id: "period", label: "Period", symbol: "Tₚ", unit: "s", value: "0.8", slider: [0.1, 5, "log"], group: "ground", when: on("excitation", "pulse") },
   { id: "tilt", label: "Tilt at release", symbol: "θ/α", unit: "1", value: "0.6", slider: [-0.99, 0.99], group: "ground", when: on("excitation", "release") },
+  { id: "theta_dot", label: "Velocity at release", symbol: "θ̇", unit: "rad/s", value: "0", slider: [-2, 2], group: "ground", when: on("excitation", "release") },
   ...settings("", "file", on("excitation", "file")),
   { id: "vertical", label: "Vertical motion", kind: "segments", value: "none", group: "vertical", when: record,
     options: [["none", "none"], ["file", "from a file"]] },
@@ -95,8 +108,8 @@ export const FIELDS = [
   { id: "spread", label: "Spread of the strength", unit: "1", value: "0.1", group: "ensemble", title: "Coefficient of variation" },
 ];
 
-/** Fields whose values make up a state: not files and not presets. */
-export const STATE = FIELDS.filter((field) => field.kind !== "file" && !field.preset);
+/** Fields whose values make up a state: not files, and not presets of other fields. */
+export const STATE = FIELDS.filter((field) => field.kind !== "file" && !field.preset && !field.surfaces);
 
 export const DEFAULTS = Object.fromEntries(STATE.map(({ id, value }) => [id, value]));
 

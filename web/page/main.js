@@ -126,7 +126,8 @@ for (const field of FIELDS) {
 function showFields() {
   for (const [id, { field, box, show }] of controls) {
     box.hidden = Boolean(field.when && !field.when(state));
-    show(field.preset ? presetOf(state) : (state[id] ?? ""));
+    if (field.surfaces) show(pairOf(field));
+    else show(field.preset ? presetOf(state) : (state[id] ?? ""));
   }
   document.querySelectorAll("details[data-when]").forEach((details) => {
     const needed = details.dataset.when === "file" ? ["file"] : ["file", "embedded"];
@@ -136,9 +137,33 @@ function showFields() {
 
 const presetOf = ({ eta, xi_v }) => (FIELDS.find(({ id }) => id === "preset").options.some(([value]) => value === `${eta},${xi_v}`) ? `${eta},${xi_v}` : "");
 
+/** Offers pairs of surfaces; a choice sets the middle of their values. */
+function offerSurfaces(pairs) {
+  for (const [id, { field, inputs: [select] }] of controls) {
+    if (!field.surfaces) continue;
+    for (const { surfaces, state: condition, low, high, kind, source } of pairs.filter(({ quantity }) => quantity === field.surfaces)) {
+      const digits = (value) => String(Number(value.toPrecision(3)));
+      const range = digits(low) === digits(high) ? digits(low) : `${digits(low)} to ${digits(high)}`;
+      const value = String(Number(((low + high) / 2).toFixed(3)));
+      const textContent = `${surfaces}${condition && `, ${condition}`}: ${range}${kind === "measured" ? "" : `, ${kind}`} (${source.name})`;
+      select.append(element("option", { value: `${value}|${textContent}`, textContent }));
+    }
+    controls.get(id).box.title = "Sets the middle of the values";
+  }
+  showFields();
+}
+
+/** The pair last chosen, as long as its value stands. */
+const chosenPairs = {};
+const pairOf = ({ surfaces }) => (chosenPairs[surfaces]?.startsWith(`${state[surfaces]}|`) ? chosenPairs[surfaces] : "");
+
 function change(id, value) {
+  const { surfaces } = controls.get(id).field;
   if (id === "preset") {
     if (value) [state.eta, state.xi_v] = value.split(",");
+  } else if (surfaces) {
+    chosenPairs[surfaces] = value;
+    if (value) [state[surfaces]] = value.split("|");
   } else state[id] = value;
   showFields();
   remember();
@@ -257,11 +282,12 @@ function receive({ reply, buffer }, begin) {
 }
 
 /** Greatest horizontal distance of the block's corners from the middle of its base at rest (m). */
-function reachOf({ series: { theta, u }, block: { b, h, eccentricity, ties } }) {
+function reachOf({ series: { theta, u }, block: { b, h, height, eccentricity, ties } }) {
   let reach = ties.reduce((most, [, [x]]) => Math.max(most, Math.abs(x)), b);
+  const above = Math.max(h, height - h);
   for (let i = 0; i < theta.length; i++) {
     const [s, c] = [Math.abs(Math.sin(theta[i])), Math.cos(theta[i])];
-    reach = Math.max(reach, Math.abs(eccentricity + u[i]) + (b + Math.abs(eccentricity)) * Math.abs(c) + h * s);
+    reach = Math.max(reach, Math.abs(eccentricity + u[i]) + (b + Math.abs(eccentricity)) * Math.abs(c) + above * s);
   }
   return reach;
 }
@@ -293,7 +319,7 @@ function showOutcome(reply) {
     ["Lifts off a rigid base beyond", `${block.lift_off} g`],
   ];
   rows.splice(4, 0, block.friction > 0 ? ["Greatest slip of the foot", `${peak.slip} mm`] : ["Friction it needs, |H|/N", Number(peak.friction_demand) > 10 ? "more than 10" : peak.friction_demand]);
-  if (block.ties.length) rows.push(["Greatest tension of the tie", `${peak.tension} N`]);
+  peak.tension.forEach((tension, i) => rows.push([`Greatest tension of tie ${i + 1}`, `${tension} N`]));
   const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
   list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));
   $("numbers").replaceChildren(...list);
@@ -534,3 +560,4 @@ $("controls").addEventListener("submit", (event) => event.preventDefault());
 $("version").textContent = VERSION;
 showFields();
 request();
+engine.call({ op: "surfaces" }).then((answer) => answer && offerSurfaces(answer.reply.pairs));

@@ -58,7 +58,7 @@ const symmetric = (u, least, greatest) => {
 
 const REGIMES = [[-1, "on left"], [0, "on both"], [1, "on right"], [2, "in flight"]];
 
-/** The four plots of a history, with a common time axis. */
+/** The plots of a history, with a common time axis. */
 export class Histories {
   #plots = [];
 
@@ -80,17 +80,21 @@ export class Histories {
     this.rotation = reach > 0.4 ? Math.min(Math.max(1.12, 1.06 * reach), MAX_ROTATION) : 1.15 * Math.max(reach, 1e-6);
     this.flies = run.events.some((event) => event.after === 2) || series.regime.includes(2);
     const vertical = series.a_gz.some((value) => value !== 0);
+    const slides = "slip" in series;
+    const tensions = block.ties.map((ends, number) => series[`tie_${number + 1}.tension`]);
     const data = [
       [t, theta],
       [t, part(series.N_L, block.weight), part(series.N_R, block.weight)],
       [t, series.regime],
+      ...(slides ? [[t, part(series.slip, 0.001)]] : []),
+      ...(tensions.length ? [[t, ...tensions.map((tension) => part(tension, block.weight))]] : []),
       [t, part(series.a_gx, block.g), ...(vertical ? [part(series.a_gz, block.g)] : [])],
     ];
-    const kind = `${vertical}${this.flies}`;
+    const kind = `${vertical} ${this.flies} ${slides} ${tensions.length}`;
     if (first || this.kind !== kind) {
       this.kind = kind;
       this.#plots.forEach((plot) => plot.destroy());
-      const all = this.#options(vertical);
+      const all = this.#options(vertical, slides, tensions.length);
       for (const { hooks } of all) (hooks.draw ??= []).push((plot) => this.#movePlayhead(plot));
       this.#plots = all.map((options, i) => new uPlot(options, data[i], this.root));
       this.#plots.forEach((plot, i) => this.#dress(plot, all[i].aria));
@@ -99,7 +103,7 @@ export class Histories {
     }
   }
 
-  #options(vertical) {
+  #options(vertical, slides, ties) {
     const sync = { key: "time" };
     const base = (label, height, aria) => ({
       width: this.root.clientWidth,
@@ -126,10 +130,16 @@ export class Histories {
     regimes.axes[1] = { ...regimes.axes[1], label: null, size: 72, splits: () => rows.map(([regime]) => regime),
       values: (u, splits) => splits.map((value) => rows.find(([regime]) => regime === value)?.[1] ?? ""), grid: { show: false }, ticks: { show: false } };
     regimes.hooks = { draw: [(u) => this.#drawRegimes(u)] };
+    const slip = base("slip (mm)", 130, "Place of the foot beside its place at the start, over time");
+    slip.scales.y = { range: symmetric };
+    slip.series = [{}, line("slip", "--ink")];
+    const tension = base("T/(M g)", 130, "Tensions of the ties over the weight, over time");
+    tension.scales.y = { range: (u, least, greatest) => [0, Math.max(greatest ?? 0, 1e-9) * 1.08] };
+    tension.series = [{}, ...["--left", "--right"].slice(0, ties).map((name, i) => line(`tie ${i + 1}`, name))];
     const ground = base("ground (g)", 156, "Ground acceleration over time");
     ground.scales.y = { range: symmetric };
     ground.series = [{}, line("horizontal", "--ink"), ...(vertical ? [line("vertical", "--right")] : [])];
-    return [rotation, reactions, regimes, ground];
+    return [rotation, reactions, regimes, ...(slides ? [slip] : []), ...(ties ? [tension] : []), ground];
   }
 
   #drawRegimes(u) {

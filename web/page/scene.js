@@ -24,7 +24,7 @@ export class Scene {
   setBlock(block, reach) {
     this.block = block;
     const { b, h, on_supports, eccentricity } = block;
-    const high = 2 * h;
+    const high = block.height;
     const size = Math.max(high, 2.2 * b);
     reach = Math.max(1.06 * reach, 0.75 * size);
     const support = on_supports ? 0.09 * size : 0;
@@ -39,7 +39,7 @@ export class Scene {
     add(g, "line", { class: "ground", x1: -10 * reach, x2: 10 * reach, y1: support, y2: support, "stroke-width": 0.7 * u });
     this.supports = on_supports ? [-b, b].map((x) => ({ x, path: add(g, "path", { class: "support", "stroke-width": 0.55 * u }) })) : [];
     this.shape = add(g, "g");
-    add(this.shape, "rect", { class: "block", x: -b - eccentricity, y: -h, width: 2 * b, height: high, "stroke-width": 0.8 * u, rx: 0.4 * u });
+    add(this.shape, "rect", { class: "block", x: -b - eccentricity, y: h - high, width: 2 * b, height: high, "stroke-width": 0.8 * u, rx: 0.4 * u });
     for (const corner of [-b, b]) {
       add(this.shape, "line", { class: "diagonal", x1: 0, y1: 0, x2: corner - eccentricity, y2: h, "stroke-width": 0.4 * u,
         "stroke-dasharray": `${1.6 * u} ${1.4 * u}` });
@@ -48,7 +48,7 @@ export class Scene {
     const r = 2.1 * u;
     add(mark, "circle", { r, "stroke-width": 0.6 * u });
     for (const turn of [0, 180]) add(mark, "path", { d: `M0 0 L${r} 0 A${r} ${r} 0 0 1 0 ${r} Z`, transform: `rotate(${turn})` });
-    this.ties = block.ties.map(() => add(g, "line", { class: "tie", "stroke-width": 0.7 * u }));
+    this.ties = block.ties.map((ends, number) => add(g, "line", { class: number ? "tie second" : "tie", "stroke-width": 0.7 * u }));
     this.arrow = add(g, "g", { class: "arrow" });
     this.shaft = add(this.arrow, "line", { "stroke-width": 1.1 * u });
     this.head = add(this.arrow, "path");

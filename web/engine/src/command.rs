@@ -2,7 +2,7 @@
 
 use rocking_block::block::{Common, Dimensionless, Foundation, Physical, Tie};
 use rocking_block::excitation::Pulse;
-use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_block::words::Words;
 
 use crate::inputs::{Excitation, Inputs, Parameters, Vertical};
@@ -56,7 +56,8 @@ impl CommandLine {
                 self.option("pulse", shape.word()).option("amplitude", amplitude).unless("period", period, 1.0);
             }
             Excitation::Release => {
-                self.option("theta", inputs.run.initial.theta);
+                let Initial { theta, theta_dot, .. } = inputs.run.initial;
+                self.unless("theta", theta, 0.0).unless("theta-dot", theta_dot, 0.0);
             }
         }
         if let Some((name, settings)) = vertical {
@@ -102,9 +103,16 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
                 line.unless("eta", eta, 40.0).unless("xi-v", xi_v, 0.1);
             }
         }
-        (_, Parameters::Physical(Physical { width, height, stiffness, damping, .. })) => {
-            line.option("width", width).option("height", height);
+        (_, Parameters::Physical(Physical { width, height, stiffness, damping, inertia })) => {
+            line.option("width", width);
+            match height == inputs.body_height {
+                true => line.option("height", height),
+                false => line.option("center-height", 0.5 * height),
+            };
             line.option("stiffness", stiffness).option("damping", damping).option("mass", block.mass);
+            if let Some(inertia) = inertia {
+                line.option("inertia", inertia);
+            }
         }
     }
     if matches!(inputs.parameters, Parameters::Dimensionless(_)) {
@@ -118,8 +126,10 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
         let values = tie_values(tie).map(|(key, value)| format!("{key}={value}"));
         line.option("tie", values.join(","));
     }
-    line.unless("gamma", block.gamma, common.gamma)
-        .unless("epsilon", block.epsilon, common.epsilon)
+    if !inputs.parameters.has_inertia() {
+        line.unless("gamma", block.gamma, common.gamma);
+    }
+    line.unless("epsilon", block.epsilon, common.epsilon)
         .unless("g", block.gravity, common.gravity)
         .unless("foundation", block.foundation.word(), Foundation::Viscoelastic.word())
         .unless("restitution-factor", block.restitution_factor, common.restitution_factor)

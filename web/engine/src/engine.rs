@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rocking_block::block::{Corner, Foundation};
 use rocking_block::simulation::Ending;
 use rocking_charts::numerals::significant;
+use rocking_studies::foundations;
 use rocking_studies::output::resumable::csv_line;
 use rocking_studies::output::runner::Study as Rows;
 use rocking_studies::run::{History, Row, Run, table};
@@ -38,6 +39,8 @@ pub enum Request {
     Csv,
     /// The picture of the last run.
     Svg,
+    /// Friction and restitution of pairs of surfaces, with their sources.
+    Surfaces,
     /// Prepares a spectrum.
     Spectrum {
         /// The fields.
@@ -69,7 +72,7 @@ pub struct Reply {
 /// A series of the plots: its name and its value in a row.
 type Series = (&'static str, fn(&Row) -> f64);
 
-/// The series of a history, in the order of the reply's numbers.
+/// The series of every history, in the order of the reply's numbers; those of friction and ties follow.
 const SERIES: [Series; 12] = [
     ("t", |row| row.time),
     ("theta", |row| row.observation.theta),
@@ -144,6 +147,7 @@ impl Engine {
             Request::Run { fields } => self.run(&fields),
             Request::Csv => self.csv(),
             Request::Svg => self.svg(),
+            Request::Surfaces => Ok((json!({ "pairs": foundations::pairs() }), Vec::new())),
             Request::Spectrum { fields } => self.spectrum(&fields),
             Request::Ensemble { fields } => self.ensemble(&fields),
             Request::Rows { from, to } => self.rows(from, to),
@@ -165,28 +169,32 @@ impl Engine {
         let (inputs, vertical) = self.inputs(Fields::new(fields))?;
         let run = &inputs.run;
         let history = run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
+        let of_block = table::columns(&run.block);
+        let of_block = of_block.iter().filter(|column| column.name == "slip" || column.name.ends_with(".tension"));
+        let of_block: Vec<_> = of_block.collect();
+        let names = SERIES.iter().map(|(name, _)| *name).chain(of_block.iter().map(|column| column.name.as_str()));
         let json = json!({
             "rows": history.rows.len(),
-            "series": SERIES.map(|(name, _)| name),
+            "series": names.collect::<Vec<_>>(),
             "outcome": history.end.word(),
             "sentence": outcome::sentence(run, &history),
             "events": events(&history),
             "impacts": history.counts.impacts,
             "liftoffs": history.counts.liftoffs,
             "peak": peaks(run, &history),
-            "block": parameters(run),
+            "block": parameters(&inputs),
             "description": inputs.description,
             "warnings": inputs.warnings,
             "command": command::simulate(&inputs, &vertical),
             "end_time": history.ending.map(|(_, time)| time),
             "toppled": matches!(history.ending, Some((Ending::Toppled | Ending::Overturned, _))),
         });
-        let mut bytes = Vec::with_capacity(8 * SERIES.len() * history.rows.len());
-        for (_, value) in SERIES {
-            for row in &history.rows {
-                bytes.extend_from_slice(&value(row).to_le_bytes());
-            }
-        }
+        let mut bytes = Vec::with_capacity(8 * (SERIES.len() + of_block.len()) * history.rows.len());
+        let mut push = |value: &dyn Fn(&Row) -> f64| {
+            history.rows.iter().for_each(|row| bytes.extend_from_slice(&value(row).to_le_bytes()));
+        };
+        SERIES.iter().for_each(|(_, value)| push(value));
+        of_block.iter().for_each(|column| push(&|row| column.value(row)));
         self.last = Some((inputs.run, history, inputs.description));
         Ok((json, bytes))
     }
@@ -280,19 +288,20 @@ fn peaks(run: &Run, history: &History) -> Value {
         "reaction": significant(peaks.reaction / weight, 4),
         "horizontal": significant(peaks.horizontal / weight, 4),
         "friction_demand": significant(peaks.friction_demand, 4),
-        "tension": significant(peaks.tension[0], 4),
+        "tension": run.block.ties.all().iter().zip(peaks.tension).map(|(_, tension)| significant(tension, 4)).collect::<Vec<_>>(),
         "slip": significant(1e3 * peaks.slip, 4),
     })
 }
 
 /// The block in numbers for drawing, and in words.
-fn parameters(run: &Run) -> Value {
-    let block = &run.block;
+fn parameters(inputs: &Inputs) -> Value {
+    let block = &inputs.run.block;
     let on_supports = block.foundation == Foundation::Viscoelastic;
     json!({
         "alpha": block.alpha,
         "b": block.b,
         "h": block.h,
+        "height": inputs.body_height,
         "eccentricity": block.eccentricity,
         "on_supports": on_supports,
         "deflection": if on_supports { block.static_deflection() } else { 0.0 },

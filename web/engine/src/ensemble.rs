@@ -109,14 +109,18 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
                 values.extend([("eta", vec![eta]), ("xi_v", vec![xi_v])]);
             }
         }
-        Parameters::Physical(Physical { width, height, stiffness, damping, .. }) => values.extend([
-            ("parameterization", vec![2.0]),
-            ("width", vec![width]),
-            ("height", vec![height]),
-            ("K", vec![stiffness]),
-            ("C", vec![damping]),
-        ]),
+        Parameters::Physical(Physical { width, height, stiffness, damping, inertia }) => {
+            values.extend([
+                ("parameterization", vec![2.0]),
+                ("width", vec![width]),
+                ("height", vec![height]),
+                ("K", vec![stiffness]),
+                ("C", vec![damping]),
+            ]);
+            values.extend(inertia.map(|inertia| ("inertia", vec![inertia])));
+        }
     }
+    let gamma = if inputs.parameters.has_inertia() { default.gamma } else { gamma };
     let others = [
         ("mass", mass, default.mass),
         ("gamma", gamma, default.gamma),
@@ -130,29 +134,19 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     let differs =
         |&(name, value, default): &(&'static str, f64, f64)| (value != default).then_some((name, vec![value]));
     values.extend(others.iter().filter_map(differs));
-    let names = [
-        "tie_1.block_x",
-        "tie_1.block_z",
-        "tie_1.ground_x",
-        "tie_1.ground_z",
-        "tie_1.stiffness",
-        "tie_1.pretension",
-        "tie_1.slack",
-        "tie_1.damping",
-        "tie_1.strength",
-    ];
-    for tie in inputs.run.block.ties.all() {
-        let given = names.into_iter().zip(command::tie_values(tie));
-        values.extend(given.filter(|(_, (_, value))| *value != 0.0).map(|(name, (_, value))| (name, vec![value])));
-    }
     values.push(("on_separation", vec![f64::from(inputs.run.settings.on_separation as i32)]));
     if let Some(amplitudes) = amplitudes {
         values.push(("pulse.shape", vec![f64::from(inputs.run.pulse.shape as i32)]));
         values.push(("pulse.period", vec![inputs.run.pulse.period]));
         values.push(("pulse.amplitude", amplitudes));
     }
-    let swept = |(name, values)| SweptParameter { parameter: parameter(name), values: ParameterValues::List(values) };
-    values.into_iter().map(swept).collect()
+    let swept =
+        |name: &str, values| SweptParameter { parameter: parameter(name), values: ParameterValues::List(values) };
+    let ties = (1..).zip(inputs.run.block.ties.all()).flat_map(|(number, tie)| {
+        let nonzero = command::tie_values(tie).into_iter().filter(|(_, value)| *value != 0.0);
+        nonzero.map(move |(key, value)| swept(&format!("tie_{number}.{key}"), vec![value]))
+    });
+    values.into_iter().map(|(name, values)| swept(name, values)).chain(ties).collect()
 }
 
 /// The study as a file for `rocking sweep`.

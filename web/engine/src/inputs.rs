@@ -24,6 +24,8 @@ pub struct Inputs {
     pub scale: f64,
     /// How the block is given.
     pub parameters: Parameters,
+    /// Height of the body (m): twice that of its centre of mass, unless both are given.
+    pub body_height: f64,
     /// What moves the block.
     pub excitation: Excitation,
     /// Time between rows, if the user chose one (s).
@@ -43,6 +45,13 @@ pub enum Parameters {
     Physical(Physical),
 }
 
+impl Parameters {
+    /// Whether the moment of inertia is given in place of γ.
+    pub fn has_inertia(&self) -> bool {
+        matches!(self, Parameters::Physical(Physical { inertia: Some(_), .. }))
+    }
+}
+
 /// The kind of excitation, with names and settings of files.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Excitation {
@@ -57,7 +66,7 @@ pub enum Excitation {
     },
     /// A pulse.
     Pulse,
-    /// Free motion from a tilt.
+    /// Free motion from an initial tilt or velocity.
     Release,
 }
 
@@ -69,16 +78,17 @@ pub type Vertical = Option<(String, records::Settings)>;
 /// # Errors
 /// One for each field at fault.
 pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inputs, Vertical), Vec<FieldError>> {
-    let common = common(&mut fields);
-    let parameters = parameters(&mut fields, &common);
+    let mut common = common(&mut fields);
+    let sizes = (fields.text("shape") == "size").then(|| sizes(&mut fields));
+    let parameters = match &sizes {
+        Some(sizes) => of_sizes(&mut fields, sizes, &mut common),
+        None => Some(Parameters::Dimensionless(ratios(&mut fields, common.foundation))),
+    };
     let block = match parameters.filter(|_| !fields.has_errors()) {
         Some(parameters) => block(&mut fields, &parameters, &common),
         None => None,
     };
-    let block = match fields.text("tie") {
-        "one" => tied(&mut fields, block),
-        _ => block,
-    };
+    let block = tied(&mut fields, block);
     let (excitation, vertical) = excitation(&mut fields, files);
     let pulse = match excitation {
         Excitation::Pulse => pulse(&mut fields),
@@ -89,9 +99,9 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         Excitation::Embedded | Excitation::File { .. } => fields.number("scale", |_| true, "a finite factor"),
         Excitation::Pulse | Excitation::Release => 1.0,
     };
-    let tilt = match excitation {
-        Excitation::Release => fields.number("tilt", |x| x != 0.0, "a rotation over alpha, other than 0"),
-        _ => 0.0,
+    let (tilt, theta_dot) = match excitation {
+        Excitation::Release => release(&mut fields),
+        _ => (0.0, 0.0),
     };
     let tolerance = fields.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE);
     let on_separation = fields.choice("on_separation");
@@ -108,7 +118,7 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     let ground = unscaled.clone().scaled(scale);
     let output_step = step.or(ground.time_step()).unwrap_or(0.01);
     let settings = Settings { tolerance, on_separation, ..Settings::default() };
-    let initial = Initial { theta, ..Initial::default() };
+    let initial = Initial { theta, theta_dot, ..Initial::default() };
     let description = describe(&excitation, &vertical, &ground, &pulse, block.gravity);
     let mut warnings = Vec::from_iter(soft_supports(&block));
     let sources = [(files[0], &unscaled.horizontal, "excitation"), (files[1], &unscaled.vertical, "vertical")];
@@ -125,7 +135,9 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         fields.refuse(FieldError::new(field, format!("found {rows:.0} rows; expected at most 4000000")));
     }
     let parameters = parameters.unwrap_or_else(|| unreachable!("a block has parameters"));
-    fields.finish((Inputs { run, unscaled, scale, parameters, excitation, step, description, warnings }, vertical))
+    let body_height = sizes.map_or(2.0 * block.h, |sizes| sizes.body_height);
+    let inputs = Inputs { run, unscaled, scale, parameters, body_height, excitation, step, description, warnings };
+    fields.finish((inputs, vertical))
 }
 
 fn common(fields: &mut Fields) -> Common {
@@ -150,37 +162,77 @@ fn is_in_stiffness(fields: &Fields) -> bool {
     fields.text("shape") == "size" && fields.text("supports") == "stiffness" && fields.text("foundation") != "rigid"
 }
 
-fn parameters(fields: &mut Fields, common: &Common) -> Option<Parameters> {
-    let on_supports = common.foundation == Foundation::Viscoelastic;
-    let in_stiffness = is_in_stiffness(fields);
-    let (eta, xi_v) = match on_supports && !in_stiffness {
-        true => (
+/// Initial tilt over α and angular velocity (rad/s).
+fn release(fields: &mut Fields) -> (f64, f64) {
+    let tilt = fields.number("tilt", |_| true, "a rotation over alpha");
+    let theta_dot = fields.number("theta_dot", |_| true, "an angular velocity in rad/s");
+    if tilt == 0.0 && theta_dot == 0.0 {
+        fields.refuse(FieldError::new("tilt", "found no tilt and no velocity; expected at least one other than 0"));
+    }
+    (tilt, theta_dot)
+}
+
+/// Sizes of a body as measured.
+struct Sizes {
+    width: f64,
+    body_height: f64,
+    /// Height of the centre of mass, if it is not half of the body's (m).
+    center_height: Option<f64>,
+    inertia: Option<f64>,
+}
+
+fn sizes(fields: &mut Fields) -> Sizes {
+    let width = fields.number("width", |x| x > 0.0, "a length > 0 m");
+    let body_height = fields.number("height", |x| x > 0.0, "a length > 0 m");
+    let within = |x: f64| x > 0.0 && (body_height.is_nan() || x < body_height);
+    Sizes {
+        width,
+        body_height,
+        center_height: fields.optional("center_height", within, "a height within the body, in m, or nothing"),
+        inertia: fields.optional("inertia", |x| x > 0.0, "a moment of inertia > 0 kg·m², or nothing"),
+    }
+}
+
+/// Parameters of a block of these sizes. With ratios for its supports, a given inertia replaces γ in `common`.
+fn of_sizes(fields: &mut Fields, sizes: &Sizes, common: &mut Common) -> Option<Parameters> {
+    let Sizes { width, body_height, center_height, inertia } = *sizes;
+    let height = center_height.map_or(body_height, |height| 2.0 * height);
+    if is_in_stiffness(fields) {
+        let stiffness = fields.number("stiffness", |x| x > 0.0, "a stiffness > 0 N/m");
+        let damping = fields.number("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m");
+        return Some(Parameters::Physical(Physical { width, height, stiffness, damping, inertia }));
+    }
+    let (eta, xi_v) = supports_in_ratios(fields, common.foundation);
+    if fields.has_errors() {
+        return None;
+    }
+    // α, p and γ of these sizes, for which the supports make no difference.
+    let any_supports = Physical { width, height, stiffness: common.mass, damping: 0.0, inertia };
+    let block = block(fields, &Parameters::Physical(any_supports), common)?;
+    common.gamma = block.gamma;
+    Some(Parameters::Dimensionless(Dimensionless { alpha: block.alpha, p: block.p, eta, xi_v }))
+}
+
+fn ratios(fields: &mut Fields, foundation: Foundation) -> Dimensionless {
+    let (eta, xi_v) = supports_in_ratios(fields, foundation);
+    Dimensionless {
+        alpha: fields.number("alpha", |x| x > 0.0 && x < std::f64::consts::FRAC_PI_2, "an angle between 0 and π/2 rad"),
+        p: fields.number("p", |x| x > 0.0, "a frequency > 0 rad/s"),
+        eta,
+        xi_v,
+    }
+}
+
+/// η and ξ_v.
+fn supports_in_ratios(fields: &mut Fields, foundation: Foundation) -> (f64, f64) {
+    match foundation {
+        Foundation::Viscoelastic => (
             fields.number("eta", |x| x > 0.0, "a ratio > 0"),
             fields.number("xi_v", |x| x >= 0.0, "a ratio of at least 0"),
         ),
         // The rigid base reads neither; these are the defaults of the program.
-        false => (40.0, 0.1),
-    };
-    if fields.text("shape") != "size" {
-        let alpha =
-            fields.number("alpha", |x| x > 0.0 && x < std::f64::consts::FRAC_PI_2, "an angle between 0 and π/2 rad");
-        let p = fields.number("p", |x| x > 0.0, "a frequency > 0 rad/s");
-        return Some(Parameters::Dimensionless(Dimensionless { alpha, p, eta, xi_v }));
+        Foundation::Rigid => (40.0, 0.1),
     }
-    let width = fields.number("width", |x| x > 0.0, "a length > 0 m");
-    let height = fields.number("height", |x| x > 0.0, "a length > 0 m");
-    if in_stiffness {
-        let stiffness = fields.number("stiffness", |x| x > 0.0, "a stiffness > 0 N/m");
-        let damping = fields.number("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m");
-        return Some(Parameters::Physical(Physical { width, height, stiffness, damping, inertia: None }));
-    }
-    if fields.has_errors() {
-        return None;
-    }
-    // α and p of these sizes, for which the supports make no difference.
-    let any_supports = Physical { width, height, stiffness: common.mass, damping: 0.0, inertia: None };
-    let block = block(fields, &Parameters::Physical(any_supports), common)?;
-    Some(Parameters::Dimensionless(Dimensionless { alpha: block.alpha, p: block.p, eta, xi_v }))
 }
 
 fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Option<Block> {
@@ -191,23 +243,39 @@ fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Optio
     made.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
 }
 
-/// The block with a tie.
+/// The block with its ties.
 fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
-    let mut place = |field| fields.number(field, |_| true, "a length in m");
-    let ends = ["tie_block_x", "tie_block_z", "tie_ground_x", "tie_ground_z"].map(&mut place);
-    let tie = Tie {
-        block: [ends[0], ends[1]],
-        ground: [ends[2], ends[3]],
-        stiffness: fields.number("tie_stiffness", |x| x > 0.0, "a stiffness > 0 N/m"),
-        pretension: fields.number("tie_pretension", |x| x >= 0.0, "a force of at least 0 N"),
-        slack: fields.number("tie_slack", |x| x >= 0.0, "a length of at least 0 m"),
-        damping: fields.number("tie_damping", |x| x >= 0.0, "a damping of at least 0 N·s/m"),
-        strength: fields.number("tie_strength", |x| x >= 0.0, "a force > 0 N, or 0 for a tie that does not break"),
+    let count = match fields.text("tie") {
+        "one" => 1,
+        "two" => 2,
+        _ => 0,
     };
-    if fields.has_errors() {
-        return None;
+    let mut block = block;
+    let mut ties = Vec::new();
+    for number in 1..=count {
+        ties.push(tie(fields, number));
+        if fields.has_errors() {
+            continue;
+        }
+        let error = |error: BlockError| FieldError::new(format!("tie_{number}_stiffness"), error.to_string());
+        block = block?.with_ties(&ties).map_err(|found| fields.refuse(error(found))).ok();
     }
-    block?.with_ties(&[tie]).map_err(|error| fields.refuse(FieldError::new("tie_stiffness", error.to_string()))).ok()
+    block
+}
+
+fn tie(fields: &mut Fields, number: usize) -> Tie {
+    let mut value =
+        |key: &str, fits: fn(f64) -> bool, expected| fields.number(&format!("tie_{number}_{key}"), fits, expected);
+    let mut place = |key| value(key, |_| true, "a length in m");
+    Tie {
+        block: [place("block_x"), place("block_z")],
+        ground: [place("ground_x"), place("ground_z")],
+        stiffness: value("stiffness", |x| x > 0.0, "a stiffness > 0 N/m"),
+        pretension: value("pretension", |x| x >= 0.0, "a force of at least 0 N"),
+        slack: value("slack", |x| x >= 0.0, "a length of at least 0 m"),
+        damping: value("damping", |x| x >= 0.0, "a damping of at least 0 N·s/m"),
+        strength: value("strength", |x| x >= 0.0, "a force > 0 N, or 0 for a tie that does not break"),
+    }
 }
 
 /// The field of a parameter at fault.
@@ -216,7 +284,7 @@ pub fn block_error(error: &BlockError, shape: &str) -> FieldError {
         "K" | "omega_v" | "delta_s" => "stiffness",
         "C" => "damping",
         name @ ("mass" | "gamma" | "g" | "epsilon" | "eta" | "xi_v" | "restitution_factor") => name,
-        name @ ("eccentricity" | "friction" | "width" | "height") => name,
+        name @ ("eccentricity" | "friction" | "inertia" | "width" | "height") => name,
         _ if shape == "size" => "width",
         "p" => "p",
         _ => "alpha",

@@ -2,6 +2,7 @@
 
 use rocking_block::block::Foundation;
 use rocking_block::simulation::Ending;
+use rocking_block::system::events::EventKind;
 use rocking_charts::numerals::significant;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
@@ -14,7 +15,7 @@ pub fn sentence(run: &Run, history: &History) -> String {
     let time = significant(end_time, 3);
     let part = significant(100.0 * peaks.theta / run.block.alpha, 3);
     let side = if last.is_some_and(|row| row.observation.theta < 0.0) { "left" } else { "right" };
-    match end {
+    let outcome = match end {
         End::Overturned if matches!(ending, Some((Ending::Toppled, _))) => {
             format!("The block overturns to the {side}: it leaves its supports at {time} s, on its way over.")
         }
@@ -24,6 +25,7 @@ pub fn sentence(run: &Run, history: &History) -> String {
         }
         End::Completed if counts.liftoffs == 0 => {
             let reason = match run.block.foundation {
+                Foundation::Rigid if peaks.slip > 0.0 => "It slides before it can rock.".into(),
                 Foundation::Rigid => "The motion is too weak to rock it.".to_string(),
                 Foundation::Viscoelastic => format!("It sways by at most {part} % of the critical tilt α."),
             };
@@ -34,5 +36,26 @@ pub fn sentence(run: &Run, history: &History) -> String {
             format!("Still undecided after {time} s: the run is too short to tell whether the block overturns.")
         }
         End::Failed => "The integration failed.".into(),
+    };
+    // Without a limit of friction the foot slips only where nothing presses it down.
+    let slip = (run.block.friction > 0.0).then(|| slip(peaks.slip)).flatten();
+    [outcome].into_iter().chain(slip).chain(broken_ties(history)).collect::<Vec<_>>().join(" ")
+}
+
+fn slip(slip: f64) -> Option<String> {
+    (slip > 0.0).then(|| format!("Its foot slips by up to {} mm.", significant(1e3 * slip, 3)))
+}
+
+fn broken_ties(history: &History) -> Option<String> {
+    let breaks: Vec<f64> = history
+        .events
+        .iter()
+        .filter(|event| matches!(event.kind, EventKind::Break(_)))
+        .map(|event| event.time)
+        .collect();
+    match breaks.as_slice() {
+        [] => None,
+        [time] => Some(format!("A tie breaks at {} s.", significant(*time, 3))),
+        [first, ..] => Some(format!("{} ties break, the first at {} s.", breaks.len(), significant(*first, 3))),
     }
 }
