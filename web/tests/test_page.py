@@ -143,7 +143,7 @@ def test_wrong_input_is_answered_beside_its_field_and_kept(visit):
     expect(page.locator("#stale")).to_be_visible()
     assert page.inner_text("#numbers") == before
     # A field out of sight is brought into sight.
-    page.click("text=Mass, shape, eccentricity, gravity")
+    page.click("text=Eccentricity, centre of mass, mass, gravity")
     page.fill("#eccentricity", "3")
     page.fill("#height", "2.4")
     expect(page.locator("#eccentricity-error")).to_contain_text("expected less than half the width")
@@ -181,6 +181,33 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     # A picture is no accelerogram.
     page.set_input_files("#record", ROOT / "docs/sketch.png")
     expect(page.locator("#record-error")).to_contain_text("sketch.png")
+
+
+def test_surfaces_and_ties_are_chosen_and_shown(visit):
+    page = visit("#foundation=rigid&scale=4")
+    ran(page)
+    plots = page.locator("#plots .uplot").count()
+    page.wait_for_function("document.getElementById('surfaces_friction').options.length > 10")
+    before = runs(page)
+    steel = page.locator("#surfaces_friction option", has_text="steel on concrete or grout").first
+    page.select_option("#surfaces_friction", steel.get_attribute("value"))
+    ran(page, before + 1)
+    assert page.input_value("#friction") == "0.635"
+    assert "--friction 0.635" in page.inner_text("#command")
+    # Another value than that of the pair is the user's own.
+    fill(page, "friction", "0.2")
+    assert page.input_value("#surfaces_friction") == ""
+    assert page.locator("#plots .uplot").count() == plots + 1
+    page.click("summary:has-text('Ties')")
+    page.click("label:has-text('by two')")
+    fill(page, "tie_2_strength", "200")
+    assert page.inner_text("#command").count("--tie ") == 2
+    assert page.locator("#plots .uplot").count() == plots + 2
+    assert page.locator("#scene .tie").count() == 2
+    expect(page.locator("#outcome")).to_contain_text("tie breaks")
+    expect(page.locator("#outcome")).to_contain_text("slips")
+    page.fill("#tie_1_stiffness", "-1")
+    expect(page.locator("#tie_1_stiffness-error")).to_have_text("found -1; expected a stiffness > 0 N/m")
 
 
 def test_the_block_plays_and_follows_clicks(visit):
