@@ -13,7 +13,8 @@ use rocking_block::block::{Block, Foundation};
 use rocking_block::excitation::Excitation;
 use rocking_block::numerics::control::{StepControl, size_factor};
 use rocking_block::simulation::Simulation;
-use rocking_block::system::dynamics::{Footing, State, instant};
+use rocking_block::system::dynamics::instant;
+use rocking_block::system::instant::{Footing, State};
 
 use common::{Case, Record, cases, inputs_at, record_step};
 use tableaux::{PAIRS, Pair};

@@ -98,7 +98,7 @@ impl Block {
     /// Returns the block with these ties, at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
     pub fn with_ties(self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > ties::MOST_TIES {
-            return Err(BlockError::Ties { count: ties.len() });
+            return Err(BlockError::Ties { count: ties.len(), most: ties::MOST_TIES });
         }
         ties.iter().try_for_each(Tie::check)?;
         Ok(Block { ties: Ties::of(ties), ..self })

@@ -103,10 +103,12 @@ pub enum BlockError {
         half_width: f64,
     },
     /// More ties than a block may have.
-    #[error("{count} ties; expected at most {}", crate::block::ties::MOST_TIES)]
+    #[error("{count} ties; expected at most {most}")]
     Ties {
         /// Their number.
         count: usize,
+        /// The greatest number of ties of a block.
+        most: usize,
     },
     /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or two.
     #[error(

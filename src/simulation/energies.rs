@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Excitation, Forcing, Inputs};
 use crate::simulation::Simulation;
-use crate::system::dynamics::energy;
+use crate::system::forces::energy;
 
 /// Energy sums since the start, per unit mass (m²/s²).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -15,9 +15,12 @@ use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Energies, EnergySums, Pending, Simulation, SimulationError};
-use crate::system::dynamics::{Footing, Held, Powers, State, energy, foot_height, instant, instant_held};
-use crate::system::evaluation::{EXTENDED, Evaluation, Motion, Pose};
+use crate::system::dynamics::{foot_height, instant, instant_held};
+use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, ROUNDING, Surface, watched, watched_beyond};
+use crate::system::forces::energy;
+use crate::system::instant::Pose;
+use crate::system::instant::{Footing, Held, Powers, State};
 use crate::system::law::{AnyLaw, Law};
 
 /// How many continuous states there are.

@@ -7,8 +7,10 @@ use crate::numerics::dual::Dual64;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::{Peaks, channels};
 use crate::simulation::{Energies, Initial, Simulation};
-use crate::system::dynamics::{Footing, Instant, energy, instant};
+use crate::system::dynamics::instant;
+use crate::system::forces::energy;
 use crate::system::initial_sensitivity::{InitialSensitivity, Start};
+use crate::system::instant::{Footing, Instant};
 
 /// Derivatives of all outputs at the beginning in a direction of parameters and initial values.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use crate::block::Foundation;
 use crate::block::Regime;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::{Rate, roots};
-use crate::system::dynamics::State;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Surface, watched, watched_beyond};
+use crate::system::instant::State;
 use crate::system::law::Law;
 
 /// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error

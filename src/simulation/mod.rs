@@ -16,9 +16,10 @@ use crate::block::{Block, Corner, Regime, TieStates};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
-use crate::system::dynamics::{Footing, State};
-use crate::system::evaluation::{Evaluation, Motion, Pose};
+use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
+use crate::system::instant::Pose;
+use crate::system::instant::{Footing, State};
 use peaks::Peaks;
 
 pub use crate::system::beginning::Initial;

@@ -7,9 +7,10 @@ use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Beside, Real, Scalar};
 use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
-use crate::system::dynamics::{Instant, instant};
+use crate::system::dynamics::instant;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::forces;
+use crate::system::instant::Instant;
 
 /// Greatest friction demand that is reported: where the supports bear almost nothing the ratio has no bound.
 pub const MOST_FRICTION_DEMAND: f64 = 1e6;

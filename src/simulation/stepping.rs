@@ -14,9 +14,10 @@ use crate::simulation::inside::{
 };
 use crate::simulation::peaks::{Channels, Peaks, greater};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
-use crate::system::dynamics::{Powers, State};
-use crate::system::evaluation::{EXTENDED, Evaluation, Motion, Pose};
+use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, Surface};
+use crate::system::instant::Pose;
+use crate::system::instant::{Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 
 /// A piece of time in which the excitation is smooth, and the treatment of events in it.

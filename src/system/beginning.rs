@@ -8,13 +8,13 @@ use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::scalar::Elementary;
 use crate::system::System;
-use crate::system::dynamics::{Footing, State};
-use crate::system::evaluation::Pose;
 use crate::system::events::Path;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
 use crate::system::forces::tie;
 use crate::system::impact::Velocities;
+use crate::system::instant::Pose;
+use crate::system::instant::{Footing, State};
 
 /// Where the block is at the beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

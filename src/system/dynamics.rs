@@ -7,155 +7,12 @@
 //! A foot that grips, a rigid base and a corner that is held are constraints: each adds the inertia of the centre of mass that it
 //! moves, or says how the block turns. Forces and energies are per unit of the block's mass.
 
-use serde::{Deserialize, Serialize};
-
-use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime, TieStates};
+use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
-use crate::numerics;
 use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
-use crate::system::forces::{self, friction, support, tie};
-
-/// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
-pub type State<R = f64, const N: usize = 4> = numerics::State<R, N>;
-
-/// Powers that are integrated along (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
-pub type Powers = numerics::Quadratures;
-
-/// The equations of motion, solved at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instant<T> {
-    /// Rotation θ (rad).
-    pub theta: T,
-    /// θ̇ (rad/s).
-    pub theta_dot: T,
-    /// θ̈ (rad/s²).
-    pub theta_ddot: T,
-    /// ẇ (m/s).
-    pub w_dot: T,
-    /// ẅ (m/s²).
-    pub w_ddot: T,
-    /// Horizontal place of the centre of mass over the middle of the base (m), positive to the right.
-    pub u: T,
-    /// u̇ relative to the ground (m/s).
-    pub u_dot: T,
-    /// ü (m/s²).
-    pub u_ddot: T,
-    /// Height v of the centre of mass above its place at rest (m).
-    pub v: T,
-    /// v̇ (m/s).
-    pub v_dot: T,
-    /// v̈ (m/s²).
-    pub v_ddot: T,
-    /// Heights of the corners L and R above their places at rest (m).
-    pub corner: [T; 2],
-    /// Their rates (m/s).
-    pub corner_dot: [T; 2],
-    /// Their accelerations (m/s²).
-    pub corner_ddot: [T; 2],
-    /// Vertical reactions N_L/M, N_R/M (m/s²), positive up.
-    pub reaction: [T; 2],
-    /// Horizontal reaction H/M on the block (m/s²), positive to the right.
-    pub horizontal: T,
-    /// Velocity of the foot (m/s), positive to the right: zero where it grips, and in flight.
-    pub slip_rate: T,
-}
-
-/// The horizontal hold of the block.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Footing<T> {
-    /// The foot does not slide.
-    Grips {
-        /// How far the block has moved to the right since the start (m), by flights and slides.
-        offset: T,
-    },
-    /// Nothing: in flight, and where a support bears the block again but does not grip it yet.
-    Free {
-        /// Horizontal place of the centre of mass beside where it was at the start (m).
-        u: T,
-        /// u̇ relative to the ground (m/s).
-        u_dot: T,
-    },
-    /// Friction: the foot slides.
-    Slides {
-        /// Horizontal place of the centre of mass beside where it was at the start (m).
-        u: T,
-        /// u̇ relative to the ground (m/s).
-        u_dot: T,
-        /// The sign of the foot's velocity: +1 to the right, −1 to the left.
-        direction: f64,
-    },
-}
-
-impl<T> Footing<T> {
-    /// The same with each number changed by `f`.
-    pub fn map<U>(self, f: impl Fn(T) -> U) -> Footing<U> {
-        match self {
-            Footing::Grips { offset } => Footing::Grips { offset: f(offset) },
-            Footing::Free { u, u_dot } => Footing::Free { u: f(u), u_dot: f(u_dot) },
-            Footing::Slides { u, u_dot, direction } => Footing::Slides { u: f(u), u_dot: f(u_dot), direction },
-        }
-    }
-
-    /// Whether the foot does not slide.
-    pub fn grips(&self) -> bool {
-        matches!(self, Footing::Grips { .. })
-    }
-}
-
-impl Footing<f64> {
-    /// A block that has not moved from its place.
-    pub const AT_START: Footing<f64> = Footing::Grips { offset: 0.0 };
-
-    /// Both numbers finite.
-    pub fn is_finite(&self) -> bool {
-        match *self {
-            Footing::Grips { offset } => offset.is_finite(),
-            Footing::Free { u, u_dot } => u.is_finite() && u_dot.is_finite(),
-            Footing::Slides { u, u_dot, direction } => u.is_finite() && u_dot.is_finite() && direction.abs() == 1.0,
-        }
-    }
-
-    /// Work of the horizontal forcing, per unit mass (m²/s²), until the footing is `after`, while nothing holds the block: there
-    /// `ü = −a_x`, and `∫ −a_x u̇ dt = Δ(u̇²)/2`. Zero while the block grips.
-    pub fn free_work(&self, after: &Footing<f64>) -> f64 {
-        match (self, after) {
-            (Footing::Free { u_dot: from, .. }, Footing::Free { u_dot: to, .. }) => 0.5 * (to - from) * (to + from),
-            (Footing::Grips { .. } | Footing::Slides { .. }, _)
-            | (_, Footing::Grips { .. } | Footing::Slides { .. }) => 0.0,
-        }
-    }
-}
-
-/// A corner that is held on its support: it goes with it, and bears nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held<T> {
-    /// The corner.
-    pub corner: Corner,
-    /// Height of its support above its place under the block at rest (m), its rate (m/s) and its acceleration (m/s²).
-    pub top: [T; 3],
-}
-
-impl<R: Real> Held<R> {
-    /// The support at this height, which creeps at this rate: `C ÿ = −K ẏ`.
-    pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>) -> Held<R> {
-        Held { corner, top: [value, rate, creeping(block, rate)] }
-    }
-
-    /// The same with its rates of change in the dual parts.
-    pub fn with_rates(&self, block: &Block<R>) -> Held<Dual<R>> {
-        let [value, rate, acceleration] = self.top;
-        let jerk = creeping(block, acceleration);
-        let top = [Dual::new(value, rate), Dual::new(rate, acceleration), Dual::new(acceleration, jerk)];
-        Held { corner: self.corner, top }
-    }
-}
-
-/// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing moves.
-fn creeping<R: Real>(block: &Block<R>, rate: R) -> R {
-    R::select_less(R::from(0.0), rate.abs(), -(block.creep_rate() * rate), R::from(0.0))
-}
+use crate::system::forces::{friction, support, tie};
+use crate::system::instant::{Footing, Held, Instant};
 
 /// The equations of motion at one instant.
 ///
@@ -537,15 +394,4 @@ pub fn foot_height<T: Elementary>(block: &Block, regime: Regime, [theta, theta_d
     let (sin, cos) = theta.sin_cos();
     let offset = block.offset_from(foot);
     [v + sin * sin / (cos + 1.0) * block.h + sin * offset, v_dot + sin * theta_dot * block.h + cos * theta_dot * offset]
-}
-
-/// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.
-pub fn energy<P: Elementary, T: Beside<P>>(
-    block: &Block<P>,
-    regime: Regime,
-    ties: &TieStates,
-    x: &Instant<T>,
-) -> (T, T) {
-    let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
-    (kinetic, forces::potential(block, regime, ties, x))
 }

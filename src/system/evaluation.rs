@@ -1,42 +1,16 @@
 //! A pose → the equations of motion at any time while its contacts last, and all that follows from them at one instant.
 
-use serde::{Deserialize, Serialize};
-
-use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime, TieState, TieStates};
+use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime, TieState};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::Beside;
 use crate::numerics::{Equations, Rate, Real, State};
-use crate::system::dynamics::{
-    Footing, Held, Instant, energy, instant_held, instant_held_with_rates, instant_of, instant_with_rates,
-};
-use crate::system::events::Surface;
-use crate::system::forces::{friction, tie};
+use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
+
+use crate::system::forces::{energy, friction, tie};
+use crate::system::instant::{Footing, Held, Instant, Pose};
 use crate::system::law::{AnyLaw, Law};
-
-/// Place, velocities and contacts of the block: with the excitation they determine its motion.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pose {
-    /// Time (s).
-    pub time: f64,
-    /// `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`super::dynamics`].
-    pub state: State,
-    /// The contacts of the corners.
-    pub contacts: Contacts,
-    /// The horizontal hold.
-    pub footing: Footing<f64>,
-    /// The states of the ties.
-    pub ties: TieStates,
-}
-
-impl Pose {
-    /// Whether all numbers are finite.
-    pub fn is_finite(&self) -> bool {
-        let Pose { time, state, contacts, footing, ties: _ } = self;
-        time.is_finite() && state.0.iter().all(|x| x.is_finite()) && contacts.is_finite() && footing.is_finite()
-    }
-}
 
 /// The block at an instant, or one block per lane: its pose, the excitation, and the solved equations of motion.
 #[derive(Clone, Copy, Debug)]
@@ -385,14 +359,5 @@ impl Evaluation<'_> {
     /// Power per mass (m²/s³) that the dashpots of the ties take.
     pub fn tie_power(&self) -> f64 {
         tie::power(self.block, &self.forcing.ties, &self.instant)
-    }
-
-    /// Whether the block stands on both corners, and its accelerations and its motion are below the round-off of the reactions: it
-    /// is at rest.
-    pub fn rests(&self) -> bool {
-        let rounding = Surface::Reaction(Corner::Left).rounding(self.block);
-        self.regime == Regime::FullContact
-            && self.footing.grips()
-            && self.unrest().into_iter().all(|acceleration| acceleration <= rounding)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::block::{Block, Corner, Foot, Lever, Regime};
 use crate::numerics::scalar::Elementary;
-use crate::system::dynamics::Instant;
+use crate::system::instant::Instant;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,10 +6,12 @@ use crate::excitation::{Excitation, Forcing};
 use crate::numerics::scalar::Elementary;
 use crate::system::System;
 use crate::system::beginning::Initial;
-use crate::system::dynamics::{Footing, Held, Instant, instant, instant_held};
-use crate::system::evaluation::{Motion, Pose};
+use crate::system::dynamics::{instant, instant_held};
+use crate::system::evaluation::Motion;
 use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
+use crate::system::instant::Pose;
+use crate::system::instant::{Footing, Held, Instant};
 
 /// A block before the first step.
 #[derive(Clone, Copy, Debug, PartialEq)]

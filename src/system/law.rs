@@ -2,8 +2,8 @@
 
 use crate::block::ties::NO_TIES;
 use crate::block::{Block, Corner, Foundation, Regime, TieStates};
-use crate::system::dynamics::Footing;
-use crate::system::evaluation::Pose;
+use crate::system::instant::Footing;
+use crate::system::instant::Pose;
 
 /// Which equations of motion hold while the contacts last.
 ///

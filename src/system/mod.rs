@@ -2,6 +2,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
+//! | [`instant`] | state, horizontal hold, accelerations and reactions: the words that forces and equations share |
 //! | [`forces`] | the forces on the block, a file each: value, rate, energy, power |
 //! | [`dynamics`] | state, regime, forcing → the sum of forces → accelerations, reactions, energy |
 //! | [`law`] | a pose → which of these equations hold |
@@ -18,6 +19,7 @@ pub mod events;
 pub mod forces;
 pub mod impact;
 pub mod initial_sensitivity;
+pub mod instant;
 pub mod law;
 
 use serde::{Deserialize, Serialize};

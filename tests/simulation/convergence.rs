@@ -9,7 +9,8 @@ use rocking_block::numerics::dop853::{DenseOutput, Step};
 use rocking_block::numerics::roots::{Sample, first_fall};
 use rocking_block::numerics::short::ShortStep;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
-use rocking_block::system::dynamics::{Footing, State, instant};
+use rocking_block::system::dynamics::instant;
+use rocking_block::system::instant::{Footing, State};
 use rocking_records::ReadOptions;
 
 use crate::blocks::plain;

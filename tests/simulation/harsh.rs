@@ -10,11 +10,12 @@ use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Foot,
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation, SimulationError};
 use rocking_block::system::System;
-use rocking_block::system::dynamics::{Footing, State};
-use rocking_block::system::evaluation::{Motion, Pose};
+use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::Transition;
 use rocking_block::system::events::{Event, Surface};
 use rocking_block::system::impact::height_over;
+use rocking_block::system::instant::Pose;
+use rocking_block::system::instant::{Footing, State};
 
 /// File with a line for each case that failed once: its kind and number.
 const REGRESSIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/proptest-regressions/harsh.txt");

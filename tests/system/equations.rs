@@ -9,10 +9,11 @@ use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Contact, Contacts, Corner, Creep, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::{Equations, State};
-use rocking_block::system::dynamics::{Footing, Instant};
-use rocking_block::system::evaluation::{Evaluation, Motion, Pose};
+use rocking_block::system::evaluation::{Evaluation, Motion};
 use rocking_block::system::events::grip::pressure_if_gripped;
 use rocking_block::system::events::{Surface, gap_opening};
+use rocking_block::system::instant::Pose;
+use rocking_block::system::instant::{Footing, Instant};
 
 use crate::blocks::uneven as block;
 

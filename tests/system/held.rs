@@ -9,11 +9,13 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::System;
-use rocking_block::system::dynamics::{Footing, State, instant};
-use rocking_block::system::evaluation::{Motion, Pose};
+use rocking_block::system::dynamics::instant;
+use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::Transition;
 use rocking_block::system::events::{Event, EventKind, Surface};
 use rocking_block::system::impact;
+use rocking_block::system::instant::Pose;
+use rocking_block::system::instant::{Footing, State};
 
 use crate::blocks::squat;
 

@@ -2,8 +2,9 @@
 
 use rocking_block::block::{Block, Corner, Foot, Foundation, Regime};
 use rocking_block::excitation::Forcing;
-use rocking_block::system::dynamics::{Footing, instant};
+use rocking_block::system::dynamics::instant;
 use rocking_block::system::impact::{self, Velocities};
+use rocking_block::system::instant::Footing;
 
 use crate::blocks::uneven;
 

@@ -6,9 +6,10 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::observe;
 use rocking_block::simulation::{Counts, Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::System;
-use rocking_block::system::dynamics::{Footing, State};
-use rocking_block::system::evaluation::{Motion, Pose};
+use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::{EventKind, Surface};
+use rocking_block::system::instant::Pose;
+use rocking_block::system::instant::{Footing, State};
 use rocking_block::system::{
     events::Transition,
     initial_sensitivity::{InitialSensitivity, Start},

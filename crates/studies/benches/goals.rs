@@ -17,7 +17,7 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
 use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_block::system::dynamics::State;
+use rocking_block::system::instant::State;
 use rocking_records::ReadOptions;
 use rocking_studies::output::resumable::TableOptions;
 use rocking_studies::output::runner::{self, Study};

@@ -16,7 +16,7 @@ use rocking_block::block::Regime;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::{dop853::Step, short::ShortStep};
 use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_block::system::dynamics::State;
+use rocking_block::system::instant::State;
 use rocking_studies::output::resumable::TableOptions;
 use rocking_studies::output::runner::{self, Study};
 

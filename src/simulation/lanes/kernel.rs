@@ -15,9 +15,9 @@ use crate::numerics::{Equations, Rate, Real, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::{Lane, place};
 use crate::simulation::peaks::Channels;
-use crate::system::dynamics::Footing;
 use crate::system::evaluation::{self, Evaluation};
 use crate::system::events::{ROUNDING, Surface, landing, lift_off, quarter_turn, watched};
+use crate::system::instant::Footing;
 use crate::system::law::{Gripping, Law};
 
 /// Round-off of the zero of each surface.

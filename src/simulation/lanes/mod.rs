@@ -19,9 +19,9 @@ use crate::numerics::wide::{Array, Width};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
 use crate::simulation::{Simulation, SimulationError};
-use crate::system::dynamics::State;
-use crate::system::evaluation::Pose;
 use crate::system::events::{Event, Surface};
+use crate::system::instant::Pose;
+use crate::system::instant::State;
 use crate::system::law::Gripping;
 use kernel::Stepped;
 

@@ -4,10 +4,10 @@ use crate::block::{Contact, Corner, Creep, Regime};
 use crate::excitation::Excitation;
 use crate::numerics::roots::Sample;
 use crate::system::System;
-use crate::system::dynamics::Footing;
-use crate::system::evaluation::{Evaluation, Motion, Pose};
-use crate::system::events::Surface;
+use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::placement::Placement;
+use crate::system::instant::Footing;
+use crate::system::instant::Pose;
 
 /// Counters and sums of a transition.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,6 +52,20 @@ impl Path {
     pub fn overflows(&self) -> bool {
         self.overflows
     }
+}
+
+/// Round-off of a zero beside the largest term that enters: some thousand ulp.
+pub(crate) const ROUNDING: f64 = 1e-13;
+
+/// The way in which a corner that bears nothing any more leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leaving {
+    /// It lifts.
+    Lifts,
+    /// It stays on its support and slides.
+    Slides,
+    /// It stays, and is held.
+    Held,
 }
 
 /// A pose that is being changed.
@@ -105,14 +119,6 @@ impl<'a> Change<'a> {
     /// Height of the support under a corner that has left it (m), and its rate (m/s).
     pub(super) fn support(&self, corner: Corner) -> Sample {
         self.pose.contacts.top(corner, &self.system.block, self.pose.time)
-    }
-
-    /// A corner's rate after a landing (m/s), or that of its support if the corner would leave it by little more. So a sequence
-    /// of ever lower flights ends: each flight rises at least ten times as high as the round-off of a gap.
-    pub(super) fn or_rest(&self, corner: Corner, rate: f64, support_rate: f64) -> f64 {
-        let block = &self.system.block;
-        let slowest = (20.0 * block.gravity * Surface::Gap(corner).rounding(block)).sqrt();
-        if rate > support_rate && rate - support_rate < slowest { support_rate } else { rate }
     }
 
     /// `corner` touches from now on, at the height of its support.

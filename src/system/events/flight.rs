@@ -4,9 +4,8 @@
 
 use crate::block::{Contact, Corner, Foot, Regime};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::Surface;
 use crate::system::events::change::Change;
-use crate::system::events::landing::without_gain;
+use crate::system::events::landing::{self, without_gain};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 
@@ -30,7 +29,7 @@ impl Change<'_> {
         let rates = Corner::BOTH.map(|corner| {
             let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
             self.put_down(corner, &mut both);
-            self.rate_after_landing(corner, rate, support)
+            self.rate_after_landing(rate, support)
         });
         let (impulses, velocities) = impact::landing_on_both(&self.system.block, both.theta, both.velocities, rates);
         if impulses.iter().any(|&impulse| impulse < 0.0) {
@@ -47,8 +46,8 @@ impl Change<'_> {
 
     /// Whether, in flight, the gap under this corner is closed to rounding and closing.
     pub(super) fn is_level(&self, corner: Corner, now: &Evaluation) -> bool {
-        let gap = Surface::Gap(corner).sample(now);
-        let closed = gap.value <= Surface::Gap(corner).rounding(&self.system.block) && gap.rate < 0.0;
+        let gap = landing::gap(&now.instant, now.support_heights, corner);
+        let closed = gap.value <= landing::rounding(&self.system.block) && gap.rate < 0.0;
         now.regime == Regime::Separated && closed
     }
 
@@ -59,7 +58,7 @@ impl Change<'_> {
         self.put_down(corner, &mut placement);
         let rate = placement.corners[i].1;
         self.counts.impacts += u32::from(rate < 0.0);
-        let mut after = self.rate_after_landing(corner, rate, support);
+        let mut after = self.rate_after_landing(rate, support);
         let flying = regime == Regime::Separated;
         if flying {
             let mut velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
@@ -68,7 +67,7 @@ impl Change<'_> {
                 // up faster than that.
                 let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
                 let rate = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
-                after = self.or_rest(corner, rate, support);
+                after = self.or_rest(rate, support);
                 velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
             }
             placement.strike(block, velocities);
@@ -85,8 +84,8 @@ impl Change<'_> {
     }
 
     /// Vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
-    fn rate_after_landing(&self, corner: Corner, rate: f64, support: f64) -> f64 {
-        self.or_rest(corner, if rate < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
+    fn rate_after_landing(&self, rate: f64, support: f64) -> f64 {
+        self.or_rest(if rate < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
     }
 
     /// `corner` comes down from flight, or while the other one slides.
@@ -97,7 +96,7 @@ impl Change<'_> {
             return self.land_on_corner(corner, placement);
         }
         let block = &self.system.block;
-        let rates = Corner::BOTH.map(|corner| self.rebound(corner, placement.corners[corner.index()].1));
+        let rates = Corner::BOTH.map(|corner| self.rebound(placement.corners[corner.index()].1));
         let (impulses, velocities) = impact::landing_on_both(block, placement.theta, placement.velocities, rates);
         if impulses[corner.index()] < 0.0 {
             self.land_on_corner(other, placement);
@@ -121,20 +120,20 @@ impl Change<'_> {
             }
             false => impact::landing_with_grip(block, corner, placement.theta, before, rate),
         };
-        let mut rate = self.rebound(corner, placement.corners[corner.index()].1);
+        let mut rate = self.rebound(placement.corners[corner.index()].1);
         // The energy after the landing grows with the square of the rate.
         let [energy, held, rebound] = [before, land(0.0), land(rate)].map(|velocities| velocities.kinetic(block));
         if block.friction > 0.0 {
-            rate = self.or_rest(corner, without_gain(block, before, rate, land).0, 0.0);
+            rate = self.or_rest(without_gain(block, before, rate, land).0, 0.0);
         } else if rebound > energy {
             // No rebound is left where its energy is lost in rounding.
             let part = if rebound > held { (energy - held).max(0.0) / (rebound - held) } else { 0.0 };
-            rate = self.or_rest(corner, rate * part.sqrt(), 0.0);
+            rate = self.or_rest(rate * part.sqrt(), 0.0);
         }
         if block.friction == 0.0 && land(rate).v_dot < before.v_dot {
             let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
             let thrown = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
-            rate = self.or_rest(corner, thrown, 0.0);
+            rate = self.or_rest(thrown, 0.0);
         }
         self.counts.impacts += 1;
         // The other one slid.
@@ -145,8 +144,8 @@ impl Change<'_> {
     }
 
     /// Vertical rate of a corner after its landing (m/s), upwards.
-    fn rebound(&self, corner: Corner, rate: f64) -> f64 {
-        self.or_rest(corner, (-self.system.block.epsilon * rate).max(0.0), 0.0)
+    fn rebound(&self, rate: f64) -> f64 {
+        self.or_rest((-self.system.block.epsilon * rate).max(0.0), 0.0)
     }
 
     /// The corners with a rate have come down; those whose rate is zero stand.

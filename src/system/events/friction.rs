@@ -3,12 +3,13 @@
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::system::dynamics::{Footing, Instant};
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::{Change, ROUNDING};
+use crate::system::events::event::EventKind;
+use crate::system::events::grip;
 use crate::system::events::placement::Placement;
-use crate::system::events::{EventKind, ROUNDING, Surface, grip};
 use crate::system::impact;
+use crate::system::instant::{Footing, Instant};
 
 /// The distance of a foot that grips from sliding to one side (m/s²): `μ N ∓ H` per mass, with − where H is to push to the right.
 #[inline(never)]
@@ -39,10 +40,10 @@ pub(super) fn rounding_of_limit(block: &Block) -> f64 {
     }
 }
 
-/// Size of the terms of [`speed`] (m/s).
+/// Round-off of [`speed`] at zero (m/s).
 #[inline]
-pub(super) fn size(block: &Block) -> f64 {
-    block.p * block.r0
+pub(super) fn rounding_of_speed(block: &Block) -> f64 {
+    ROUNDING * (block.p * block.r0)
 }
 
 impl Change<'_> {
@@ -57,7 +58,7 @@ impl Change<'_> {
         let height = impact::height_over(block, foot, placement.theta);
         let velocities = &mut placement.velocities;
         let speed = velocities.u_dot - height * velocities.theta_dot;
-        if speed.abs() > ROUNDING * size(block) {
+        if speed.abs() > rounding_of_speed(block) {
             self.slide(placement, speed.signum());
             return;
         }
@@ -83,13 +84,13 @@ impl Change<'_> {
         }
     }
 
-    /// The foot slides, or a foot that has slid may grip.
-    pub(super) fn slide_or_grip(&mut self, surface: Surface, now: &Evaluation) -> EventKind {
+    /// A foot that grips and is pushed from a side slides; one that slides has stopped and grips, or turns.
+    pub(super) fn slide_or_grip(&mut self, pushed_from: Option<Corner>, now: &Evaluation) -> EventKind {
         self.pose.contacts.let_bear();
         let mut placement = Placement::of(&now.instant);
-        match surface {
-            Surface::Friction(push) => self.slide(&placement, push.sign()),
-            _ => {
+        match pushed_from {
+            Some(push) => self.slide(&placement, push.sign()),
+            None => {
                 let foot = now.regime.foot().unwrap_or(Foot::Middle);
                 let height = impact::height_over(now.block, foot, placement.theta);
                 placement.velocities.u_dot = height * placement.velocities.theta_dot;

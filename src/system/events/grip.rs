@@ -7,11 +7,11 @@
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::Elementary;
-use crate::system::dynamics::Instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
+use crate::system::instant::Instant;
 
 /// The distance of a sliding foot from being pressed on if it gripped (m/s²).
 pub(super) fn slide(at: &Evaluation) -> Sample {
@@ -36,6 +36,12 @@ pub(super) fn slide(at: &Evaluation) -> Sample {
 #[inline]
 pub(super) fn size(block: &Block) -> f64 {
     block.gravity.max(block.xi_v * block.omega_v * block.p * block.r0)
+}
+
+/// Round-off of [`slide`] at zero (m/s²).
+#[inline]
+pub(super) fn rounding(block: &Block) -> f64 {
+    ROUNDING * size(block)
 }
 
 /// The least force per mass (m/s²) that presses the corners that touch on their supports if they grip now: the

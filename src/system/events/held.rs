@@ -4,11 +4,12 @@
 
 use crate::block::{Contact, Corner, Regime};
 use crate::numerics::roots::Sample;
-use crate::system::dynamics::{Instant, instant};
+use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::{Change, Leaving};
+use crate::system::events::lift_off::gap_opening;
 use crate::system::events::placement::Placement;
-use crate::system::events::{Leaving, gap_opening};
+use crate::system::instant::Instant;
 
 /// Acceleration (m/s²) with which a held corner would be pressed on if it were let go. Its rate is not known; a change of sign
 /// between samples is enough where the function is monotone.

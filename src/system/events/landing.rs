@@ -3,11 +3,11 @@
 use crate::block::{Block, Corner, Foot, Foundation};
 use crate::numerics::Real;
 use crate::numerics::roots::Sample;
-use crate::system::dynamics::Instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
+use crate::system::instant::Instant;
 
 /// The gap `v_I − y_I` between a lifted corner and its support (m), whose heights and rates are `supports`.
 #[inline(always)]
@@ -18,11 +18,17 @@ pub fn gap<R: Real>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) ->
 
 /// Size of the terms of a gap (m).
 #[inline]
-pub(super) fn size(block: &Block) -> f64 {
+fn size(block: &Block) -> f64 {
     match block.foundation {
         Foundation::Viscoelastic => block.static_deflection().max(block.b),
         Foundation::Rigid => block.r0,
     }
+}
+
+/// Round-off of a gap at zero (m).
+#[inline]
+pub(super) fn rounding(block: &Block) -> f64 {
+    ROUNDING * size(block)
 }
 
 impl Change<'_> {
@@ -61,7 +67,7 @@ impl Change<'_> {
         let rate = placement.corners[i].1;
         if rate < 0.0 {
             let foot = self.regime().foot().unwrap_or(Foot::Corner(corner));
-            let after = self.or_rest(corner, block.epsilon * rate, support);
+            let after = self.or_rest(block.epsilon * rate, support);
             let land = |rate: f64| impact::landing_with_friction(block, corner, foot, placement.theta, before, rate);
             let (rate, velocities) = without_gain(block, before, after, land);
             placement.strike(block, velocities);
@@ -69,6 +75,14 @@ impl Change<'_> {
             self.counts.impacts += 1;
         }
         self.settle(regime, placement);
+    }
+
+    /// A corner's rate after a landing (m/s), or that of its support if the corner would leave it by little more. So a sequence
+    /// of ever lower flights ends: each flight rises at least ten times as high as the round-off of a gap.
+    pub(super) fn or_rest(&self, rate: f64, support_rate: f64) -> f64 {
+        let block = &self.system.block;
+        let slowest = (20.0 * block.gravity * rounding(block)).sqrt();
+        if rate > support_rate && rate - support_rate < slowest { support_rate } else { rate }
     }
 }
 

@@ -6,12 +6,12 @@ use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Beside, Real};
-use crate::system::dynamics::{Footing, Instant, instant};
+use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::{Change, Leaving, ROUNDING};
 use crate::system::events::placement::Placement;
-use crate::system::events::{Leaving, Surface};
 use crate::system::forces::support;
+use crate::system::instant::{Footing, Instant};
 
 /// The reaction N_I/M of a touching corner (m/s²).
 #[inline(always)]
@@ -24,6 +24,12 @@ pub(super) fn reaction(foundation: Foundation, at: &Evaluation, corner: Corner) 
             Sample { value: at.instant.reaction[i], rate: rates_on_rigid_base(at)[i] }
         }
     }
+}
+
+/// Round-off of a reaction at zero (m/s²).
+#[inline]
+pub(super) fn rounding(block: &Block) -> f64 {
+    ROUNDING * block.gravity
 }
 
 #[inline(never)]
@@ -71,15 +77,15 @@ fn acceleration_if_let_go(at: &Evaluation, corner: Corner) -> f64 {
 }
 
 impl Change<'_> {
-    /// The reaction of `corner` fell through zero, or the corner is not held any more.
-    pub(super) fn lift_off(&mut self, corner: Corner, surface: Surface, now: &Evaluation) -> Leaving {
+    /// The reaction of `corner` fell through zero, or the corner, which `was_held`, would no longer be pressed on.
+    pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation) -> Leaving {
         match self.system.block.foundation {
-            Foundation::Viscoelastic => self.leave_support(corner, surface, now),
+            Foundation::Viscoelastic => self.leave_support(corner, was_held, now),
             Foundation::Rigid => self.leave_rigid_base(corner, now),
         }
     }
 
-    fn leave_support(&mut self, corner: Corner, surface: Surface, now: &Evaluation) -> Leaving {
+    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation) -> Leaving {
         let x = &now.instant;
         // A foot that slides lifts just when its gap opens; and the paper's analysis ends where the last reaction falls.
         let opens = !self.pose.footing.grips() || self.lets_go(corner, x.corner_dot[corner.index()], now);
@@ -90,7 +96,7 @@ impl Change<'_> {
                 if !opens && other_is_held {
                     return self.bear_nothing(x);
                 }
-                if !opens && matches!(surface, Surface::Reaction(_)) {
+                if !opens && !was_held {
                     self.keep(corner, x.corner[corner.index()]);
                     return Leaving::Held;
                 }

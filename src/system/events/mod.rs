@@ -17,6 +17,7 @@
 //! lanes use it. After each event `settle` decides the regime anew, in a `change` of the pose.
 
 pub(in crate::system) mod change;
+mod event;
 mod flight;
 mod friction;
 pub mod grip;
@@ -36,96 +37,16 @@ use crate::block::ties::MOST_TIES;
 use crate::block::{Block, Corner, Foundation, Regime, TieState};
 use crate::numerics::roots::Sample;
 use crate::system::System;
-use crate::system::evaluation::{Evaluation, Pose};
+use crate::system::evaluation::Evaluation;
+use crate::system::instant::Pose;
 use crate::system::law::Law;
-use change::Change;
+use change::{Change, Leaving};
 use placement::Placement;
 
+pub(crate) use change::ROUNDING;
 pub use change::{Path, TransitionCounts};
+pub use event::{Event, EventKind};
 pub use lift_off::gap_opening;
-
-/// A reported event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EventKind {
-    /// A corner left its support, or the rigid base.
-    LiftOff(Corner),
-    /// A corner came down on its support, or on the rigid base.
-    Landing(Corner),
-    /// The foot slides from here on, or to the other side: friction has reached its limit, or nothing holds the block horizontally though
-    /// a support still bears it.
-    Slip,
-    /// The foot slides no more.
-    Grip,
-    /// A tie, by its place in the list, begins to pull.
-    Taut(u8),
-    /// A tie pulls no more.
-    Slack(u8),
-    /// A tie breaks.
-    Break(u8),
-    /// The block reached a quarter turn: a side lies on the ground.
-    Overturning,
-}
-
-impl EventKind {
-    /// Its name in tables.
-    pub fn word(self) -> &'static str {
-        match self {
-            EventKind::LiftOff(_) => "lift-off",
-            EventKind::Landing(_) => "landing",
-            EventKind::Slip => "slip",
-            EventKind::Grip => "grip",
-            EventKind::Taut(_) => "taut",
-            EventKind::Slack(_) => "slack",
-            EventKind::Break(_) => "break",
-            EventKind::Overturning => "overturning",
-        }
-    }
-
-    /// The name of its corner, `L` or `R`, or of its tie, `tie 1` and so on; none for an event of the whole block.
-    pub fn place(self) -> Option<&'static str> {
-        const TIES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
-        match self {
-            EventKind::LiftOff(Corner::Left) | EventKind::Landing(Corner::Left) => Some("L"),
-            EventKind::LiftOff(Corner::Right) | EventKind::Landing(Corner::Right) => Some("R"),
-            EventKind::Taut(tie) | EventKind::Slack(tie) | EventKind::Break(tie) => TIES.get(usize::from(tie)).copied(),
-            EventKind::Slip | EventKind::Grip | EventKind::Overturning => None,
-        }
-    }
-}
-
-/// An event, as it is reported while the simulation runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
-    /// Time (s).
-    pub time: f64,
-    /// Its kind.
-    pub kind: EventKind,
-    /// Regime right before.
-    pub before: Regime,
-    /// Regime right after, with all that followed in the same instant.
-    pub after: Regime,
-}
-
-impl std::fmt::Display for Event {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let write = |f: &mut std::fmt::Formatter<'_>, kind: &dyn std::fmt::Display| {
-            write!(f, "t = {:.9} s: {kind}, {} -> {}", self.time, self.before, self.after)
-        };
-        let kind = match self.kind {
-            EventKind::LiftOff(Corner::Left) => "lift-off of L",
-            EventKind::LiftOff(Corner::Right) => "lift-off of R",
-            EventKind::Landing(Corner::Left) => "landing on L",
-            EventKind::Landing(Corner::Right) => "landing on R",
-            EventKind::Slip => "slip",
-            EventKind::Grip => "grip",
-            EventKind::Taut(tie) => return write(f, &format_args!("tie {} is taut", tie + 1)),
-            EventKind::Slack(tie) => return write(f, &format_args!("tie {} is slack", tie + 1)),
-            EventKind::Break(tie) => return write(f, &format_args!("tie {} breaks", tie + 1)),
-            EventKind::Overturning => "overturning",
-        };
-        write(f, &kind)
-    }
-}
 
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -256,27 +177,20 @@ impl Surface {
     /// Round-off of a zero of this surface.
     #[inline]
     pub fn rounding(self, block: &Block) -> f64 {
-        if let Surface::Friction(_) = self {
-            return friction::rounding_of_limit(block);
-        }
-        ROUNDING
-            * match self {
-                Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => block.gravity,
-                Surface::Friction(_) => 0.0,
-                Surface::Speed => friction::size(block),
-                Surface::Shortness(tie) | Surface::Stretch(tie) => tie::length(block, tie.into()),
-                Surface::Tension(tie) | Surface::Limpness(tie) | Surface::Strength(tie) => {
-                    tie::force(block, tie.into())
-                }
-                Surface::Gap(_) => landing::size(block),
-                Surface::Slide => grip::size(block),
-                Surface::QuarterTurn => quarter_turn::SIZE,
+        match self {
+            Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => lift_off::rounding(block),
+            Surface::Gap(_) => landing::rounding(block),
+            Surface::Slide => grip::rounding(block),
+            Surface::Friction(_) => friction::rounding_of_limit(block),
+            Surface::Speed => friction::rounding_of_speed(block),
+            Surface::Shortness(tie) | Surface::Stretch(tie) => tie::rounding_of_stretch(block, tie.into()),
+            Surface::Tension(tie) | Surface::Limpness(tie) | Surface::Strength(tie) => {
+                tie::rounding_of_tension(block, tie.into())
             }
+            Surface::QuarterTurn => ROUNDING * quarter_turn::SIZE,
+        }
     }
 }
-
-/// Round-off of a zero beside the largest term that enters: some thousand ulp.
-pub(crate) const ROUNDING: f64 = 1e-13;
 
 /// The pose after an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -296,11 +210,13 @@ impl System {
     pub fn transition(&self, pose: &Pose, now: &Evaluation, surface: Surface) -> Transition {
         let mut change = Change::begin(self, pose, now.excitation);
         let happened = match surface {
-            Surface::Reaction(corner) | Surface::Held(corner) => match change.lift_off(corner, surface, now) {
-                Leaving::Lifts => Some(EventKind::LiftOff(corner)),
-                Leaving::Slides => Some(EventKind::Slip),
-                Leaving::Held => None,
-            },
+            Surface::Reaction(corner) | Surface::Held(corner) => {
+                match change.lift_off(corner, matches!(surface, Surface::Held(_)), now) {
+                    Leaving::Lifts => Some(EventKind::LiftOff(corner)),
+                    Leaving::Slides => Some(EventKind::Slip),
+                    Leaving::Held => None,
+                }
+            }
             Surface::Gap(corner) => {
                 match (self.block.foundation, pose.footing.grips()) {
                     (Foundation::Viscoelastic, _) if self.block.friction > 0.0 => {
@@ -324,7 +240,8 @@ impl System {
                 change.pose.contacts.let_bear();
                 None
             }
-            Surface::Friction(_) | Surface::Speed => Some(change.slide_or_grip(surface, now)),
+            Surface::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
+            Surface::Speed => Some(change.slide_or_grip(None, now)),
             Surface::Shortness(tie) | Surface::Limpness(tie) => {
                 change.set_tie(tie.into(), TieState::Taut);
                 change.go_on_tied(now);
@@ -352,15 +269,30 @@ impl System {
         let Change { pose, counts, path, .. } = change;
         Transition { pose, happened, counts, path }
     }
-}
 
-/// The way in which a corner that bears nothing any more leaves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Leaving {
-    /// It lifts.
-    Lifts,
-    /// It stays on its support and slides.
-    Slides,
-    /// It stays, and is held.
-    Held,
+    /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the distance
+    /// of H from the limit of friction.
+    pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
+        if self.block.friction > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
+            let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
+            // Where it slides the reactions are others.
+            if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
+                return Some(surface);
+            }
+        }
+        self.leaving_rigid_base(now).map(Surface::Reaction)
+    }
+
+    /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base, or the foot slides; nothing if
+    /// neither.
+    pub fn released(&self, pose: &Pose, now: &Evaluation) -> Option<Pose> {
+        self.released_by(pose, now).map(|(pose, _)| pose)
+    }
+
+    /// The same, and the regimes through which it comes there.
+    pub(in crate::system) fn released_by(&self, pose: &Pose, now: &Evaluation) -> Option<(Pose, Path)> {
+        let surface = self.fallen(now)?;
+        let Transition { pose, path, .. } = self.transition(pose, now, surface);
+        Some((pose, path))
+    }
 }

@@ -1,11 +1,11 @@
 //! Housner's change of the pivot: on the rigid base the gap under a lifted corner closes at θ = 0.
 
 use crate::block::{Contacts, Corner};
-use crate::system::dynamics::State;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
+use crate::system::instant::State;
 
 impl Change<'_> {
     /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.

@@ -2,8 +2,8 @@
 
 use crate::block::{Block, Corner, Foot, Regime};
 use crate::numerics::scalar::Elementary;
-use crate::system::dynamics::Instant;
 use crate::system::impact::{self, Velocities};
+use crate::system::instant::Instant;
 
 /// Where the block is while its regime is decided. Heights and rates of the corners stand beside those of the centre of
 /// mass, since their exact values (a rate of zero, say) decide.

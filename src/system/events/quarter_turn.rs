@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::numerics::Real;
 use crate::numerics::roots::Sample;
-use crate::system::dynamics::Instant;
+use crate::system::instant::Instant;
 
 /// Size of the function (rad).
 pub(crate) const SIZE: f64 = FRAC_PI_2;

@@ -3,14 +3,14 @@
 
 use crate::block::{Corner, Foundation, Regime};
 use crate::system::System;
-use crate::system::dynamics::Footing;
-use crate::system::evaluation::{Evaluation, Pose};
-use crate::system::events::change::{Change, Path};
-use crate::system::events::grip::pressure_if_gripped;
+use crate::system::evaluation::Evaluation;
+use crate::system::events::change::{Change, Leaving};
+use crate::system::events::grip::{self, pressure_if_gripped};
+use crate::system::events::lift_off;
 use crate::system::events::placement::Placement;
-use crate::system::events::{Leaving, Surface, Transition};
 use crate::system::forces::support::{reaction, reaction_rate};
 use crate::system::impact;
+use crate::system::instant::Footing;
 
 impl Change<'_> {
     /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
@@ -38,7 +38,7 @@ impl Change<'_> {
             self.place_foot(&placement);
             let mut now = self.now();
             let slides = !self.pose.footing.grips() && regime != Regime::Separated && block.friction == 0.0;
-            if slides && pressure_if_gripped(block, regime, &now.instant) > Surface::Slide.rounding(block) {
+            if slides && pressure_if_gripped(block, regime, &now.instant) > grip::rounding(block) {
                 self.grip(&mut placement);
                 now = self.now();
             }
@@ -48,7 +48,7 @@ impl Change<'_> {
                 let (height, rate) = placement.corners[corner.index()];
                 let n = reaction(block, corner, height, rate);
                 // The round-off of a zero: the rate decides.
-                let n = if n.abs() <= Surface::Reaction(corner).rounding(block) { 0.0 } else { n };
+                let n = if n.abs() <= lift_off::rounding(block) { 0.0 } else { n };
                 match self.leaves(corner, n, rate, resolution, &now) {
                     Some(Leaving::Lifts) if leaving.is_none_or(|(_, least)| n.total_cmp(&least).is_lt()) => {
                         leaving = Some((corner, n));
@@ -139,7 +139,7 @@ impl System {
         if self.block.foundation == Foundation::Viscoelastic {
             return None;
         }
-        let falls = |corner: Corner| Surface::Reaction(corner).sample(now).rate < 0.0;
+        let falls = |corner: Corner| lift_off::reaction(Foundation::Rigid, now, corner).rate < 0.0;
         Corner::BOTH
             .into_iter()
             .filter(|&corner| now.regime.touches(corner))
@@ -148,30 +148,15 @@ impl System {
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(corner, _)| corner)
     }
+}
 
-    /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the distance
-    /// of H from the limit of friction.
-    pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
-        if self.block.friction > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
-            let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
-            // Where it slides the reactions are others.
-            if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
-                return Some(surface);
-            }
-        }
-        self.leaving_rigid_base(now).map(Surface::Reaction)
-    }
-
-    /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base, or the foot slides; nothing if
-    /// neither.
-    pub fn released(&self, pose: &Pose, now: &Evaluation) -> Option<Pose> {
-        self.released_by(pose, now).map(|(pose, _)| pose)
-    }
-
-    /// The same, and the regimes through which it comes there.
-    pub(in crate::system) fn released_by(&self, pose: &Pose, now: &Evaluation) -> Option<(Pose, Path)> {
-        let surface = self.fallen(now)?;
-        let Transition { pose, path, .. } = self.transition(pose, now, surface);
-        Some((pose, path))
+impl Evaluation<'_> {
+    /// Whether the block stands on both corners, and its accelerations and its motion are below the round-off of the reactions: it
+    /// is at rest.
+    pub fn rests(&self) -> bool {
+        let rounding = lift_off::rounding(self.block);
+        self.regime == Regime::FullContact
+            && self.footing.grips()
+            && self.unrest().into_iter().all(|acceleration| acceleration <= rounding)
     }
 }

@@ -3,8 +3,8 @@
 //!
 //! Nothing is watched for it: it is one way in which [`super::lift_off`] and [`super::settle`] take a reaction that falls.
 
-use crate::system::dynamics::{Footing, Instant};
 use crate::system::events::change::Change;
+use crate::system::instant::{Footing, Instant};
 
 impl Change<'_> {
     /// Nothing holds the block horizontally from here on.

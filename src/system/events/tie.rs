@@ -3,11 +3,11 @@
 
 use crate::block::{Block, Foundation, Tie, TieState};
 use crate::numerics::roots::Sample;
-use crate::system::dynamics::Instant;
 use crate::system::evaluation::Evaluation;
-use crate::system::events::change::Change;
+use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::forces::tie;
+use crate::system::instant::Instant;
 
 /// The stretch of a tie (m).
 #[inline(never)]
@@ -28,17 +28,23 @@ pub(super) fn rest_of_strength(at: &Evaluation, tie: usize) -> Sample {
     Sample { value: at.block.ties.all()[tie].strength - value, rate: -rate }
 }
 
-/// Size of the terms of a stretch (m).
+/// Round-off of a stretch at zero (m).
 #[inline(never)]
-pub(super) fn length(block: &Block, tie: usize) -> f64 {
-    block.ties.all()[tie].length().max(block.r0)
+pub(super) fn rounding_of_stretch(block: &Block, tie: usize) -> f64 {
+    ROUNDING * length(block, tie)
 }
 
-/// Size of the terms of a tension (N).
+/// Round-off of a tension at zero (N).
 #[inline(never)]
-pub(super) fn force(block: &Block, tie: usize) -> f64 {
+pub(super) fn rounding_of_tension(block: &Block, tie: usize) -> f64 {
     let Tie { stiffness, damping, .. } = block.ties.all()[tie];
-    (stiffness * length(block, tie)).max(damping * block.p * block.r0).max(block.mass * block.gravity)
+    let largest = (stiffness * length(block, tie)).max(damping * block.p * block.r0).max(block.mass * block.gravity);
+    ROUNDING * largest
+}
+
+/// Size of the terms of a stretch (m).
+fn length(block: &Block, tie: usize) -> f64 {
+    block.ties.all()[tie].length().max(block.r0)
 }
 
 impl Change<'_> {
@@ -67,7 +73,7 @@ impl Change<'_> {
                 continue;
             }
             let tension = tie::taut_tension(tie, &tie::stretch(block, tie, &tie::Place::of(x)));
-            let rounding = super::ROUNDING * force(block, i);
+            let rounding = rounding_of_tension(block, i);
             if tie.damping > 0.0 && tension.abs() > rounding {
                 *state = if tension > 0.0 { TieState::Taut } else { TieState::Limp };
             }
@@ -82,7 +88,7 @@ impl Change<'_> {
         let (block, x) = (&self.system.block, &self.now().instant);
         for (i, tie) in block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0) {
             let stretch = tie::stretch(block, tie, &tie::Place::of(x));
-            let stretched = stretch.length > super::ROUNDING * length(block, i);
+            let stretched = stretch.length > rounding_of_stretch(block, i);
             self.pose.ties[i] = if stretched { TieState::Taut } else { TieState::Slack };
         }
         self.let_ties_follow(x);

@@ -2,7 +2,7 @@
 
 use crate::excitation::Forcing;
 use crate::numerics::scalar::Scalar;
-use crate::system::dynamics::Instant;
+use crate::system::instant::Instant;
 
 /// Power per mass (m²/s³): `−a_gx u̇ − a_gz v̇`, and the loads' work.
 #[inline(always)]

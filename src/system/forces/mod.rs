@@ -20,7 +20,7 @@ pub mod weight;
 use crate::block::{Block, Regime, TieStates};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{Beside, Elementary, Scalar};
-use crate::system::dynamics::Instant;
+use crate::system::instant::Instant;
 
 impl<T: Scalar> Instant<T> {
     /// Powers of the excitation and of the dashpots (m²/s³); the second is positive when they take energy.
@@ -34,7 +34,18 @@ impl<T: Scalar> Instant<T> {
 }
 
 /// Potential energy of weight, supports and ties in these states (m²/s²), zero at rest without ties.
-pub fn potential<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, ties: &TieStates, x: &Instant<T>) -> T {
+fn potential<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, ties: &TieStates, x: &Instant<T>) -> T {
     let untied = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
     if block.ties.is_empty() { untied } else { untied + tie::energy(block, ties, x) }
+}
+
+/// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.
+pub fn energy<P: Elementary, T: Beside<P>>(
+    block: &Block<P>,
+    regime: Regime,
+    ties: &TieStates,
+    x: &Instant<T>,
+) -> (T, T) {
+    let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
+    (kinetic, potential(block, regime, ties, x))
 }

@@ -8,7 +8,7 @@ use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
-use crate::system::dynamics::Instant;
+use crate::system::instant::Instant;
 
 /// Place and motion of the block.
 #[derive(Clone, Copy, Debug)]

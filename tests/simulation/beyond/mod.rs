@@ -5,8 +5,8 @@ mod random;
 mod ties;
 
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
-use rocking_block::system::dynamics::Footing;
 use rocking_block::system::events::EventKind;
+use rocking_block::system::instant::Footing;
 
 use crate::beyond_cases::{Case, Change, cases};
 use crate::common::{Record, inputs_at, record_named};

@@ -10,10 +10,11 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Simulation};
 use rocking_block::system::System;
-use rocking_block::system::dynamics::{Footing, State};
-use rocking_block::system::evaluation::{Motion, Pose};
+use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::{Event, EventKind, Surface};
 use rocking_block::system::impact::Velocities;
+use rocking_block::system::instant::Pose;
+use rocking_block::system::instant::{Footing, State};
 
 use super::{G, block, go, held, seen, start};
 

@@ -8,7 +8,8 @@ use rocking_block::excitation::{Excitation, Inputs, Pulse};
 use rocking_block::ground::Ground;
 use rocking_block::numerics::Rate;
 use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_block::system::dynamics::{Footing, State, instant_of};
+use rocking_block::system::dynamics::instant_of;
+use rocking_block::system::instant::{Footing, State};
 use rocking_records::ReadOptions;
 use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
 

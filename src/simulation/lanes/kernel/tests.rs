@@ -11,8 +11,8 @@ use crate::numerics::roots;
 use crate::simulation::inside::may_hold_event;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::{Initial, Settings, Simulation};
-use crate::system::dynamics;
 use crate::system::evaluation::Motion;
+use crate::system::instant;
 
 /// What a lane finds at both ends of a step.
 #[derive(Debug, Default, PartialEq)]
@@ -84,7 +84,7 @@ impl Case {
         let excitation = lane.simulation.excitation(&lane.inputs);
         let motion = Motion::under(law, &system.block, pose, &excitation);
         let here = motion.at(pose.time, pose.state);
-        let there = motion.at(lane.end_time(), dynamics::State::from(*there));
+        let there = motion.at(lane.end_time(), instant::State::from(*there));
         let duration = there.time - here.time;
         let near = near_a_peak(duration, lane.limits[place(law.regime()).unwrap()].longest);
         let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
@@ -151,7 +151,7 @@ prop_compose! {
         let inputs = Inputs { time, a_gx: ramp(0), a_gz: ramp(2), ..Inputs::default() };
         let initial = Initial::default();
         let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, time, &inputs);
-        simulation.pose.state = dynamics::State::from(state(here));
+        simulation.pose.state = instant::State::from(state(here));
         simulation.pose.contacts = Contacts::FULL;
         for corner in Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)) {
             let creep = Creep { depth: depth * free, since: time - depth / block.creep_rate() };
@@ -167,7 +167,7 @@ prop_compose! {
         let of = |state: [f64; 4]| {
             let pose = &case.lane.simulation.pose;
             let excitation = case.lane.simulation.excitation(&inputs);
-            let seen = Motion::from_pose(&block, pose, &excitation).at(time, dynamics::State::from(state));
+            let seen = Motion::from_pose(&block, pose, &excitation).at(time, instant::State::from(state));
             let mut peaks = Peaks::default();
             peaks.include(&seen.channels());
             peaks

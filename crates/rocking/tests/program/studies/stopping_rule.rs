@@ -5,7 +5,9 @@ use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Reg
 use rocking_block::excitation::{Forcing, Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
-use rocking_block::system::dynamics::{Footing, energy, instant};
+use rocking_block::system::dynamics::instant;
+use rocking_block::system::forces::energy;
+use rocking_block::system::instant::Footing;
 use rocking_studies::run::outcome::{End, Flights};
 use rocking_studies::run::stopping_rule::overturning_barrier;
 use rocking_studies::run::{History, Run};
