@@ -350,7 +350,8 @@ function setTime(value) {
   }
   const part = t[high] > t[low] ? (time - t[low]) / (t[high] - t[low]) : 0;
   const at = (name) => run.series[name][low] + part * (run.series[name][high] - run.series[name][low]);
-  scene.pose({ theta: at("theta"), u: at("u"), v: at("v"), uplift_L: at("uplift_L"), uplift_R: at("uplift_R"), a_gx: at("a_gx") });
+  scene.pose({ theta: at("theta"), u: at("u"), v: at("v"), uplift_L: at("uplift_L"), uplift_R: at("uplift_R"), a_gx: at("a_gx"),
+    broken: run.broken.map((at) => at !== null && at <= time) });
   histories.setTime(time);
   $("time").value = time;
   $("time").setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);

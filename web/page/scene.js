@@ -54,11 +54,11 @@ export class Scene {
     this.head = add(this.arrow, "path");
     this.label = add(g, "text", { class: "arrow-label", x: 0, y: support + 14 * u, "font-size": 3.6 * u, "text-anchor": "middle" });
     this.label.textContent = "ground acceleration";
-    this.pose({ theta: 0, u: 0, v: 0, uplift_L: 0, uplift_R: 0, a_gx: 0 });
+    this.pose({ theta: 0, u: 0, v: 0, uplift_L: 0, uplift_R: 0, a_gx: 0, broken: [] });
   }
 
   /** Moves the block to a pose of the history. */
-  pose({ theta, u, v, uplift_L, uplift_R, a_gx }) {
+  pose({ theta, u, v, uplift_L, uplift_R, a_gx, broken }) {
     const { b, h, eccentricity, g } = this.block;
     const centre = [eccentricity + u, h + v];
     const degrees = (theta * 180) / Math.PI;
@@ -69,6 +69,7 @@ export class Scene {
       path.setAttribute("d", this.#springAndDashpot(x, -top));
     });
     this.ties.forEach((line, number) => {
+      line.setAttribute("visibility", broken[number] ? "hidden" : "visible");
       const [[x, z], [groundX, groundZ]] = this.block.ties[number];
       const [endX, endZ] = placed([x - eccentricity, z - h], theta, centre);
       for (const [key, value] of Object.entries({ x1: groundX, y1: -groundZ, x2: endX, y2: -endZ })) line.setAttribute(key, value);

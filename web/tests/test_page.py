@@ -204,6 +204,8 @@ def test_surfaces_and_ties_are_chosen_and_shown(visit):
     assert page.inner_text("#command").count("--tie ") == 2
     assert page.locator("#plots .uplot").count() == plots + 2
     assert page.locator("#scene .tie").count() == 2
+    # A broken tie is not drawn.
+    assert page.locator("#scene .tie[visibility=visible]").count() == 1
     expect(page.locator("#outcome")).to_contain_text("tie breaks")
     expect(page.locator("#outcome")).to_contain_text("slips")
     page.fill("#tie_1_stiffness", "-1")

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rocking_block::block::{Corner, Foundation};
 use rocking_block::simulation::Ending;
+use rocking_block::system::events::{Event, EventKind};
 use rocking_charts::numerals::significant;
 use rocking_studies::foundations;
 use rocking_studies::output::resumable::csv_line;
@@ -179,6 +180,7 @@ impl Engine {
             "outcome": history.end.word(),
             "sentence": outcome::sentence(run, &history),
             "events": events(&history),
+            "broken": broken(run, &history),
             "impacts": history.counts.impacts,
             "liftoffs": history.counts.liftoffs,
             "peak": peaks(run, &history),
@@ -269,13 +271,20 @@ impl Engine {
 }
 
 fn events(history: &History) -> Vec<EventSummary> {
-    let of = |event: &rocking_block::system::events::Event| EventSummary {
+    let of = |event: &Event| EventSummary {
         t: event.time,
         text: event.kind.place().map_or(event.kind.word().into(), |place| format!("{} {place}", event.kind.word())),
         before: event.before.number(),
         after: event.after.number(),
     };
     history.events.iter().map(of).collect()
+}
+
+/// The time at which each tie breaks (s), if it does.
+fn broken(run: &Run, history: &History) -> Vec<Option<f64>> {
+    let time =
+        |tie: u8| history.events.iter().find(|event| event.kind == EventKind::Break(tie)).map(|event| event.time);
+    (0..run.block.ties.all().len() as u8).map(time).collect()
 }
 
 fn peaks(run: &Run, history: &History) -> Value {
