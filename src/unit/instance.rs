@@ -3,7 +3,9 @@
 mod access;
 pub mod derivatives;
 pub mod exchange;
+mod fmi3_only;
 mod rates;
+pub mod substeps;
 
 use std::sync::Arc;
 
@@ -18,7 +20,7 @@ use crate::simulation::{Energies, Progress, Settings, Simulation, SimulationErro
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
-use crate::unit::substeps::Substep;
+use crate::unit::substep::Substep;
 use crate::unit::values::{PerInput, Values};
 use crate::unit::variables::Input;
 
@@ -43,21 +45,21 @@ pub enum Interface {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unit {
     interface: Interface,
-    pub(super) phase: Phase,
+    phase: Phase,
     experiment: Experiment,
-    pub(super) values: Values,
+    values: Values,
     /// Rates of the inputs.
     rates: PerInput,
     /// Whether rates were set since the last step. Otherwise the next step holds the inputs constant.
     rates_are_new: bool,
     /// The block in motion; before initialization ends, a preview from the present values.
-    pub(super) simulation: Option<Simulation>,
+    simulation: Option<Simulation>,
     /// Inputs plus the FMU's own records at the present time.
     inputs: Inputs,
-    /// A part of a step whose inputs are known in advance; see [`crate::unit::substeps`].
-    pub(super) substep: Option<Substep>,
+    /// A part of a step whose inputs are known in advance; see [`substeps`].
+    substep: Option<Substep>,
     /// Planned end of a communication step that was left early (s).
-    pub(super) left: Option<f64>,
+    left: Option<f64>,
     /// The FMU's own records, once they are read. Saved states share them; serialized states contain them, so that resuming
     /// needs no file.
     ground: Option<Arc<Ground>>,
@@ -216,7 +218,7 @@ impl Unit {
     }
 
     /// Refuses an impossible communication step, adopts the master's time, and returns the step's end (s).
-    pub(super) fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
+    fn begin_step(&mut self, time: f64, step: f64) -> Result<f64, Fault> {
         let Unit { experiment, simulation, left, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
         let present = simulation.time();
@@ -248,7 +250,7 @@ impl Unit {
     /// Advances to `until` (s) under these inputs and the FMU's own records, from sample to sample.
     ///
     /// `advance` steps over one interval between samples, and returns its progress and whether it stopped there.
-    pub(super) fn go_on(
+    fn go_on(
         &mut self,
         until: f64,
         inputs: &Inputs,
@@ -282,7 +284,7 @@ impl Unit {
     }
 
     /// Returns inputs plus the FMU's own records at the present time, and the end of their validity (s).
-    pub(super) fn acting(&self, inputs: &Inputs) -> (Inputs, f64) {
+    fn acting(&self, inputs: &Inputs) -> (Inputs, f64) {
         self.ground.as_ref().map_or((*inputs, f64::INFINITY), |ground| with_ground(inputs, ground, self.time()))
     }
 
@@ -339,7 +341,7 @@ impl Unit {
     }
 
     /// Drops the records after a change of their parameters.
-    pub(super) fn forget_ground(&mut self) {
+    fn forget_ground(&mut self) {
         self.ground = None;
         self.take_up_values();
     }

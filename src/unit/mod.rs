@@ -3,30 +3,33 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`variables`] | modelDescription.xml → a table of variables |
+//! | [`fmi3_only`] | values of the parameters that exist only in FMI 3.0 |
 //! | [`values`] | values of variables → block, pulse, settings, inputs |
-//! | [`fmi3_only`] | values of the variables that exist only in FMI 3.0 |
 //! | [`records`] | files or arrays of samples → the FMU's own ground motion |
+//! | [`derived`] | a calculated parameter → the source of its value |
 //! | [`outputs`] | an output → the source of its value and its derivatives |
 //! | [`life_cycle`] | the states of an instance |
-//! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange) |
-//! | [`substeps`] | a communication step → parts that end at events and at intermediate updates |
+//! | [`substep`] | a part of a communication step |
+//! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange), [parts of steps](instance::substeps) |
 //! | [`snapshot`] | an instance ↔ bytes |
 
 pub mod fault;
 pub mod variables;
 
-pub mod values;
-
 pub mod fmi3_only;
 
+pub mod values;
+
 pub mod records;
+
+pub mod derived;
 
 pub mod outputs;
 
 pub mod life_cycle;
 
-pub mod instance;
+pub mod substep;
 
-pub mod substeps;
+pub mod instance;
 
 pub mod snapshot;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::ground::Ground;
 use crate::unit::values::Values;
-use crate::unit::variables::{Text, Variable};
-use rocking_records::{LARGEST_FILE, ReadOptions, Record, Setting};
+use crate::unit::variables::{Fmi3Only, Text, Variable};
+use rocking_records::{Format, LARGEST_FILE, ReadOptions, Record, Setting};
 
 /// The variables that name a record and its reading options.
 struct RecordSettings {
@@ -25,7 +25,7 @@ impl Values {
     pub(super) fn unscaled_ground(&self) -> Result<Ground, String> {
         match (self.fmi3_only.has_record(), self.has_file()) {
             (false, _) => self.ground_of_files(),
-            (true, false) => self.fmi3_only.ground(self[Variable::RecordDt]),
+            (true, false) => self.ground_of_arrays(),
             (true, true) => Err("record.horizontal_samples or record.vertical_samples holds a record, and \
                                  record.horizontal or record.vertical names one; expected one of both"
                 .into()),
@@ -45,6 +45,30 @@ impl Values {
     /// Whether [`Values::ground`] reads this variable.
     pub fn is_of_ground(variable: Variable) -> bool {
         variable == Variable::G || variable.name().starts_with("record.")
+    }
+
+    /// Returns the record in the arrays. An error is one line.
+    fn ground_of_arrays(&self) -> Result<Ground, String> {
+        let time_step = self[Variable::RecordDt];
+        let [horizontal, vertical] =
+            [Fmi3Only::RecordHorizontalSamples, Fmi3Only::RecordVerticalSamples].map(|samples| {
+                let acceleration = self.fmi3_only.of(samples);
+                acceleration.iter().any(|&a| a != 0.0).then(|| Record {
+                    title: samples.name().to_string(),
+                    format: Format::Columns,
+                    unit: rocking_records::Unit::MetrePerSecondSquared,
+                    start_time: 0.0,
+                    time_step,
+                    acceleration: acceleration.to_vec(),
+                })
+            });
+        if time_step > 0.0 {
+            return Ok(Ground { horizontal, vertical });
+        }
+        Err(format!(
+            "{} = {time_step} s with samples; expected the time between two of them",
+            Variable::RecordDt.name()
+        ))
     }
 
     /// Reads the files that the parameters name. An error is one line and names settings by their variables.
@@ -103,29 +127,6 @@ impl Values {
                 record.format
             )),
             Some(_) | None => Ok(Some(record)),
-        }
-    }
-}
-
-/// A parameter calculated from the records.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OfGround {
-    /// Peak acceleration of the horizontal record (m/s²).
-    Peak,
-    /// Peak acceleration of the vertical record (m/s²).
-    VerticalPeak,
-    /// Time of the last sample (s).
-    End,
-}
-
-impl OfGround {
-    /// Returns its value.
-    pub fn value(self, ground: &Ground) -> f64 {
-        let greatest = |record: &Option<Record>| record.as_ref().map_or(0.0, |record| record.peak().acceleration.abs());
-        match self {
-            OfGround::Peak => greatest(&ground.horizontal),
-            OfGround::VerticalPeak => greatest(&ground.vertical),
-            OfGround::End => ground.end().unwrap_or(0.0),
         }
     }
 }

@@ -2,13 +2,12 @@
 //!
 //! Names every variable of modelDescription.xml except the outputs, once.
 
-use crate::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Tie};
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
 use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 use crate::unit::fmi3_only::Fmi3OnlyValues;
-use crate::unit::records::OfGround;
-use crate::unit::variables::{Causality, Choice, Derived, Input, Parameter, Text, VARIABLES, Variable, choices};
+use crate::unit::variables::{Causality, Choice, Input, Parameter, Text, VARIABLES, Variable, choices};
 
 /// One number for each input, in the order of [`Input::ALL`].
 pub type PerInput = [f64; Input::ALL.len()];
@@ -447,41 +446,6 @@ pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
         Input::FX => inputs.f_x,
         Input::FZ => inputs.f_z,
         Input::MY => inputs.m_y,
-    }
-}
-
-/// The source of a calculated parameter's value.
-pub enum DerivedSource<T = f64> {
-    /// The block.
-    Block(fn(&Block<T>) -> T),
-    /// The records.
-    Ground(OfGround),
-}
-
-/// Returns the source of a calculated parameter.
-pub fn derived<T: Elementary>(parameter: Derived) -> DerivedSource<T> {
-    use DerivedSource::Block as OfBlock;
-    match parameter {
-        Derived::DerivedAlpha => OfBlock(|block| block.alpha),
-        Derived::DerivedAlphaL => OfBlock(|block| block.alpha_of(Corner::Left)),
-        Derived::DerivedAlphaR => OfBlock(|block| block.alpha_of(Corner::Right)),
-        Derived::DerivedR0 => OfBlock(|block| block.r0),
-        Derived::DerivedI0 => OfBlock(Block::inertia),
-        Derived::DerivedP => OfBlock(|block| block.p),
-        Derived::DerivedOmegaV => OfBlock(|block| block.omega_v),
-        Derived::DerivedK => OfBlock(|block| block.stiffness),
-        Derived::DerivedC => OfBlock(|block| block.damping),
-        Derived::DerivedEta => OfBlock(Block::eta),
-        Derived::DerivedXiV => OfBlock(|block| block.xi_v),
-        Derived::DerivedDeltaS => OfBlock(Block::static_deflection),
-        Derived::DerivedE => OfBlock(Block::restitution),
-        Derived::DerivedEMax => OfBlock(Block::max_restitution),
-        Derived::DerivedThetaSeparation => OfBlock(Block::separation_angle),
-        Derived::DerivedWidth => OfBlock(|block| block.b * 2.0),
-        Derived::DerivedHeight => OfBlock(|block| block.h * 2.0),
-        Derived::RecordPGA => DerivedSource::Ground(OfGround::Peak),
-        Derived::RecordPGAVertical => DerivedSource::Ground(OfGround::VerticalPeak),
-        Derived::RecordEnd => DerivedSource::Ground(OfGround::End),
     }
 }
 

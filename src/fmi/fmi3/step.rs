@@ -7,8 +7,8 @@ use crate::fmi::fmi3::instance::{Answer, Instance};
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
 use crate::unit::fault::Fault;
+use crate::unit::instance::substeps::Reached;
 use crate::unit::life_cycle::Phase;
-use crate::unit::substeps::Reached;
 
 /// Fraction by which the last interval between two looks may be longer than the others.
 ///

@@ -1,10 +1,11 @@
 //! Reading and setting variables by value reference.
 
+use crate::unit::derived::{DerivedSource, derived};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
-use crate::unit::values::{DerivedSource, Values, derived};
+use crate::unit::values::Values;
 use crate::unit::variables::{Input, Kind, Metadata, Output, Role, VARIABLES, Variability};
 
 impl Unit {

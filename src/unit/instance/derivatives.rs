@@ -9,12 +9,13 @@ use crate::numerics::dual::Dual64;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
 use crate::simulation::{AtBeginning, Energies, Simulation, Slip, Start};
+use crate::unit::derived::{DerivedSource, derived};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
-use crate::unit::values::{DerivedSource, GivenBlock, PerInput, Values, derived, inputs, inputs_of};
+use crate::unit::values::{GivenBlock, PerInput, Values, inputs, inputs_of};
 use crate::unit::variables::{Fmi3Only, Input, Kind, Output, Role, VARIABLES, Variable};
 use rocking_records::{Record, Unit as RecordUnit};
 
@@ -118,7 +119,7 @@ struct Beginning {
     block: Block<Dual64>,
     /// Component of the start time.
     time: f64,
-    /// Derivatives of the records' parameters, in the order of [`OfGround`](crate::unit::records::OfGround).
+    /// Derivatives of the records' parameters, in the order of [`OfGround`](crate::unit::derived::OfGround).
     ground: [f64; 3],
 }
 

@@ -3,36 +3,15 @@
 //! Inputs are linear in time over each part. A part continues across an early return: a step that is left at an event and then
 //! completed gives the same bits as an uninterrupted step.
 
-use serde::{Deserialize, Serialize};
-
 use crate::excitation::Inputs;
 use crate::simulation::{Ending, Progress};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::life_cycle::Phase;
+use crate::unit::substep::Substep;
 use crate::unit::values::{PerInput, inputs, ramp};
 use crate::unit::variables::Input;
-
-/// A part of a communication step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Substep {
-    /// Its end (s).
-    end: f64,
-    /// The inputs over it.
-    over: Inputs,
-    /// The inputs at its end.
-    at_end: PerInput,
-}
-
-impl Substep {
-    /// Whether all numbers are finite.
-    pub fn is_valid(&self) -> bool {
-        let ramps = Input::ALL.into_iter().map(|input| ramp(&self.over, input));
-        let ramps = ramps.flat_map(|ramp| [ramp.value, ramp.rate]);
-        [self.end, self.over.time].into_iter().chain(ramps).chain(self.at_end).all(f64::is_finite)
-    }
-}
 
 /// Progress of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
