@@ -127,7 +127,7 @@ class Fragility(_engine.Fragility):
         """
         from rocking_block import _plot
 
-        return _plot.fragility(self, ax, label, color, runs, style)
+        return _plot.fragility(self, self._limit(), ax, label, color, runs, style)
 
     def _repr_html_(self) -> str:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""

@@ -1,12 +1,13 @@
 """Matplotlib plots."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from rocking_block._words import optional
+from rocking_block import _engine
+from rocking_block._words import Floats, optional
 
 with optional("plot", "matplotlib"):
     from matplotlib import pyplot
@@ -15,12 +16,6 @@ with optional("plot", "matplotlib"):
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.ticker import LogLocator, NullFormatter
-
-if TYPE_CHECKING:
-    from rocking_block._fragility import Fragility
-    from rocking_block._record import Record
-    from rocking_block._run import Run
-    from rocking_block._table import Table
 
 # Colours of different lightness, which colour-blind readers and grey prints can distinguish (P. Tol, Colour Schemes,
 # SRON/EPS/TN/09-002 (2021), "high-contrast"); from the fourth curve on the dashes differ as well.
@@ -40,14 +35,35 @@ _OF_BLOCK = ("foundation", "alpha", "p", "eta", "xi_v", "width", "height", "K", 
 _FOLLOWS: dict[str, tuple[str, ...]] = {"2pi/p": ("p",), "omega_p/p": ("p",)}
 
 
-def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any]) -> Any:
+_Columns = Mapping[str, npt.NDArray[Any]]
+
+
+class _Fit(Protocol):
+    """The parts of a fragility curve that are drawn."""
+
+    measures: Floats
+    fractions: Floats
+    im: str
+    unit: str
+    ci: float
+
+    @property
+    def median(self) -> float: ...
+    @property
+    def beta(self) -> float: ...
+    def curve(self, x: npt.ArrayLike) -> Floats: ...
+    def band(self, x: npt.ArrayLike) -> tuple[Floats, Floats]: ...
+
+
+def run(
+    block: _engine.Block, columns: _Columns, summary: str, ax: Any, label: str | None, color: Any, style: dict[str, Any]
+) -> Any:
     """Draws a run on one axes or several: rotation, reactions, ground acceleration."""
-    has_ground = bool(np.any(run.a_gx) or np.any(run.a_gz))
-    kinds = [_rotation, _reactions, *([_slip] if run.block.friction else []), *([_tensions] if run.block.ties else [])]
+    has_ground = bool(np.any(columns["a_gx"]) or np.any(columns["a_gz"]))
+    kinds = [_rotation, _reactions, *([_slip] if block.friction else []), *([_tensions] if block.ties else [])]
     panels = _panels(ax, [*kinds, _ground] if has_ground else kinds)
     number = _drawn(panels[0], "run")
     first = number == 0
-    block = run.block
     base = "rigid base" if np.isnan(block.eta) else f"η = {block.eta:.4g}"
     label = label or f"α = {block.alpha:.3g}, p = {block.p:.3g} rad/s, {base}"
     look = _look(number, color)
@@ -55,17 +71,17 @@ def run(run: "Run", ax: Any, label: str | None, color: Any, style: dict[str, Any
         panel._rocking_block = {"run": number + 1}
         draw = getattr(panel, "_rocking_kind", of_order)
         if draw is not None and draw in (*kinds, _ground):
-            draw(panel, run, first, label, _style(look, style if draw is _rotation else {}))
+            draw(panel, block, columns, first, label, _style(look, style if draw is _rotation else {}))
     rotation = panels[0]
-    title = f"{label}\n{run.outcome}, |θ|/α = {run.peak.theta / block.alpha:.4g}, {run.counts.impacts} impacts"
+    title = f"{label}\n{summary}"
     rotation.set_title(title if first else "", fontsize="medium")
     if not first:
         rotation.legend(loc="upper right", ncols=3, fontsize="small")
     if first:
         panels[-1].set_xlabel("time [s]")
-        panels[-1].set_xlim(run.t[0], run.t[-1])
-    elif run.t[-1] > panels[-1].get_xlim()[1]:
-        panels[-1].set_xlim(right=run.t[-1])
+        panels[-1].set_xlim(columns["t"][0], columns["t"][-1])
+    elif columns["t"][-1] > panels[-1].get_xlim()[1]:
+        panels[-1].set_xlim(right=columns["t"][-1])
     if ax is None:
         # The title goes above the top panel.
         pyplot.sca(rotation)
@@ -91,24 +107,24 @@ def _panels(ax: Any, kinds: Sequence[Any]) -> npt.NDArray[Any]:
     return np.array(figure.axes)
 
 
-def _rotation(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
+def _rotation(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
     if first:
         _contact(axes, run)
         axes.axhline(0.0, color=_INK, lw=0.5)
         for limit in (-1.0, 1.0):
             axes.axhline(limit, color=_INK, lw=0.8, ls=":")
         axes.set_ylabel("rotation θ/α")
-    rotation = run.theta / run.block.alpha
-    axes.plot(run.t, rotation, **_style({"linewidth": 1.2, "label": label}, style))
+    rotation = run["theta"] / block.alpha
+    axes.plot(run["t"], rotation, **_style({"linewidth": 1.2, "label": label}, style))
     _cut(axes, rotation)
 
 
-def _reactions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
-    weight = run.block.mass * run.block.g
-    axes.plot(run.t, run.N_L / weight, **style, linewidth=0.8, label="left corner" if first else None)
-    axes.plot(run.t, run.N_R / weight, **style, linewidth=0.8, alpha=0.45, label="right corner" if first else None)
+def _reactions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+    weight = block.mass * block.g
+    axes.plot(run["t"], run["N_L"] / weight, **style, linewidth=0.8, label="left corner" if first else None)
+    axes.plot(run["t"], run["N_R"] / weight, **style, linewidth=0.8, alpha=0.45, label="right corner" if first else None)
     # A landing on stiff supports or a rigid base may reach hundreds of times the weight for an instant.
-    highest = float(np.max(np.maximum(run.N_L, run.N_R))) / weight
+    highest = float(np.max(np.maximum(run["N_L"], run["N_R"]))) / weight
     if first:
         _contact(axes, run)
         axes.set_ylabel("reaction N/(M g)")
@@ -118,41 +134,42 @@ def _reactions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str,
         axes.set_ylim(top=1.05 * highest)
 
 
-def _slip(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
-    axes.plot(run.t, 1e3 * run.slip, **style, linewidth=0.8)
+def _slip(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+    axes.plot(run["t"], 1e3 * run["slip"], **style, linewidth=0.8)
     axes.set_ylabel("slip [mm]")
 
 
-def _tensions(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
-    weight = run.block.mass * run.block.g
-    for number, tension in enumerate(run.tensions, 1):
+def _tensions(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+    weight = block.mass * block.g
+    tensions = [run[f"tie_{number}.tension"] for number in range(1, len(block.ties) + 1)]
+    for number, tension in enumerate(tensions, 1):
         paler = {"alpha": 1.0 / number**0.7}
-        axes.plot(run.t, tension / weight, **style, **paler, linewidth=0.8, label=f"tie {number}" if first else None)
+        axes.plot(run["t"], tension / weight, **style, **paler, linewidth=0.8, label=f"tie {number}" if first else None)
     axes.set_ylabel("tension T/(M g)")
-    if first and len(run.tensions) > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(run.tensions), frameon=False)
+    if first and len(tensions) > 1:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=len(tensions), frameon=False)
 
 
-def _ground(axes: Axes, run: "Run", first: bool, label: str, style: dict[str, Any]) -> None:
-    both = bool(np.any(run.a_gz))
-    axes.plot(run.t, run.a_gx, **style, linewidth=0.7, label="horizontal" if both else None)
+def _ground(axes: Axes, block: _engine.Block, run: _Columns, first: bool, label: str, style: dict[str, Any]) -> None:
+    both = bool(np.any(run["a_gz"]))
+    axes.plot(run["t"], run["a_gx"], **style, linewidth=0.7, label="horizontal" if both else None)
     if both:
-        axes.plot(run.t, run.a_gz, **style, linewidth=0.7, alpha=0.45, label="vertical")
+        axes.plot(run["t"], run["a_gz"], **style, linewidth=0.7, alpha=0.45, label="vertical")
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=2, frameon=False)
     axes.set_ylabel("ground [m/s²]")
 
 
-def _contact(axes: Axes, run: "Run") -> None:
+def _contact(axes: Axes, run: _Columns) -> None:
     """Shades the times at which both corners touch."""
-    where = run.regime == 0
-    axes.fill_between(run.t, 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), color=_BAND, lw=0, step="post")
+    where = run["regime"] == 0
+    axes.fill_between(run["t"], 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), color=_BAND, lw=0, step="post")
 
 
-def record(record: "Record", ax: Axes | None, style: dict[str, Any]) -> Axes:
+def record(record: _engine.Record, times: Floats, ax: Axes | None, style: dict[str, Any]) -> Axes:
     """Draws a record's acceleration."""
     axes = _axes(ax, "record", (9.0, 3.0))
     look = _look(_add(axes, "record"), None)
-    axes.plot(record.t, record.acceleration, **_style({"linewidth": 0.7, "label": record.name or "record"} | look, style))
+    axes.plot(times, record.acceleration, **_style({"linewidth": 0.7, "label": record.name or "record"} | look, style))
     axes.set(xlabel="time [s]", ylabel="acceleration [m/s²]")
     if len(axes.lines) > 1:
         axes.legend()
@@ -163,7 +180,7 @@ def record(record: "Record", ax: Axes | None, style: dict[str, Any]) -> Axes:
 
 
 def fragility(
-    fit: "Fragility", ax: Axes | None, label: str | None, color: Any, runs: bool, style: dict[str, Any]
+    fit: _Fit, limit: str, ax: Axes | None, label: str | None, color: Any, runs: bool, style: dict[str, Any]
 ) -> Axes:
     """Draws a curve and its band; marks at 0 and 1 are runs, rings the fraction of those that exceed the limit."""
     axes = _axes(ax, "fragility", (7.0, 4.5))
@@ -187,7 +204,6 @@ def fragility(
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    limit = fit._limit()
     over, what = f"{fit.im} [{fit.unit}]" if fit.unit else fit.im, f"probability: {limit}"
     if not first:
         left, right = axes.get_xlim()
@@ -201,10 +217,16 @@ def fragility(
 
 
 def table(
-    table: "Table", x: str | None, y: str, by: str | Sequence[str] | None, ax: Axes | None, style: dict[str, Any]
+    table: _Columns,
+    heading: Callable[[str], str],
+    x: str | None,
+    y: str,
+    by: str | Sequence[str] | None,
+    ax: Axes | None,
+    style: dict[str, Any],
 ) -> Axes:
     """Draws one column over another, as curves or points."""
-    varying = [name for name in table if table.rows and len(np.unique(table[name])) > 1]
+    varying = [name for name in table if _rows(table) and len(np.unique(table[name])) > 1]
     if x is None:
         # A spectrum has curves over the size; runs under many records have points over a measure of the records.
         known = (*_ABSCISSAS, *(name for name in varying if _is_parameter(name)))
@@ -242,7 +264,7 @@ def table(
             values = np.minimum(values, _CUT) if y == _ROTATION else values
         label = ", ".join(_named(name, value) for name, value in zip(by, key))
         axes.plot(table[x][rows], values, clip_on=single, **_style({"linewidth": 1.2, "label": label or None} | look, style))
-    axes.set(xlabel=table._heading(x), ylabel=table._heading(y))
+    axes.set(xlabel=heading(x), ylabel=heading(y))
     if y == _ROTATION:
         axes.set_ylabel("greatest rotation |θ|/α")
         if _add(axes, "limit") == 0:
@@ -263,24 +285,28 @@ def _is_parameter(name: str) -> bool:
     return name in _MOTIONS or name in _OF_BLOCK or name.startswith(("pulse.", "initial."))
 
 
-def _makes_curves(table: "Table", x: str, by: Sequence[str]) -> bool:
+def _makes_curves(table: _Columns, x: str, by: Sequence[str]) -> bool:
     """Whether each of a few groups has a single row per x."""
     groups = _groups(table, by)
     return len(groups) <= 8 and all(len(np.unique(table[x][rows])) == len(rows) > 1 for rows in groups.values())
 
 
-def _groups(table: "Table", by: Sequence[str]) -> dict[tuple[Any, ...], npt.NDArray[np.intp]]:
+def _groups(table: _Columns, by: Sequence[str]) -> dict[tuple[Any, ...], npt.NDArray[np.intp]]:
     """Returns the rows of each combination of values, in order of first appearance."""
     groups: dict[tuple[Any, ...], list[int]] = {}
     # Indices of unique values, since nan does not equal itself.
     unique = [np.unique(table[name], return_inverse=True) for name in by]
-    keys = zip(*(places.tolist() for _, places in unique), strict=True) if by else [()] * table.rows
+    keys = zip(*(places.tolist() for _, places in unique), strict=True) if by else [()] * _rows(table)
     for row, key in enumerate(keys):
         groups.setdefault(key, []).append(row)
     return {
         tuple(values[place] for (values, _), place in zip(unique, key, strict=True)): np.array(rows, dtype=np.intp)
         for key, rows in groups.items()
     }
+
+
+def _rows(table: _Columns) -> int:
+    return len(next(iter(table.values()), ()))
 
 
 def _named(name: str, value: Any) -> str:

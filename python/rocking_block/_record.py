@@ -93,7 +93,7 @@ class Record(_engine.Record):
         """
         from rocking_block import _plot
 
-        return _plot.record(self, ax, style)
+        return _plot.record(self, self.t, ax, style)
 
     def _repr_html_(self) -> str:
         rows = [

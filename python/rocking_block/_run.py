@@ -312,7 +312,9 @@ class Run:
         """
         from rocking_block import _plot
 
-        return _plot.run(self, ax, label, color, style)
+        rotation = self.peak.theta / self.block.alpha
+        summary = f"{self.outcome}, |θ|/α = {rotation:.4g}, {self.counts.impacts} impacts"
+        return _plot.run(self.block, self.columns, summary, ax, label, color, style)
 
     def __repr__(self) -> str:
         rotation = self.peak.theta / self.block.alpha

@@ -1,8 +1,9 @@
 """A sketch of a block with its dimensions."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from rocking_block import _engine
 from rocking_block._plot import _INK, _add, _make_room
 from rocking_block._words import optional
 
@@ -10,9 +11,6 @@ with optional("plot", "matplotlib"):
     from matplotlib import pyplot
     from matplotlib.axes import Axes
     from matplotlib.patches import Arc, Circle, Rectangle, Wedge
-
-if TYPE_CHECKING:
-    from rocking_block._block import Block
 
 _Point = tuple[float, float]
 
@@ -23,7 +21,7 @@ _SUPPORT, _APART, _LABELS, _ROW = 0.14, 0.22, 0.38, 0.1
 _REACH, _DEPTH = 0.9, 0.4
 
 
-def sketch(block: "Block", ax: Axes | None) -> Axes:
+def sketch(block: _engine.Block, ax: Axes | None) -> Axes:
     """Draws a block with its centre of mass, foundation, ties and dimensions, in metres."""
     axes = _free_axes(ax)
     _add(axes, "block")
@@ -117,7 +115,7 @@ def _reach(tie: Any, b: float, body: float, size: float) -> tuple[_Point, _Point
     return (start[0], start[1]), (x, z), part == 1.0
 
 
-def _foundation(axes: Axes, block: "Block", b: float, size: float, surface: tuple[float, float] | None) -> float:
+def _foundation(axes: Axes, block: _engine.Block, b: float, size: float, surface: tuple[float, float] | None) -> float:
     """Draws supports and ground; returns the height of its lower end. `surface` is the ground beside the block."""
     if block.foundation == "rigid":
         low, high = surface or (-b - 0.1 * size, b + 0.1 * size)
@@ -202,7 +200,7 @@ def _horizontal(axes: Axes, y: float, left: float, right: float, end: float, lab
     axes.annotate(label, (right, y), (6, 0), textcoords="offset points", ha="left", va="center")
 
 
-def _values(block: "Block", offset: float) -> list[str]:
+def _values(block: _engine.Block, offset: float) -> list[str]:
     """Returns the lines of the column of values."""
     b, h = block.width / 2, block.height / 2
     sides = {r"$α_L$": b + offset, r"$α_R$": b - offset} if offset else {"α": b}

@@ -181,7 +181,7 @@ class Table(dict[str, npt.NDArray[Any]]):
         """
         from rocking_block import _plot
 
-        return _plot.table(self, x, y, by, ax, style)
+        return _plot.table(self, self._heading, x, y, by, ax, style)
 
     def _heading(self, name: str) -> str:
         return f"{name} [{self._units[name]}]" if name in self._units else name
