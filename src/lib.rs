@@ -18,6 +18,8 @@
 //!
 //! Arrows run one way: what the block is does not know how it is stepped, and neither knows how it is shown.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod numerics;
 
 pub mod block;

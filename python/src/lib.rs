@@ -13,6 +13,8 @@
 //! | `search` | a range → the values at which the outcome changes |
 //! | `work` | long work → its result, while Python shows progress and handles Ctrl-C |
 
+#![deny(clippy::disallowed_methods)]
+
 mod block;
 mod foundations;
 mod fragility;

@@ -18,6 +18,8 @@
 //! | `peer`, `smc`, `columns`, `cosmos`, `csmip`, `esm` | lines of a format → raw content |
 //! | `plausibility` | table without names → a reason for doubt |
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 mod unit;
 
 mod format;

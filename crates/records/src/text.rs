@@ -189,7 +189,7 @@ pub(super) fn print_quantum(token: &str) -> f64 {
     let (mantissa, exponent) = split_exponent(token);
     let decimals = decimals(mantissa);
     let power = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(decimals).unwrap_or(0));
-    10f64.powi(power)
+    format!("1e{power}").parse().unwrap_or(f64::NAN)
 }
 
 /// Splits a line into columns of equal width, trimmed, without the empty ones at the end.

@@ -26,6 +26,7 @@
 //! | [`figures`] | numbers of figures → pictures with their tables |
 //! | [`shell`] | command line → completions, manual pages |
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 #![expect(rustdoc::broken_intra_doc_links, reason = "help texts give units in brackets")]
 
 mod choices;

@@ -13,6 +13,8 @@
 //! | [`sweep`] | parameters × ground motions × strengths → a table of outcomes; samples of an ensemble |
 //! | [`fragility`] | the table of a sweep → fragility curves |
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod statistics;
 
 pub mod input;

@@ -14,6 +14,8 @@
 //! | [`engine`] | a request → its reply |
 //! | [`exports`] | bytes in the memory of WebAssembly ↔ requests and replies |
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod fields;
 
 pub mod records;

@@ -124,7 +124,7 @@ impl<'a> Profile<'a> {
         let end = |sign: f64| {
             let mut near = (estimate, -allowed);
             for doubling in 0..DOUBLINGS {
-                let value = estimate + sign * deviation * f64::from(2).powi(doubling);
+                let value = estimate + sign * deviation * libm::ldexp(1.0, doubling);
                 let far = (value, excess(value));
                 if far.1 > 0.0 {
                     // The bracket runs from the estimate outwards.

@@ -34,7 +34,10 @@ pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
 /// G. W. Brier, Verification of forecasts expressed in terms of probability, Mon. Weather Rev. 78 (1950) 1–3, halved.
 pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
     let weight: f64 = observations.iter().map(|row| row.weight).sum();
-    let error = |(row, probability): (&Observation, &f64)| row.weight * (probability - row.fraction).powi(2);
+    let error = |(row, probability): (&Observation, &f64)| {
+        let error = probability - row.fraction;
+        row.weight * (error * error)
+    };
     observations.iter().zip(probabilities).map(error).sum::<f64>() / weight
 }
 
@@ -53,7 +56,10 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     };
     let (xx, xy) = (product(&x, mean_x, &x, mean_x), product(&x, mean_x, &y, mean_y));
     let slope = xy / xx;
-    let residuals = x.iter().zip(&y).map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2));
+    let residuals = x.iter().zip(&y).map(|(x, y)| {
+        let residual = y - mean_y - slope * (x - mean_x);
+        residual * residual
+    });
     (x.len() > 2 && xx > 0.0).then(|| (residuals.sum::<f64>() / (count - 2.0)).sqrt())
 }
 

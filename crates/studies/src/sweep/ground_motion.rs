@@ -32,7 +32,8 @@ impl GroundMotion {
     pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {
         let (of_record, factor) = measure.beside(block);
         let (_, value) = self.intensities.iter().find(|(computed, _)| *computed == of_record)?;
-        value.map(|value| value * factor * scale.abs().powi(measure.power().into()))
+        let scales: f64 = std::iter::repeat_n(scale.abs(), measure.power().into()).product();
+        value.map(|value| value * factor * scales)
     }
 
     /// The factor on the records at which a measure has this value: the inverse of [`GroundMotion::intensity`].
