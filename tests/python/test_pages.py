@@ -1,6 +1,6 @@
-"""Runs the commands and the Python of README.md and docs, compares their output with the pages, and follows all links.
+"""Runs the commands and the Python of README.md and docs, compares output and pictures with the pages, and follows all links.
 
-`python tests/python/test_pages.py` writes the output of today's program into the pages.
+`python tests/python/test_pages.py` writes the output and the pictures of today's program into the pages.
 """
 
 import contextlib
@@ -15,8 +15,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMAND_PAGES = [ROOT / page for page in ("README.md", "docs/program.md", "docs/python.md", "docs/foundations.md")]
-PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md")]
+COMMAND_PAGES = [ROOT / page for page in (
+    "README.md", "docs/program.md", "docs/python.md", "docs/foundations.md", "docs/tutorial.md", "docs/gallery.md",
+    "docs/guides/record.md", "docs/guides/foundation.md", "docs/guides/fragility.md")]
+PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md", "docs/guides/fmu.md")]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
 FMU = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
 # A block of indented lines after an empty one, and a fence.
@@ -66,6 +68,10 @@ class Workplace:
             self.printed[command] = "\n".join(line.rstrip() for line in made.stdout.splitlines())
         return self.printed[command]
 
+    def pictures(self):
+        """Returns the pictures that the commands have drawn and docs shows, each with its file in docs."""
+        return {picture: ROOT / "docs" / picture.name for picture in self.folder.glob("*.png") if (ROOT / "docs" / picture.name).exists()}
+
     def prints(self, page):
         """Runs the Python of a page; returns pairs of expected and actual output lines."""
         names, pairs, before = {}, [], Path.cwd()
@@ -95,6 +101,10 @@ def test_commands_print_what_the_pages_say(tmp_path):
                 told = place.run(command)
                 assert not printed or told == printed, command
     assert len(place.printed) > 10
+    pictures = place.pictures()
+    assert len(pictures) == 7
+    for drawn, shown in pictures.items():
+        assert drawn.read_bytes() == shown.read_bytes(), f"{shown} is not what the commands of the pages draw"
 
 
 def test_python_prints_what_the_pages_say(tmp_path, monkeypatch):
@@ -140,7 +150,7 @@ def test_links_lead_somewhere():
 
 def test_the_index_lists_every_page():
     listed = {path.resolve() for _, path, _ in links(ROOT / "docs/README.md")}
-    assert {page for page in (ROOT / "docs").glob("*.md") if page.name != "README.md"} <= listed
+    assert {page for page in (ROOT / "docs").rglob("*.md") if page.name != "README.md"} <= listed
 
 
 if __name__ == "__main__":
@@ -159,3 +169,5 @@ if __name__ == "__main__":
             for said, printed in place.prints(page):
                 text = text.replace(f"  # {said}\n", f"  # {printed}\n")
             page.write_text(text)
+        for drawn, shown in place.pictures().items():
+            shown.write_bytes(drawn.read_bytes())

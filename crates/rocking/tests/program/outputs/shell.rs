@@ -1,4 +1,4 @@
-//! Completions and manual pages, checked with the tools that read them.
+//! Completions, manual pages and the reference in Markdown, checked with the tools that read them.
 
 use std::fs;
 use std::process::Command;
@@ -90,4 +90,24 @@ fn there_is_a_manual_page_for_each_command() {
     }
     fs::write(path.join("file"), "").unwrap();
     fails_with(&mut program(path, &[&["man", "--out", "file"]]), &["file"]);
+}
+
+#[test]
+fn the_reference_has_every_option_of_the_help() {
+    let folder = folder();
+    let (reference, _) = succeeds(&mut program(folder.path(), &[&["man", "--markdown"]]));
+    let mut sections = reference.split("\n## rocking ").skip(1);
+    for command in &COMMANDS[..2] {
+        let section = sections.next().unwrap();
+        assert!(section.starts_with(command), "{section}");
+        let (help, _) = succeeds(&mut program(folder.path(), &[&[command, "--help"]]));
+        let options: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("      --")).collect();
+        assert!(options.len() > 10, "{help}");
+        for option in options {
+            assert_eq!(section.matches(&format!("| `--{option}` |")).count(), 1, "{command} --{option}");
+        }
+    }
+    assert!(reference.contains("\n### rocking search damping\n"), "{reference}");
+    let output = program(folder.path(), &[&["man", "--markdown", "--out", "new"]]).output().unwrap();
+    assert!(!output.status.success() && text(&output.stderr).contains("'--markdown' cannot be used with '--out <DIR>'"));
 }
