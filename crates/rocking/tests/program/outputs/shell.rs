@@ -109,5 +109,7 @@ fn the_reference_has_every_option_of_the_help() {
     }
     assert!(reference.contains("\n### rocking search damping\n"), "{reference}");
     let output = program(folder.path(), &[&["man", "--markdown", "--out", "new"]]).output().unwrap();
-    assert!(!output.status.success() && text(&output.stderr).contains("'--markdown' cannot be used with '--out <DIR>'"));
+    assert!(
+        !output.status.success() && text(&output.stderr).contains("'--markdown' cannot be used with '--out <DIR>'")
+    );
 }
