@@ -5,7 +5,7 @@
 //! libraries inside the FMUs (`build/library.rs`). That inner run lacks the feature `fmu`: it makes only the table, and
 //! compiles no packing code. The same applies if `ROCKING_BLOCK_INNER` is set, or if the crate is a dependency of another.
 
-#![cfg_attr(not(feature = "fmu"), expect(dead_code, reason = "only what packs reads all of the description"))]
+#![cfg_attr(not(feature = "fmu"), expect(dead_code, reason = "only the packing code reads the whole description"))]
 
 #[path = "build/description.rs"]
 mod description;

@@ -11,7 +11,7 @@ use crate::read;
 use super::library::Version;
 use super::{container, date, library, licences};
 
-/// The attribute of modelDescription.xml before which the date is put.
+/// The attribute of modelDescription.xml before which the date is inserted.
 const NEXT_TO_DATE: &str = "variableNamingConvention=";
 
 /// Packs the FMU for one version of FMI.

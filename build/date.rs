@@ -4,11 +4,12 @@ use std::process::Command;
 
 use crate::SOURCES;
 
-/// The date of sources that are in no repository (s since 1970): 1980, which is the earliest of a ZIP archive.
+/// Date of sources outside any repository (s since 1970): 1980, the earliest date that a ZIP archive can hold.
 const UNKNOWN: i64 = 315_532_800;
 
-/// The date of generation, by which the same commit makes the same bytes: that of the environment, that of the author of the last commit
-/// of the sources, or a fixed one.
+/// Returns the date of generation: SOURCE_DATE_EPOCH, the author's date of the sources' last commit, or a fixed date.
+///
+/// The same commit therefore gives the same bytes.
 pub fn generation() -> Result<String, String> {
     println!("cargo::rerun-if-env-changed=SOURCE_DATE_EPOCH");
     let seconds = match std::env::var("SOURCE_DATE_EPOCH") {

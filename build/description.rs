@@ -7,12 +7,12 @@ use roxmltree::{Document, Node};
 
 use crate::fmi3::{self, Fmi3};
 
-/// What the build takes from modelDescription.xml.
+/// The parts of modelDescription.xml that the build uses.
 pub struct Description {
     pub guid: String,
     pub variables: Vec<Variable>,
-    /// modelDescription.xml of FMI 2.0: the file with the GUID in it, with Integers in the place of enumerations, and without
-    /// what only FMI 3.0 has.
+    /// modelDescription.xml of FMI 2.0: the file with its GUID, with Integers instead of enumerations, and without the parts that
+    /// only FMI 3.0 has.
     pub packed: String,
     /// modelDescription.xml of FMI 3.0.
     pub fmi3: Fmi3,
@@ -30,13 +30,13 @@ pub struct Variable {
     pub start: Option<f64>,
     pub min: Option<f64>,
     pub max: Option<f64>,
-    /// The name of its type.
+    /// Name of the declared type.
     pub declared_type: Option<String>,
     /// The items, if it is an enumeration.
     pub items: Vec<Item>,
 }
 
-/// The parts into which the code's variables fall, and what each variable of them is called.
+/// The kinds of variables in the code, with the first words of their documentation.
 const ROLES: [(&str, &str); 5] = [
     ("Input", "An input"),
     ("Parameter", "A parameter with a number"),
@@ -54,7 +54,7 @@ pub struct Item {
 /// Name space of the GUIDs of this FMU: a random UUID, fixed once.
 const NAMESPACE: uuid::Uuid = uuid::uuid!("0a1f3f4e-7a35-4c7e-9f0e-3c8f5f6f2b61");
 
-/// Reads and checks the file; the message of an error names the element and what was expected.
+/// Reads and checks the file. An error names the element and what was expected.
 pub fn read(text: &str) -> Result<Description, String> {
     let document = Document::parse(text).map_err(|e| e.to_string())?;
     let root = document.root_element();
@@ -84,7 +84,7 @@ pub fn read(text: &str) -> Result<Description, String> {
     Ok(Description { guid, variables, packed, fmi3, terminals })
 }
 
-/// A GUID that belongs to this text alone.
+/// Returns the GUID of this text.
 pub fn unique(text: &str) -> String {
     format!("{{{}}}", uuid::Uuid::new_v5(&NAMESPACE, text.as_bytes()))
 }
@@ -166,16 +166,16 @@ fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     Ok(Variable { name, description, kind, causality, variability, unit, start, min, max, declared_type, items })
 }
 
-/// The file without what only FMI 3.0 has, and with an Integer, its limits and its choices in the place of each enumeration,
-/// which some importers leave out.
+/// Returns the file for FMI 2.0: without the parts that only FMI 3.0 has, and with an Integer instead of each enumeration, which
+/// some importers do not support.
 fn of_fmi2(text: &str, root: Node, variables: &[Variable]) -> Result<String, String> {
     let mut edits = vec![(child(root, "Fmi3")?.range(), String::new())];
-    // What is said here of the file itself is not true of the packed one.
+    // The comments describe the source file, not the packed one.
     let comments = root.document().root().children().filter(Node::is_comment);
     edits.extend(comments.map(|comment| (comment.range().start..comment.range().end + 1, String::new())));
     let unknowns = child(root, "ModelStructure")?.descendants();
     for attribute in unknowns.filter_map(|unknown| unknown.attribute_node(fmi3::DEPENDENCIES)) {
-        // With the blank before it.
+        // Including the blank before it.
         edits.push((attribute.range().start - 1..attribute.range().end, String::new()));
     }
     let types = child(root, "TypeDefinitions")?.children();
@@ -220,8 +220,8 @@ pub fn items(declaration: Node) -> Result<Vec<Item>, String> {
         .collect()
 }
 
-/// Every output stands in ModelStructure, once and in order, and depends on inputs and states only, at the beginning on inputs and
-/// parameters.
+/// Checks that ModelStructure lists every output once and in order, and the dependencies of its unknowns: inputs and states, or
+/// at initialization inputs and parameters.
 fn check_structure(root: Node, variables: &[Variable]) -> Result<(), String> {
     let structure = child(root, "ModelStructure")?;
     let indices = |list: &str| -> Result<Vec<usize>, String> {
@@ -283,7 +283,7 @@ impl Description {
     }
 
     fn write_code(&self, code: &mut String) -> std::fmt::Result {
-        writeln!(code, "/// GUID that an importer has to know, computed from modelDescription.xml.")?;
+        writeln!(code, "/// GUID that an importer must pass, computed from modelDescription.xml.")?;
         writeln!(code, "pub const GUID: &str = {:?};", self.guid)?;
         self.fmi3.write_code(code)?;
         writeln!(code, "/// A variable of modelDescription.xml; its number is its value reference.")?;
@@ -311,7 +311,7 @@ impl Description {
         writeln!(code, "];")
     }
 
-    /// An enumeration a part, so that the code that handles a part does not compile if it leaves out a variable.
+    /// Writes one enumeration per kind, so that code for a kind does not compile if it leaves out a variable.
     fn write_roles(&self, code: &mut String) -> std::fmt::Result {
         for (role_name, article) in ROLES {
             let of_role: Vec<&Variable> = self.variables.iter().filter(|v| role(v) == role_name).collect();
@@ -320,14 +320,14 @@ impl Description {
             for variable in &of_role {
                 writeln!(code, "    /// `{}`.\n    {},", variable.name, identifier(&variable.name))?;
             }
-            writeln!(code, "}}\nimpl {role_name} {{\n    /// All of them, by value reference.")?;
+            writeln!(code, "}}\nimpl {role_name} {{\n    /// All variables of this kind, by value reference.")?;
             writeln!(code, "    pub const ALL: [{role_name}; {}] = [", of_role.len())?;
             for variable in &of_role {
                 writeln!(code, "        {role_name}::{},", identifier(&variable.name))?;
             }
             writeln!(
                 code,
-                "    ];\n    /// The variable.\n    pub fn variable(self) -> Variable {{\n        match self {{"
+                "    ];\n    /// Returns the variable.\n    pub fn variable(self) -> Variable {{\n        match self {{"
             )?;
             for variable in &of_role {
                 let name = identifier(&variable.name);
@@ -338,7 +338,7 @@ impl Description {
         Ok(())
     }
 
-    /// The items of each enumeration, so that the code that handles one does not compile if it leaves out an item.
+    /// Writes the items of each enumeration, so that code for one does not compile if it leaves out an item.
     fn write_choices(&self, code: &mut String) -> std::fmt::Result {
         let mut written = BTreeSet::new();
         writeln!(code, "/// The enumerations of modelDescription.xml.\npub mod choices {{\n    use super::Choice;")?;
@@ -365,7 +365,7 @@ impl Description {
     }
 }
 
-/// The part to which a variable belongs.
+/// Returns the kind of a variable.
 fn role(variable: &Variable) -> &'static str {
     match (variable.causality, variable.kind) {
         ("Input", _) => "Input",

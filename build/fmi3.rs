@@ -9,30 +9,30 @@ use roxmltree::Node;
 
 use crate::description::{Variable, attribute, child, identifier, unique};
 
-/// What FMI 3.0 has of its own.
+/// The parts of the description that only FMI 3.0 has.
 pub struct Fmi3 {
     /// The instantiation token.
     pub token: String,
-    /// The file.
+    /// modelDescription.xml.
     pub packed: String,
-    /// The variables that FMI 2.0 has not.
+    /// The variables that FMI 2.0 lacks.
     pub fmi3_only: Vec<Fmi3Only>,
 }
 
 pub struct Fmi3Only {
     pub name: String,
     pub description: String,
-    /// In the words of FMI 3.0.
+    /// The causality in FMI 3.0.
     pub causality: String,
     pub unit: Option<String>,
     pub start: Option<f64>,
     pub limits: [Option<f64>; 2],
 }
 
-/// Stands for the token until that is computed.
+/// Placeholder for the token until it is computed.
 const PLACEHOLDER: &str = "{computed by the build}";
 
-/// The attribute of an unknown with those of its dependencies that only FMI 3.0 has.
+/// The attribute of an unknown that lists the dependencies that only FMI 3.0 has.
 pub const DEPENDENCIES: &str = "ofFmi3";
 
 const ROOT: &str = "fmiModelDescription";
@@ -40,7 +40,7 @@ const TERMINALS: &str = "fmiTerminalsAndIcons";
 
 type Attributes<'a> = Vec<(&'a str, &'a str)>;
 
-/// Writes the file. The value references are those of FMI 2.0, with the variables of FMI 3.0 alone after them.
+/// Writes the file. The value references are those of FMI 2.0, followed by those of the variables that only FMI 3.0 has.
 pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
     let fmi3_only: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
@@ -58,7 +58,7 @@ pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     Ok(Fmi3 { token, packed, fmi3_only: fmi3_only.into_iter().map(read).collect::<Result<_, String>>()? })
 }
 
-/// terminalsAndIcons.xml, whose members are variables of both versions.
+/// Returns terminalsAndIcons.xml, after checking that its members are variables.
 pub fn terminals(text: &str, root: Node, names: &BTreeSet<&str>) -> Result<String, String> {
     let terminals = child(child(root, "Fmi3")?, TERMINALS)?;
     for member in terminals.descendants().filter_map(|node| node.attribute("variableName")) {
@@ -72,7 +72,7 @@ pub fn terminals(text: &str, root: Node, names: &BTreeSet<&str>) -> Result<Strin
 
 fn read(node: Node) -> Result<Fmi3Only, String> {
     let name = attribute(node, "name")?.to_string();
-    // Of an array the first of its values, which are all the same at the start.
+    // For an array, the first of its start values, which are all equal.
     let number = |attribute: &str| match node.attribute(attribute).and_then(|text| text.split_whitespace().next()) {
         Some(text) => text.parse().map(Some).map_err(|_| format!("variable {name}: {attribute} = {text} is no number")),
         None => Ok(None),
@@ -84,16 +84,16 @@ fn read(node: Node) -> Result<Fmi3Only, String> {
 }
 
 impl Fmi3 {
-    /// The token, and the variables that FMI 2.0 has not, in Rust.
+    /// Writes the token and the variables that FMI 2.0 lacks, in Rust.
     pub fn write_code(&self, code: &mut String) -> std::fmt::Result {
-        writeln!(code, "/// Instantiation token that an importer of FMI 3.0 has to know, computed from its file.")?;
+        writeln!(code, "/// Instantiation token that an importer of FMI 3.0 must pass, computed from its file.")?;
         writeln!(code, "pub const TOKEN: &str = {:?};", self.token)?;
         writeln!(code, "/// A variable that only FMI 3.0 has; their value references follow those of [`VARIABLES`].")?;
         writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Fmi3Only {{")?;
         for Fmi3Only { name, description, .. } in &self.fmi3_only {
             writeln!(code, "    /// `{name}`: {description}.\n    {},", identifier(name))?;
         }
-        writeln!(code, "}}\nimpl Fmi3Only {{\n    /// All of them, by value reference.")?;
+        writeln!(code, "}}\nimpl Fmi3Only {{\n    /// All of these variables, by value reference.")?;
         writeln!(code, "    pub const ALL: [Fmi3Only; {}] = [", self.fmi3_only.len())?;
         for fmi3_only in &self.fmi3_only {
             writeln!(code, "        Fmi3Only::{},", identifier(&fmi3_only.name))?;
@@ -101,9 +101,13 @@ impl Fmi3 {
         writeln!(code, "    ];")?;
         self.write_method(code, "Its name.", "name", "&'static str", |fmi3_only| format!("{:?}", fmi3_only.name))?;
         let number = "Option<f64>";
-        self.write_method(code, "Its start value.", "start", number, |fmi3_only| format!("{:?}", fmi3_only.start))?;
-        self.write_method(code, "Its least value.", "min", number, |fmi3_only| format!("{:?}", fmi3_only.limits[0]))?;
-        self.write_method(code, "Its greatest value.", "max", number, |fmi3_only| {
+        self.write_method(code, "Returns the start value.", "start", number, |fmi3_only| {
+            format!("{:?}", fmi3_only.start)
+        })?;
+        self.write_method(code, "Returns the lower limit.", "min", number, |fmi3_only| {
+            format!("{:?}", fmi3_only.limits[0])
+        })?;
+        self.write_method(code, "Returns the upper limit.", "max", number, |fmi3_only| {
             format!("{:?}", fmi3_only.limits[1])
         })?;
         writeln!(code, "}}")
@@ -163,15 +167,14 @@ impl File {
         self.event(Event::End(BytesEnd::new(ROOT)))
     }
 
-    /// `SimpleType` with its type inside → an element with the name of the type.
+    /// `SimpleType` with its type inside → an element named after the type.
     fn declaration(&mut self, node: Node) -> Written {
         let of_type = only_child(node)?;
         let (element, attributes) = (format!("{}Type", type_name(of_type)), [of(node), of(of_type)].concat());
         self.element(&element, &attributes, &elements(of_type).collect::<Vec<_>>(), File::copy)
     }
 
-    /// `ScalarVariable` with its type inside → an element with the name of the type. What is continuous can be looked at
-    /// inside a step.
+    /// `ScalarVariable` with its type inside → an element named after the type. Continuous variables get `intermediateUpdate`.
     fn variable(&mut self, node: Node) -> Written {
         let of_type = only_child(node)?;
         let mut attributes = of(node);
@@ -220,7 +223,7 @@ impl File {
         self.element(node.tag_name().name(), &of(node), &elements(node).collect::<Vec<_>>(), File::copy)
     }
 
-    /// An element with what `inside` makes of each of these nodes.
+    /// Writes an element with the content that `inside` makes from each node.
     fn element<T: Copy>(
         &mut self,
         name: &str,
@@ -259,7 +262,7 @@ fn reference(index: &str) -> Result<String, String> {
     place.map(|place| place.to_string()).ok_or_else(|| format!("{index} is no index of a variable"))
 }
 
-/// What FMI 3.0 calls a type of FMI 2.0.
+/// Returns the FMI 3.0 name of a type of FMI 2.0.
 fn type_name<'a>(node: Node<'a, '_>) -> &'a str {
     match node.tag_name().name() {
         "Real" => "Float64",

@@ -87,7 +87,7 @@ fn reference(package: &Package) -> String {
 fn standard_library() -> Result<(String, Value), String> {
     let told = library::rustc(&["-vV"])?;
     let release = told.lines().find_map(|line| line.strip_prefix("release: "));
-    let release = release.ok_or_else(|| format!("rustc -vV tells no release, but {told:?}"))?;
+    let release = release.ok_or_else(|| format!("rustc -vV gives no release, but {told:?}"))?;
     let reference = format!("pkg:generic/rust-standard-library@{release}");
     let component = json!({
         "type": "library",

@@ -1,24 +1,24 @@
-//! The list of cargo-mutants → mutants, each with its place in the sources.
+//! The list of cargo-mutants → mutants with their places in the sources.
 
 use serde::Deserialize;
 
 /// A change of the sources.
 pub struct Mutant {
-    /// Its place in the list, from 1.
+    /// Its number in the list, from 1.
     pub number: u32,
     pub file: String,
-    /// The function that it is in, if it is in one.
+    /// Name of the function around it, or empty.
     pub function: String,
-    /// What it does, in words.
+    /// Description of the change.
     pub change: String,
     pub genre: Genre,
-    /// What it replaces.
+    /// The text that it replaces.
     pub span: Span,
     pub replacement: String,
 }
 
 impl Mutant {
-    /// File, line and column.
+    /// Returns file, line and column.
     pub fn place(&self) -> String {
         format!("{}:{}:{}", self.file, self.span.start.line, self.span.start.column)
     }
@@ -34,7 +34,7 @@ pub enum Genre {
     StructField,
 }
 
-/// From a place up to another one.
+/// The text between two places.
 #[derive(Clone, Copy, Deserialize)]
 pub struct Span {
     pub start: Place,

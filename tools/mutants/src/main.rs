@@ -1,7 +1,7 @@
-//! The mutants that cargo-mutants lists → one program with a switch for each → which of them no test notices.
+//! Mutants listed by cargo-mutants → one program with a switch for each → the mutants that no test notices.
 //!
-//! A copy of the sources is rewritten so that each changed operator, guard, arm, field or body stands beside what it was, and
-//! the environment variable `MUTANT` says which one counts. So a mutant takes the time of the tests, and not of the compiler.
+//! A rewritten copy of the sources holds each changed operator, guard, arm, field or body next to the original, and the
+//! environment variable `MUTANT` selects one of them. A mutant then costs the time of its tests, without a compilation.
 
 mod list;
 mod outcomes;
@@ -23,19 +23,19 @@ use tests::{Program, Verdict};
 struct Arguments {
     /// What `cargo mutants --list --json` wrote
     list: PathBuf,
-    /// Folders and files whose mutants are made, such as src/system
+    /// Folders and files whose mutants are tested, such as src/system
     #[arg(required = true)]
     places: Vec<String>,
-    /// Tests to run: `lib`, a room such as `system`, or a module such as `simulation::physics`
+    /// Tests to run: `lib`, a folder of tests such as `system`, or a module such as `simulation::physics`
     #[arg(long = "test", required = true)]
     tests: Vec<String>,
     /// A module that runs only if --test names it
     #[arg(long)]
     skip: Vec<String>,
-    /// Run mutants that survived these tests before once more
+    /// Test again the mutants that survived these tests before
     #[arg(long)]
     again: bool,
-    /// Where the copy, its programs and outcomes.csv go
+    /// Folder of the copy, its programs and outcomes.csv
     #[arg(long, default_value = "target/mutants")]
     out: PathBuf,
 }
@@ -93,7 +93,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-/// Compiles what can be compiled together; gives the programs, and what was left out.
+/// Compiles the mutants together; returns the programs and the mutants that do not compile.
 fn compile(
     arguments: &Arguments,
     mutants: &[Mutant],

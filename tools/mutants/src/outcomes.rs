@@ -1,4 +1,4 @@
-//! What became of each mutant ↔ outcomes.csv, from which an interrupted run is resumed.
+//! Outcomes of the mutants ↔ outcomes.csv, from which an interrupted run resumes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -9,7 +9,7 @@ use crate::list::Mutant;
 #[derive(Clone)]
 pub enum Outcome {
     DoesNotCompile,
-    /// It has no switch: it is in a constant, or the switch does not compile.
+    /// It has no switch: it is in a constant, or its switch does not compile.
     NotRun,
     /// This test failed.
     Caught(String),
@@ -60,7 +60,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// A row for each mutant, by its number.
+/// Outcomes by the mutants' numbers.
 pub struct Table {
     path: PathBuf,
     rows: BTreeMap<u32, Row>,
@@ -74,7 +74,7 @@ struct Row {
 }
 
 impl Table {
-    /// The table as it was left, or an empty one.
+    /// Reads the table of an earlier run, or starts an empty one.
     pub fn open(path: &Path) -> Result<Table, String> {
         let failed = |error: String| format!("{}: {error}", path.display());
         let mut table = Table { path: path.to_path_buf(), rows: BTreeMap::new() };
@@ -91,13 +91,13 @@ impl Table {
         Ok(table)
     }
 
-    /// What became of a mutant, unless the sources have changed since.
+    /// Returns the outcome of a mutant, unless the sources have changed since.
     pub fn of(&self, mutant: &Mutant) -> Option<&Outcome> {
         let row = self.rows.get(&mutant.number)?;
         (row.place == mutant.place() && row.change == mutant.change).then_some(&row.outcome)
     }
 
-    /// Writes the table at once, so that it can be resumed from here.
+    /// Records an outcome and writes the table at once, so that a later run can resume from here.
     pub fn record(&mut self, mutant: &Mutant, outcome: Outcome) -> Result<(), String> {
         let (place, function, change) = (mutant.place(), mutant.function.clone(), mutant.change.clone());
         self.rows.insert(mutant.number, Row { place, function, change, outcome });
@@ -121,7 +121,7 @@ impl Table {
         written().map_err(|e| format!("{}: {e}", self.path.display()))
     }
 
-    /// How many there are of each outcome, in each file of these mutants.
+    /// Prints the number of mutants per file and outcome.
     pub fn print_counts<'a>(&self, mutants: impl Iterator<Item = &'a Mutant>) {
         let mut counts: BTreeMap<&str, BTreeMap<&str, usize>> = BTreeMap::new();
         for mutant in mutants {

@@ -14,8 +14,8 @@ use crate::list::{self, Genre, Mutant};
 use crate::outcomes::Outcome;
 use crate::tests::CompileError;
 
-/// The module with the switch, which the copy has beside its own. It is set before anything of the program or of the library
-/// runs, so that a look at it is a load and a comparison.
+/// The module with the switch, added to the copy. It is set before any code of the program or library runs, so that reading it
+/// costs a load and a comparison.
 const SWITCH: &str = r#"
 mod mutation {
     use std::sync::atomic::{AtomicU32, Ordering};
@@ -38,14 +38,14 @@ mod mutation {
 }
 "#;
 
-/// The file that gets the switch.
+/// The file to which the switch is added.
 const LIBRARY: &str = "src/lib.rs";
 
-/// What stands before a function that is inlined, and what keeps it from being so, as long.
+/// The attribute of an inlined function, and the attribute of the same length that replaces it.
 const INLINED: &str = "#[inline(always)]";
 const CALLED: &str = "#[inline(never)] ";
 
-/// All that is compiled is optimized as a release, and checked as in the development profile.
+/// The copy is optimized like a release and checked like the development profile.
 const CONFIG: &str = r#"[profile.dev.package]
 rocking-block = { opt-level = 3 }
 libm = { opt-level = 3 }
@@ -57,22 +57,22 @@ pub struct Copy {
     pub folder: PathBuf,
 }
 
-/// A part of a rewritten file, and the mutants that an error in it speaks against.
+/// A part of a rewritten file, and the mutants that a compiler error inside it rules out.
 pub struct Region {
     place: Range<usize>,
     mutants: Vec<u32>,
-    /// Whether it is the text of a mutant, or all of what has switches.
+    /// True for the text of a mutant, false for an expression or body with switches.
     mutated: bool,
 }
 
-/// What came of rewriting a file.
+/// Result of rewriting a file.
 pub struct Rewritten {
     pub regions: Vec<Region>,
     pub refused: Vec<(u32, Outcome)>,
 }
 
 impl Copy {
-    /// Of all files that git knows or would add, but those that will be rewritten.
+    /// Copies all files that git tracks or would add, except those to be rewritten.
     pub fn of_sources(folder: &Path, rewritten: impl Fn(&str) -> bool) -> Result<Copy, String> {
         let listed = Command::new("git").args(["ls-files", "-co", "--exclude-standard", "-z"]).output();
         let listed = listed.map_err(|e| format!("git does not start: {e}"))?;
@@ -89,7 +89,7 @@ impl Copy {
         Ok(copy)
     }
 
-    /// A file whose content is as it was keeps its time, so that nothing is compiled again.
+    /// Writes a file unless its content is unchanged, so that nothing is compiled again without need.
     fn write(&self, file: &str, content: &[u8]) -> Result<(), String> {
         let path = self.folder.join(file);
         if std::fs::read(&path).is_ok_and(|old| old == content) {
@@ -100,10 +100,10 @@ impl Copy {
         written.map_err(|e| format!("{}: {e}", path.display()))
     }
 
-    /// Writes a file with switches for these mutants, all of which are in it.
+    /// Writes a file with switches for these mutants, all from this file.
     pub fn rewrite(&self, file: &str, mutants: &[&Mutant]) -> Result<Rewritten, String> {
         let source = std::fs::read_to_string(file).map_err(|e| format!("{file}: {e}"))?;
-        // What is inlined into each stage of each law would be compiled with its switches hundreds of times.
+        // A function inlined into each stage of each law would be compiled with its switches hundreds of times.
         let source = source.replace(INLINED, CALLED);
         let (text, rewritten) = rewrite(&source, mutants).map_err(|e| format!("{file}: {e}"))?;
         self.write(file, text.as_bytes())?;
@@ -111,10 +111,10 @@ impl Copy {
     }
 }
 
-/// Which mutants an error of the compiler speaks against: the one in whose text it is, or all of the least part with switches
-/// that holds it.
+/// Returns the mutants that a compiler error rules out: the one whose text contains it, or all of the smallest switched part
+/// around it.
 pub fn culprits(regions: &BTreeMap<&str, Vec<Region>>, error: &CompileError) -> Result<Vec<(u32, Outcome)>, String> {
-    // A constant calls no function.
+    // The compiler's error for a function call in a constant.
     const NOT_CONST: &str = "E0015";
     let none = || format!("the copy does not compile, and no mutant is to blame:\n{}", error.text);
     let regions = regions.get(error.file.as_str()).ok_or_else(none)?;
@@ -130,16 +130,16 @@ pub fn culprits(regions: &BTreeMap<&str, Vec<Region>>, error: &CompileError) -> 
     Ok(mutants.iter().map(|&mutant| (mutant, outcome.clone())).collect())
 }
 
-/// How mutants get their switches at a place.
+/// The form of the switches at a place.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    /// The body of a function, before which another one returns.
+    /// A function's body, preceded by an early return of the mutant's value.
     Body,
-    /// The guard of an arm, which may be passed over.
+    /// The guard of an arm, which the switch may bypass.
     Guard,
-    /// The end of an arm's pattern, behind which a guard keeps it from matching.
+    /// The end of an arm's pattern, where an added guard keeps it from matching.
     Arm,
-    /// An expression beside which others stand.
+    /// An expression that becomes one branch of an `if`.
     Expression,
 }
 
@@ -147,11 +147,11 @@ enum Kind {
 #[derive(Clone)]
 enum Site {
     Switched(Kind, Range<usize>),
-    /// No expression stands there.
+    /// No switch is possible here.
     Refused(Outcome),
 }
 
-/// Where mutants begin, in bytes, and their genre → the places that get their switches.
+/// Start of a mutant (in bytes) and its genre → the place of its switch.
 #[derive(Default)]
 struct Sites {
     found: BTreeMap<(usize, Genre), Site>,
@@ -182,7 +182,7 @@ impl Sites {
     }
 }
 
-/// Operators that bind alike enough: whichever of its class replaces one, what it binds stays within the outermost of them.
+/// Operators of similar precedence: replacing one by another of its class changes nothing outside the outermost of them.
 #[derive(PartialEq, Eq)]
 enum Class {
     Arithmetic,
@@ -201,7 +201,7 @@ fn class(op: &BinOp) -> Class {
     }
 }
 
-/// Whether a condition binds names, which an expression beside it would not.
+/// Returns true if a condition binds names, which an expression next to it could not use.
 fn binds(expression: &Expr) -> bool {
     match expression {
         Expr::Let(_) => true,
@@ -257,7 +257,7 @@ impl<'ast> Visit<'ast> for Sites {
 
     fn visit_expr_binary(&mut self, i: &'ast syn::ExprBinary) {
         let start = bytes(&i.op).start;
-        // Around this one may be another of its class, which has said what is switched.
+        // An outer operator of the same class has already chosen the switched expression.
         let whole = self.found.get(&(start, Genre::BinaryOperator)).cloned().unwrap_or_else(|| {
             let binds = class(&i.op) == Class::Logic && (binds(&i.left) || binds(&i.right));
             match binds {
@@ -303,16 +303,16 @@ impl<'ast> Visit<'ast> for Sites {
     }
 }
 
-/// The text of a mutant that stands beside another text.
+/// The text of a mutant, an alternative to the original.
 struct Alternative {
     mutant: u32,
     text: String,
 }
 
-/// A place with switches. Places are sorted from front to back, and each before those in it.
+/// A place with switches. Places are sorted from front to back, an outer one before those inside it.
 type Place = (usize, Reverse<usize>, Kind);
 
-/// A file with switches, and what came of rewriting it.
+/// Rewrites a file with switches.
 fn rewrite(source: &str, mutants: &[&Mutant]) -> Result<(String, Rewritten), String> {
     let file = syn::parse_file(source).map_err(|e| e.to_string())?;
     let mut sites = Sites::default();
@@ -360,7 +360,7 @@ struct Writer<'s> {
 }
 
 impl Writer<'_> {
-    /// A part of the source, with the switches in it.
+    /// Writes a part of the source with its switches.
     fn render(&mut self, part: Range<usize>, places: &[(Place, Vec<Alternative>)]) {
         let (mut at, mut left) = (part.start, places);
         while let Some(((place, alternatives), after)) = left.split_first() {
@@ -404,7 +404,7 @@ impl Writer<'_> {
             }
             Kind::Arm => self.text += &format!(" if {inactive}"),
             Kind::Expression => {
-                // What it was comes first: where another is of another type, that is the error.
+                // The original comes first, so that the compiler reports type errors in the alternatives.
                 self.text += &format!("(if {inactive} {{ ");
                 self.render(place, inside);
                 for (i, alternative) in alternatives.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The rewritten copy → programs of tests → whether one of them notices a mutant.
+//! The rewritten copy → test programs → whether a test notices a mutant.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,29 +7,29 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-/// Variables of a test's environment: the same random cases for every mutant, a few of them, and no time for smaller ones.
+/// Environment of the tests: no shrinking and no storage of failing random cases.
 const ENVIRONMENT: [(&str, &str); 2] =
     [("PROPTEST_MAX_SHRINK_ITERS", "0"), ("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true")];
 
-/// A mutant that makes a test take this many times as long, and more than [`LEAST_TIMEOUT`], is noticed by that.
+/// A test that takes this many times longer, and longer than [`LEAST_TIMEOUT`], notices the mutant.
 const TIMEOUT: u32 = 20;
 
 const LEAST_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Memory that a test may take (KiB): a mutant may make a loop endless in which something grows.
+/// Limit on a test's memory (KiB): a mutant may turn a loop that allocates into an endless one.
 const MEMORY: u64 = 8 << 20;
 
 /// An error of the compiler.
 pub struct CompileError {
-    /// The file, in the copy.
+    /// The file in the copy.
     pub file: String,
-    /// Places in it, in bytes, the most important first.
+    /// Places in the file, in bytes, the most important first.
     pub places: Vec<std::ops::Range<usize>>,
     pub code: String,
     pub text: String,
 }
 
-/// The tests of a module in a program of tests, or all tests of a program without modules.
+/// The tests of one module of a test program, or all tests of a program without modules.
 pub struct Program {
     pub name: String,
     path: PathBuf,
@@ -44,7 +44,7 @@ pub enum Verdict {
     TimedOut,
 }
 
-/// Why the copy does not compile; nothing, if it does.
+/// Returns the errors of compiling the copy, or an empty list.
 pub fn check(folder: &Path, out: &Path) -> Result<Vec<CompileError>, String> {
     let mut command = cargo(folder, &out.join("checked"), true)?;
     command.args(["check", "--lib", "--features", "lanes"]);
@@ -57,7 +57,7 @@ pub fn check(folder: &Path, out: &Path) -> Result<Vec<CompileError>, String> {
 }
 
 /// Compiles the copy with these tests: `lib`, programs such as `system`, or modules such as `simulation::physics`. Modules in
-/// `skip` run only by their own name. FMUs are packed if `abi` or `fmi3`, which load them, are among the tests.
+/// `skip` run only if named themselves. FMUs are packed if the tests include `abi` or `fmi3`, which load them.
 pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Result<Vec<Program>, String> {
     let wanted: BTreeSet<&str> = tests.iter().map(|test| test.split("::").next().unwrap_or(test)).collect();
     let fmus = wanted.contains("abi") || wanted.contains("fmi3");
@@ -105,7 +105,7 @@ fn modules(name: &str, path: &str) -> Result<BTreeSet<Option<String>>, String> {
     Ok(modules.filter(|_| name != "lib").unwrap_or_else(|| BTreeSet::from([None])))
 }
 
-/// Cargo in the copy, with a target folder of its own, since what its build script does depends on whether FMUs are packed.
+/// Returns a cargo command in the copy, with its own target folder: the build script depends on whether FMUs are packed.
 fn cargo(folder: &Path, target: &Path, inner: bool) -> Result<Command, String> {
     let target = std::path::absolute(target).map_err(|e| format!("{}: {e}", target.display()))?;
     let mut command = Command::new("cargo");
@@ -116,7 +116,7 @@ fn cargo(folder: &Path, target: &Path, inner: bool) -> Result<Command, String> {
     Ok(command)
 }
 
-/// What cargo tells.
+/// Returns the messages of cargo.
 fn messages(mut command: Command) -> Result<(Vec<Value>, ExitStatus), String> {
     command.args(["--locked", "--message-format=json", "--no-default-features"]).stderr(Stdio::inherit());
     let output = command.output().map_err(|e| format!("cargo does not start: {e}"))?;
@@ -130,7 +130,7 @@ fn text(value: &Value) -> String {
     value.as_str().unwrap_or_default().to_string()
 }
 
-/// An error with its places; none where there is no place, as in the last one, which counts the others.
+/// Reads an error with its places; returns `None` for one without a place, such as the final count of errors.
 fn error(message: &Value) -> Option<CompileError> {
     if message["level"] != "error" {
         return None;
@@ -145,7 +145,7 @@ fn error(message: &Value) -> Option<CompileError> {
 }
 
 impl Program {
-    /// Without a mutant all tests pass; how long they take says when one with a mutant takes too long.
+    /// Runs the tests without a mutant; they must pass. Their duration sets the time limit with a mutant.
     pub fn measure(&mut self) -> Result<Duration, String> {
         let start = Instant::now();
         match self.run(0)? {

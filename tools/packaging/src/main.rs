@@ -1,8 +1,8 @@
-//! FMUs of single targets → the packages of a release, with what their binaries need from a system checked.
+//! FMUs of single targets → the packages of a release, with their binaries' system requirements checked.
 //!
-//! `packaging merge OUT IN…` puts the binaries of several FMUs into one; `packaging check FMU…` tells what the binaries
-//! need and fails if that is more than docs/packaging.md promises; `packaging only OUT FMU PLATFORM…` keeps the binaries of
-//! these folders of `binaries` alone; `packaging unpack FMU FOLDER` lays its files out.
+//! `packaging merge OUT IN…` merges the binaries of several FMUs into one; `packaging check FMU…` prints the requirements of the
+//! binaries and fails if they exceed those in docs/packaging.md; `packaging only OUT FMU PLATFORM…` keeps only the binaries in
+//! these folders of `binaries`; `packaging unpack FMU FOLDER` unpacks an FMU.
 
 #[path = "../../../build/container.rs"]
 mod container;

@@ -1,4 +1,4 @@
-//! Two FMUs of one source → one with the binaries of both; one → one with some of its binaries.
+//! Two FMUs of the same sources → one with the binaries of both; one FMU → one with some of its binaries.
 
 use std::collections::BTreeSet;
 
@@ -10,21 +10,21 @@ const SBOM: &str = "documentation/sbom.cdx.json";
 const LICENCES: &str = "documentation/licenses/";
 const INDEX: &str = "documentation/licenses/license.txt";
 
-/// Adds the binaries of `other`. All else has to be the same, but for the licences of what the binary of one of them alone holds,
-/// as crates for one kind of processor, and the bill of materials: where two compilers were used, it lists the standard library
-/// of each.
+/// Adds the binaries of `other`. All other files must be equal, except the licences of crates that only one of the binaries
+/// contains (such as crates for one kind of processor), and the bill of materials, which lists the standard library of each
+/// compiler.
 pub fn add(files: &mut Files, other: Files) -> Result<(), String> {
     let own = |path: &str| is_binary(path) || is_of_crate(path);
     if let Some(missing) = files.keys().find(|path| !own(path) && !other.contains_key(*path)) {
-        return Err(format!("{missing} is in one of them only"));
+        return Err(format!("{missing} is in only one of the FMUs"));
     }
     for (path, content) in other {
         match files.get_mut(&path) {
             None if own(&path) => {
                 files.insert(path, content);
             }
-            None => return Err(format!("{path} is in one of them only")),
-            Some(_) if is_binary(&path) => return Err(format!("both hold {path}")),
+            None => return Err(format!("{path} is in only one of the FMUs")),
+            Some(_) if is_binary(&path) => return Err(format!("both FMUs hold {path}")),
             Some(known) if path == SBOM => *known = united(known, &content).map_err(|e| format!("{path}: {e}"))?,
             Some(known) if path == INDEX => *known = listed(known, &content).map_err(|e| format!("{path}: {e}"))?,
             Some(known) if *known != content => return Err(format!("{path} differs; expected the same sources")),
@@ -34,7 +34,7 @@ pub fn add(files: &mut Files, other: Files) -> Result<(), String> {
     Ok(())
 }
 
-/// Leaves out the binaries that are in none of these folders of `binaries`, each of which has to be there.
+/// Removes the binaries outside these folders of `binaries`. Each folder must exist.
 pub fn keep(files: &mut Files, platforms: &[&str]) -> Result<(), String> {
     let folder = |platform: &str| format!("binaries/{platform}/");
     if let Some(missing) =
@@ -50,12 +50,12 @@ fn is_binary(path: &str) -> bool {
     path.starts_with("binaries/")
 }
 
-/// Whether this is a licence of a crate, not one of the project or of the list of them.
+/// Returns true for the licence of a crate, false for the project's licences and the list.
 fn is_of_crate(path: &str) -> bool {
     path.strip_prefix(LICENCES).is_some_and(|rest| rest.contains('/'))
 }
 
-/// A list of licences with the lines of both, in order below what stands first.
+/// Merges two lists of licences, sorted, below their common heading.
 fn listed(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
     if one == other {
         return Ok(one.to_vec());
@@ -73,7 +73,7 @@ fn listed(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
     Ok(format!("{head}\n\n{list}").into_bytes())
 }
 
-/// A bill with the components and dependencies of both.
+/// Merges the components and dependencies of two bills.
 fn united(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
     if one == other {
         return Ok(one.to_vec());
@@ -94,7 +94,7 @@ fn united(one: &[u8], other: &[u8]) -> Result<Vec<u8>, String> {
 }
 
 fn unite_dependencies(known: &mut Value, other: &Value) {
-    // Not `known["dependsOn"]`, which would put a null where there is none.
+    // Not `known["dependsOn"]`, which would insert a null if it is missing.
     let known = known.get_mut("dependsOn").and_then(Value::as_array_mut);
     if let (Some(known), Some(other)) = (known, other["dependsOn"].as_array()) {
         known.extend(other.iter().cloned());
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn binaries_are_added_to_what_is_the_same() {
+    fn binaries_of_both_are_merged() {
         let mut files = fmu(&[("binaries/linux64/a.so", "elf"), ("modelDescription.xml", "x")]);
         add(&mut files, fmu(&[("binaries/win64/a.dll", "pe"), ("modelDescription.xml", "x")])).unwrap();
         let expected =
@@ -121,20 +121,20 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_is_refused_by_name() {
+    fn other_differences_are_refused_by_name() {
         let linux = fmu(&[("binaries/linux64/a.so", "elf"), ("modelDescription.xml", "x")]);
         for (other, expected) in [
             (fmu(&[("modelDescription.xml", "y")]), "modelDescription.xml differs"),
-            (fmu(&[("binaries/win64/a.dll", "pe")]), "modelDescription.xml is in one"),
-            (fmu(&[("modelDescription.xml", "x"), ("model.png", "p")]), "model.png is in one"),
-            (linux.clone(), "both hold binaries/linux64/a.so"),
+            (fmu(&[("binaries/win64/a.dll", "pe")]), "modelDescription.xml is in only one"),
+            (fmu(&[("modelDescription.xml", "x"), ("model.png", "p")]), "model.png is in only one"),
+            (linux.clone(), "both FMUs hold binaries/linux64/a.so"),
         ] {
             let error = add(&mut linux.clone(), other).unwrap_err();
             assert!(error.starts_with(expected), "{error}");
         }
     }
 
-    /// A crate for one kind of processor is in one of the binaries only.
+    /// Only one of the binaries contains the crate for one kind of processor.
     #[test]
     fn licences_of_both_are_kept() {
         let unit = |binary: &str, index: &str, crates: &[&str]| {
@@ -147,7 +147,7 @@ mod tests {
         add(&mut files, unit("binaries/b/x.so", "These:\n\nlibm-1: MIT\nsafe_arch-1: MIT\n", &[all, x86])).unwrap();
         assert_eq!(files[INDEX], b"These:\n\nlibm-1: MIT\nsafe_arch-1: MIT\nwide-1: MIT\n");
         assert!(files.contains_key(all) && files.contains_key(x86));
-        // Either way round.
+        // In either order.
         let mut files = unit("binaries/a/x.so", "These:\n\nsafe_arch-1: MIT\n", &[all, x86]);
         add(&mut files, unit("binaries/b/x.so", "These:\n\nlibm-1: MIT\n", &[all])).unwrap();
         assert!(files.contains_key(x86));

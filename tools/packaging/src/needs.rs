@@ -1,5 +1,4 @@
-//! A binary → the libraries and symbol versions that it needs, whether any system of its kind has them, and what it
-//! exports.
+//! A binary → its required libraries and symbol versions, its exports, and whether any system of its kind has the requirements.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -11,10 +10,10 @@ use object::{Architecture, Endianness, Object, elf};
 
 use crate::standard::Platform;
 
-/// The newest glibc whose symbols a Linux binary may need: that of the oldest systems still met.
+/// The newest glibc whose symbols a Linux binary may use: that of the oldest systems still in use.
 const GLIBC: Version = Version(2, 17);
 
-/// The parts of glibc. All else, libgcc_s too, may be missing.
+/// The parts of glibc. Any other library, even libgcc_s, may be missing.
 const LINUX: [&str; 7] = [
     "libc.so.6",
     "libm.so.6",
@@ -25,7 +24,7 @@ const LINUX: [&str; 7] = [
     "ld-linux-aarch64.so.1",
 ];
 
-/// DLLs that every Windows since 10 has in its system folder; in lower case.
+/// DLLs in the system folder of every Windows since 10, in lower case.
 const WINDOWS: [&str; 8] = [
     "kernel32.dll",
     "ntdll.dll",
@@ -41,20 +40,20 @@ const WINDOWS: [&str; 8] = [
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Version(u32, u32);
 
-/// What a binary needs.
+/// Requirements and exports of a binary.
 #[derive(Debug)]
 pub struct Needs {
     pub platform: Platform,
     allowed: &'static [&'static str],
     libraries: BTreeSet<String>,
-    /// The names of all versions that symbols are asked for in.
+    /// Names of the required symbol versions.
     versions: BTreeSet<String>,
     exports: BTreeSet<String>,
 }
 
 impl Needs {
-    /// The first thing that is needed and is not on every system, or is exported and not one of these functions, or is one and
-    /// not exported.
+    /// Fails at the first requirement that some systems lack, the first export that is not one of `functions`, or the first
+    /// function that is not exported.
     pub fn check(&self, functions: &BTreeSet<&str>) -> Result<(), String> {
         let exports: BTreeSet<&str> = self.exports.iter().map(String::as_str).collect();
         if let Some(name) = exports.difference(functions).next() {
@@ -87,7 +86,7 @@ impl fmt::Display for Needs {
     }
 }
 
-/// `GLIBC_2.2.5` → 2.2. `None` for the versions of other libraries, as `GCC_3.0`.
+/// `GLIBC_2.2.5` → 2.2. `None` for versions of other libraries, such as `GCC_3.0`.
 fn glibc(name: &str) -> Option<Version> {
     let mut numbers = name.strip_prefix("GLIBC_")?.split('.').map(str::parse);
     Some(Version(numbers.next()?.ok()?, numbers.next()?.ok()?))
@@ -138,7 +137,7 @@ fn of_pe(binary: &[u8]) -> object::Result<Needs> {
             insert(table.name(descriptor.name.get(object::LittleEndian))?);
         }
     }
-    // Libraries that are only loaded when they are first called.
+    // Libraries loaded at their first call.
     if let Some(table) = file.data_directories().delay_load_import_table(binary, &file.section_table())? {
         let mut descriptors = table.descriptors()?;
         while let Some(descriptor) = descriptors.next()? {
@@ -189,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_not_every_system_has_is_told() {
+    fn requirements_beyond_every_system_are_reported() {
         check(&needs(&["libc.so.6", "libm.so.6"], &["GLIBC_2.2.5", "GLIBC_2.17"])).unwrap();
         for (libraries, versions, expected) in [
             (&["libc.so.6", "libgcc_s.so.1"], "GLIBC_2.17", "needs libgcc_s.so.1"),
@@ -202,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn other_exports_than_the_standards_are_told() {
+    fn missing_and_additional_exports_are_reported() {
         let fine = || needs(&["libc.so.6"], &["GLIBC_2.17"]);
         let mut more = fine();
         more.exports.insert("fmi2GetFloat64".into());
@@ -215,7 +214,7 @@ mod tests {
         fine().check(&Standard::Fmi3.functions()).unwrap_err();
     }
 
-    /// This very program was linked by the system's linker, and needs libgcc_s or a newer glibc, or both.
+    /// This test program, linked by the system's linker, needs libgcc_s, a newer glibc, or both.
     #[test]
     #[cfg(all(target_os = "linux", target_env = "gnu", target_pointer_width = "64"))]
     fn a_binary_is_read() {

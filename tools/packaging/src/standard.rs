@@ -1,4 +1,4 @@
-//! What the versions of FMI ask of a package: the functions that a binary exports, and the folder in which it is.
+//! Requirements of each FMI version on a package: the exported functions, and the folder of each binary.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ pub enum Standard {
     Fmi3,
 }
 
-/// What a binary runs on.
+/// The platform of a binary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Platform {
     Linux,
@@ -20,7 +20,7 @@ pub enum Platform {
 }
 
 impl Standard {
-    /// That of an FMU, by its description.
+    /// Returns the version of an FMU, from its description.
     pub fn of(files: &Files) -> Result<Standard, String> {
         let description = files.get("modelDescription.xml").ok_or("modelDescription.xml is missing")?;
         let text = String::from_utf8_lossy(description);
@@ -33,7 +33,7 @@ impl Standard {
         }
     }
 
-    /// The names of all functions that its headers declare.
+    /// Returns the names of all functions that its headers declare.
     pub fn functions(self) -> BTreeSet<&'static str> {
         let names = match self {
             Standard::Fmi2 => include_str!("fmi2.txt"),
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_fmu_is_of_the_version_that_it_says() {
+    fn version_is_read_from_the_description() {
         let fmu = |text: &str| Files::from([("modelDescription.xml".to_string(), text.as_bytes().to_vec())]);
         assert_eq!(Standard::of(&fmu(r#"<?xml version="1.0"?><a fmiVersion="2.0">"#)), Ok(Standard::Fmi2));
         assert_eq!(Standard::of(&fmu(r#"<a fmiVersion="3.0" b="1">"#)), Ok(Standard::Fmi3));
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn a_binary_is_where_importers_look_for_it() {
+    fn binaries_are_where_importers_look() {
         let at = |standard: Standard, path, platform| standard.check_place(path, platform);
         at(Standard::Fmi2, "binaries/linux64/rocking_block.so", Platform::Linux).unwrap();
         at(Standard::Fmi3, "binaries/x86_64-linux/rocking_block.so", Platform::Linux).unwrap();
