@@ -4,9 +4,9 @@
     python benches/scale.py FOLDER [--blocks 1000] [--records 100] [--scales 10] [--threads N] [--lanes N]
 
 Writes artificial ground motions (noise of the spectrum of Kanai and Tajimi with the high pass of Clough and Penzien, 20 s at
-0.01 s) and a study into FOLDER, and has `rocking sweep` make its table in the background. It is killed (SIGKILL) after four
-tenths of the rows and resumed. So many rows are then made once more from the beginning, and compared. Needs NumPy and
-`cargo build --release`; Linux, since memory is read from /proc.
+0.01 s) and a study into FOLDER, and starts `rocking sweep` in the background. The sweep is killed (SIGKILL) after four tenths
+of the rows and resumed. The same number of rows is then computed again from the beginning and compared. Needs NumPy,
+`cargo build --release`, and Linux, since memory is read from /proc.
 """
 
 import argparse

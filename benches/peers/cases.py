@@ -1,4 +1,4 @@
-"""The cases of tests/reference: their numbers as all the solvers read them, and what the rotation should be."""
+"""The cases of tests/reference: their parameters in the form that all solvers read, and their reference rotations."""
 
 import csv
 import json
@@ -12,8 +12,8 @@ PULSES = [
     "sine_eta20", "sine_eta40", "sine_eta80", "cosine_small_block", "free_095", "tilted_release", "sine_rigid",
 ]
 RECORD = "rinaldi"
-# sine_eta20 as a finite-element program can have it: no impact map. With more damping, since landings that nothing else
-# damps would amplify any difference. It has no reference but our own core at 1e-12.
+# sine_eta20 for a finite-element program: without impact map, and with more damping, since landings that nothing else damps would
+# amplify any difference. Its only reference is our own core at 1e-12.
 ELASTIC = "sine_eta20_elastic"
 RECORD_FILE = "paper/NGA_no_1063_RRS228.AT2"
 
@@ -26,20 +26,20 @@ SHAPES = {None: 0, "record": 0, "sine": 1, "cosine": 2}
 
 
 class MissingRecord(Exception):
-    """The case's record may not be redistributed and is not at hand."""
+    """The case's record is missing; it may not be redistributed."""
 
 
 def read_at2(path, gravity):
-    """Time step (s) and samples (m/s^2) of a PEER file."""
+    """Returns time step (s) and samples (m/s^2) of a PEER file."""
     lines = path.read_text().splitlines()
     count, time_step = (float(x) for x in lines[3].replace(",", " ").split()[:2])
     samples = [gravity * float(x) for line in lines[4:] for x in line.split()]
-    assert len(samples) == int(count), f"{path} has {len(samples)} samples, and says {int(count)}"
+    assert len(samples) == int(count), f"{path} has {len(samples)} samples; its header says {int(count)}"
     return time_step, samples
 
 
 def numbers(name, records):
-    """The case as a dictionary of KEYS and its record's samples."""
+    """Returns the case as a dictionary of KEYS, and its record's samples."""
     if name == ELASTIC:
         values, samples = numbers("sine_eta20", records)
         return {**values, "epsilon": 1.0, "xi_v": 0.4}, samples
@@ -49,7 +49,7 @@ def numbers(name, records):
     if motion.get("kind") == "record":
         path = records / RECORD_FILE
         if not path.exists():
-            raise MissingRecord(f"{name}: there is no {path}")
+            raise MissingRecord(f"{name}: {path} is missing")
         record_dt, samples = read_at2(path, motion["scale"] * case["g"])
     values = {
         **{key: case.get(key, 0.0) for key in ("alpha", "p", "eta", "xi_v", "epsilon", "t_end", "dt")},
@@ -69,26 +69,26 @@ def numbers(name, records):
 
 
 def write(path, values, samples):
-    """A case file."""
+    """Writes a case file."""
     lines = [f"{key} {values[key]!r}" for key in KEYS] + [repr(sample) for sample in samples]
     path.write_text("\n".join(lines) + "\n")
 
 
 def read(path):
-    """What `write` wrote."""
+    """Reads a file of `write`."""
     lines = path.read_text().splitlines()
     values = {key: float(line.split()[1]) for key, line in zip(KEYS, lines, strict=False)}
     return values, [float(line) for line in lines[len(KEYS):]]
 
 
 def rotations(name):
-    """The rotation (rad) of the reference at multiples of its dt."""
+    """Returns the reference rotation (rad) at multiples of its dt."""
     with (REFERENCE / f"{name}.csv").open() as file:
         return [float(row["theta"]) for row in csv.DictReader(file)]
 
 
 def error(theta, reference, alpha):
-    """The greatest error in units of alpha; infinite where something is missing or no number."""
+    """Returns the largest error in units of alpha; infinite if values are missing or not finite."""
     worst = 0.0
     for ours, right in zip(theta, reference, strict=True):
         if not math.isfinite(ours):

@@ -1,7 +1,7 @@
-"""The same cases through this project's core and through what engineers would use instead: `run` calls this.
+"""Compares this project's core with the solvers that engineers would otherwise use; `run` calls this script.
 
-Prints what an error costs each solver, and writes every point to docs/peers.csv and the work-precision diagram to
-docs/peers.png. See README.md beside this file for what is compared, and how.
+Prints the cost of an error for each solver, writes every point to docs/peers.csv, and draws the work-precision diagram
+docs/peers.png. README.md in this folder describes the comparison.
 """
 
 import argparse
@@ -22,8 +22,8 @@ HERE = Path(__file__).resolve().parent
 BUILT = cases.ROOT / "target" / "peers"
 
 OURS = "this project"
-# What runs a solver, and its methods for pulses and for records, where "restart" starts anew at each sample, "stop" stops
-# there and goes on, and "through" goes over the kinks.
+# Command of each solver, and its methods for pulses and for records. At samples, "restart" starts again, "stop" stops and
+# continues with the history, and "through" steps over the kinks.
 SOLVERS = {
     OURS: ([BUILT / "release" / "ours"], ["dop853"], ["dop853"]),
     "CVODE Adams": (
@@ -43,7 +43,7 @@ SOLVERS = {
     "SciPy LSODA": ([sys.executable, HERE / "scipy_peer.py"], ["LSODA"], ["LSODA-restart", "LSODA-through"]),
 }
 OPENSEES = "OpenSees"
-# Integrator, penalty of the contacts, their horizontal stiffness: both over the stiffness of a support.
+# Integrator, penalty of the contacts, their horizontal stiffness (both relative to the stiffness of a support).
 OPENSEES_METHODS = ["trbdf2-1e2-10", "trbdf2-1e3-3", "trbdf2-1e3-10", "trbdf2-1e3-30", "trbdf2-1e4-10", "hht-1e3-10"]
 OPENSEES_STEPS = [1e-3, 2.5e-4, 1e-4]
 SLOW = {"SciPy DOP853", "SciPy LSODA"}
@@ -53,18 +53,18 @@ ERRORS = [10.0**-digit for digit in range(6, 12)]
 
 
 def tolerances(solver, case, quick):
-    """The tolerances that a solver is run at."""
+    """Returns the tolerances of a solver on a case."""
     if quick:
         return [1e-5, 1e-8, 1e-11]
     if case == cases.RECORD and solver in SLOW:
         return [1e-6, 1e-8, 1e-10, 1e-12, 1e-13]
-    # Half decades where the diagram is drawn; SciPy allows no less than 1e-13.
+    # Half decades for the cases of the diagram. SciPy accepts no tolerance below 1e-13.
     halves = 2 if case in SHOWN and solver not in SLOW else 1
     return [10.0 ** (-exponent / halves) for exponent in range(3 * halves, 13 * halves + 1)]
 
 
 def elastic_runs(arguments):
-    """What is run of the case for OpenSees; the step stands for the tolerance."""
+    """Returns the runs of the OpenSees case; the step takes the place of the tolerance."""
     command = [sys.executable, HERE / "opensees_peer.py"]
     methods, steps = OPENSEES_METHODS, OPENSEES_STEPS
     if arguments.quick:
@@ -77,7 +77,7 @@ def elastic_runs(arguments):
 
 
 def call(command, *arguments):
-    """What a solver says; None and a line to the user if it failed."""
+    """Runs a solver and returns its answer; if it fails, prints one line and returns None."""
     command = [str(word) for word in (*command, *arguments)]
     environment = {**os.environ, "RUST_BACKTRACE": "0"}
     done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment)
@@ -85,7 +85,7 @@ def call(command, *arguments):
         said = json.loads(done.stdout)
     except json.JSONDecodeError:
         lines = [line for line in done.stderr.strip().splitlines() if not line.startswith("note:")]
-        said = {"error": lines[-1] if lines else "it said nothing"}
+        said = {"error": lines[-1] if lines else "no message"}
     if "error" in said:
         print(f"  {' '.join(Path(word).name for word in command)}: {said['error']}", file=sys.stderr)
         return None
@@ -93,7 +93,7 @@ def call(command, *arguments):
 
 
 def measure(case, folder, records, arguments):
-    """All points of a case."""
+    """Returns all points of a case."""
     values, samples = cases.numbers(case, records)
     path = folder / f"{case}.case"
     cases.write(path, values, samples)
@@ -116,7 +116,7 @@ def measure(case, folder, records, arguments):
             error = cases.error(said["theta"], reference, values["alpha"])
             points[solver, method, tolerance] = Point(case, solver, method, tolerance, error, 0, 0, 0, math.inf)
             runs.append(run)
-    # In turn, so that what else the machine does meets all alike; the least time is what the solver needs.
+    # Solvers take turns, so that other load on the machine affects all of them; the shortest time counts.
     runs.sort(key=lambda run: -run[0])
     for _ in range(arguments.rounds):
         for tolerance, solver, method, command in runs:
@@ -129,7 +129,7 @@ def measure(case, folder, records, arguments):
 
 
 def summary(points, names, error):
-    """What each solver takes for an error, and how many times what we take."""
+    """Prints the cost of an error for each solver, and its ratio to ours."""
     for case in names:
         here = [point for point in points if point.case == case]
         if not here:

@@ -7,7 +7,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from work import best, cheapest
 
-# To be told apart without colour: marker, fill, line and shade.
+# Curves differ without colour: in marker, fill, line and shade.
 STYLES = {
     "this project": {"marker": "o", "linestyle": "-", "color": "black", "linewidth": 2.2, "markersize": 6},
     "CVODE Adams": {"marker": "s", "linestyle": "--", "color": "0.25", "markerfacecolor": "white"},
@@ -20,7 +20,7 @@ QUANTITIES = {"cpu": "CPU time of a run (s)", "rhs": "calls of the right-hand si
 
 
 def line_of(points, quantity):
-    """The method of a solver that takes least for 1e-8, or for its own least error if it never reaches that."""
+    """Returns the solver's cheapest method for an error of 1e-8, or its most accurate one, and that method's best points."""
     _, method = cheapest(points, 1e-8, quantity)
     if method is None:
         method = min(points, key=lambda point: point.error).method
@@ -28,7 +28,7 @@ def line_of(points, quantity):
 
 
 def draw(points, names, path):
-    """Two panels for each case at hand."""
+    """Draws two panels for each case that was measured."""
     names = [name for name in names if any(point.case == name for point in points)]
     if not names:
         return
@@ -47,7 +47,7 @@ def draw(points, names, path):
             panel.axhline(1e-8, color="0.7", linewidth=0.8, zorder=0)
             panel.set(xlabel=label, title=name)
             panel.grid(True, which="major", color="0.9", linewidth=0.6)
-            # Below, where no line is.
+            # The lower part has no lines.
             panel.legend(
                 fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False, handlelength=4
             )

@@ -1,16 +1,16 @@
-"""A case through OpenSees: what an engineer with a finite-element program would do who has no rigid block on supports.
+"""Runs a case in OpenSees, as an engineer with a finite-element program but no rocking block would model it.
 
     opensees_peer.py CASE INTEGRATOR-PENALTY-GRIP STEP time|trace
 
-One line of JSON is printed: the CPU time of the run, or the rotation at multiples of the case's dt.
+Prints one line of JSON: the CPU time of the run, or the rotation at multiples of the case's dt.
 
-The block is a mass at its centre and two stiff massless corotational beams to the corners. Under each corner stands a
-Kelvin-Voigt pad, and between the two a contact that pushes, does not pull, and grips while it pushes. PENALTY is the
-stiffness of contacts and beams over that of a support, GRIP the horizontal one of the contacts. STEP is the time step in s.
+The block is a mass at its centre and two stiff massless corotational beams to the corners. Each corner rests on a
+Kelvin-Voigt pad through a contact that transmits compression only, and grips while it does. PENALTY is the stiffness of
+contacts and beams, GRIP the horizontal stiffness of the contacts, both relative to a support; STEP is the time step (s).
 
-Nothing here can apply an impact map: a corner keeps its velocity as it lands, which is epsilon = 1. And where both corners
-grip, the block cannot turn without stretching its base, while the model of docs/model.md holds the middle of the base alone:
-so GRIP must be neither small nor large.
+OpenSees has no impact map: a landing corner keeps its velocity, as with epsilon = 1. While both corners grip, the block
+cannot turn without stretching its base, whereas the model of docs/model.md holds only the middle of the base. GRIP must
+therefore be neither small nor large.
 """
 
 import json
@@ -27,7 +27,7 @@ INTEGRATORS = {"newmark": ("Newmark", 0.5, 0.25), "hht": ("HHT", 0.9), "trbdf2":
 
 
 def build(values, penalty, grip):
-    """Nodes and elements, per unit of the block's mass, settled under gravity."""
+    """Builds nodes and elements per unit of the block's mass, and settles them under gravity."""
     alpha, p, gravity, gamma = values["alpha"], values["p"], values["gravity"], values["gamma"]
     r0 = gamma / (1.0 + gamma) * gravity / p**2
     b, h = r0 * math.sin(alpha), r0 * math.cos(alpha)
@@ -47,7 +47,7 @@ def build(values, penalty, grip):
             ops.node(node, x, 0.0)
         ops.fix(ground, 1, 1, 1)
         ops.fix(top, 1, 0, 1)
-        # Axial stiffness `stiff`, bending stiffness at its end 3 EI/L^3 the same.
+        # The axial stiffness is `stiff`, and so is the bending stiffness at the end, 3 EI/L^3.
         ops.element("elasticBeamColumn", corner, CENTRE, corner, stiff * r0, 1.0, stiff * r0**3 / 3.0, 1)
         ops.element("zeroLengthContactASDimplex", top, top, corner, stiff, grip * k, 1e6, "-orient", 0.0, 1.0, 0.0)
         ops.element("zeroLength", ground, ground, top, "-mat", 1, "-dir", 2)
@@ -62,12 +62,12 @@ def build(values, penalty, grip):
     ops.integrator("LoadControl", 0.1)
     ops.analysis("Static", "-noWarnings")
     if ops.analyze(10) != 0:
-        raise RuntimeError("no rest under gravity")
+        raise RuntimeError("the block does not settle under gravity")
     ops.loadConst("-time", 0.0)
 
 
 def run(values, integrator, step):
-    """CPU time, number of steps, and the rotation (clockwise) at multiples of dt."""
+    """Runs the case; returns CPU time, number of steps, and the rotation (clockwise) at multiples of dt."""
     ops.timeSeries("Trig", 2, 0.0, 2.0 * math.pi / values["omega_p"], 2.0 * math.pi / values["omega_p"],
                    "-factor", values["a_p"])
     ops.pattern("UniformExcitation", 2, 1, "-accel", 2)

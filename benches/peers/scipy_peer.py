@@ -1,11 +1,11 @@
-"""A case through SciPy's solve_ivp, as an engineer would do it: DOP853 or LSODA, with events that end the run of a regime.
+"""Solves a case with SciPy's solve_ivp, as an engineer would: DOP853 or LSODA, with events that end each regime's run.
 
     scipy_peer.py CASE METHOD TOLERANCE time SECONDS    repeats the run for so much CPU time
     scipy_peer.py CASE METHOD TOLERANCE trace           the rotation at multiples of the case's dt
 
-METHOD is DOP853 or LSODA; for records followed by -restart (stop and start anew at each sample) or -through (go on over
-the kinks). One line of JSON is printed. State: theta, theta_dot, v, v_dot, and on the rigid base the first two. Forces are
-per mass, and the arithmetic is Python's own, which for single numbers is faster than NumPy's.
+METHOD is DOP853 or LSODA; for records followed by -restart (stop and restart at each sample) or -through (step over the
+kinks). Prints one line of JSON. State: theta, theta_dot, v, v_dot, and on the rigid base the first two. Forces are per
+mass. The arithmetic is Python's own, which is faster than NumPy's for single numbers.
 """
 
 import json
@@ -23,7 +23,7 @@ SIGNS = (1.0, -1.0)  # of L and R
 
 
 def make_block(values):
-    """What the equations need; K and C per mass."""
+    """Returns the parameters in the equations; K and C per mass."""
     block = SimpleNamespace(**values)
     block.r0 = block.gamma / (1.0 + block.gamma) * block.gravity / block.p**2
     block.i0 = block.r0**2 / block.gamma
@@ -38,7 +38,7 @@ def make_block(values):
     return block
 
 
-# Equations of motion, each made for a block and a ground acceleration over time.
+# Equations of motion of a block under a ground acceleration over time.
 
 
 def full_contact(block, ground):
@@ -85,7 +85,7 @@ def on_rigid_base(block, ground, tilt):
 
 
 class Run:
-    """One run: who touches, the supports of who does not, the counters."""
+    """One run: touching corners, supports of the other corners, counters."""
 
     def __init__(self, block, samples, method, tolerance, trace):
         self.block, self.samples, self.trace = block, samples, trace
@@ -93,7 +93,7 @@ class Run:
         self.through = at_samples == "through"
         self.tolerance = tolerance
         velocity = block.r0 * block.alpha * block.p
-        # A height counts as the velocity that the supports make of it.
+        # A height counts as the velocity that the supports would give it.
         scales = [block.alpha, block.alpha * block.p]
         scales += [] if block.rigid else [velocity / block.omega_v, velocity]
         self.atol = tolerance * np.array(scales)
@@ -106,7 +106,7 @@ class Run:
     # The ground.
 
     def piece(self, t, sample):
-        """The ground acceleration from `t` on, and until when there is no kink at which to stop."""
+        """Returns the ground acceleration from `t` on, and the next kink at which to stop."""
         block, samples = self.block, self.samples
         if block.shape:
             a_p, omega, end = block.a_p, block.omega_p, 2.0 * pi / block.omega_p
@@ -132,12 +132,12 @@ class Run:
     # Corners and supports.
 
     def arms(self, i, theta):
-        """R0 sin(phi) and R0 cos(phi), phi = alpha + s theta."""
+        """Returns R0 sin(phi) and R0 cos(phi), phi = alpha + s theta."""
         b, h, s, sine, cosine = self.block.b, self.block.h, SIGNS[i], sin(theta), cos(theta)
         return b * cosine + s * h * sine, h * cosine - s * b * sine
 
     def corner(self, i, y):
-        """Height and rate."""
+        """Returns height and rate of a corner."""
         reach, height = self.arms(i, y[0])
         return y[2] + self.block.h - height, y[3] + SIGNS[i] * reach * y[1]
 
@@ -150,7 +150,7 @@ class Run:
         self.creep[i] = self.block.delta_s - self.corner(i, y)[0], t
 
     def surface(self, i):
-        """The function whose fall through zero ends the regime at corner `i`."""
+        """Returns the function whose fall through zero ends the regime at corner `i`."""
         block, sign = self.block, SIGNS[i]
         b, h, k, c, delta_s = block.b, block.h, block.k, block.c, block.delta_s
         if self.touching[i]:
@@ -172,7 +172,7 @@ class Run:
         return fall
 
     def surfaces(self):
-        """What ends the regime."""
+        """Returns the functions that end the regime."""
         if not self.block.rigid:
             return [self.surface(0), self.surface(1)]
         tilt = self.tilt
@@ -196,7 +196,7 @@ class Run:
         raise RuntimeError("complete separation")
 
     def settle(self, t, y, ground):
-        """Drops corners whose supports would have to pull, now or in the next moment."""
+        """Releases corners whose supports would have to pull, now or in the next moment."""
         block, rounding = self.block, 1e-12 * self.block.gravity
         again = True
         while again:
@@ -214,7 +214,7 @@ class Run:
                     break
 
     def land(self, i, y):
-        """Eqs. (14)-(19) and their mirror image."""
+        """Applies a landing, eqs. (14)-(19) and their mirror image."""
         self.touching[i] = True
         if self.corner(i, y)[1] >= 0.0:
             return
@@ -229,7 +229,7 @@ class Run:
         y[1] = (s * (e - 1.0) * reach * v_dot + (block.i0 + e * bb + pp) * theta_dot) / d
 
     def start(self):
-        """Time and state; on the rigid base, when rocking starts under a sine."""
+        """Returns time and state of the start; on the rigid base, the start of rocking under a sine."""
         block = self.block
         if block.rigid:
             return asin(block.gravity * tan(block.alpha) / block.a_p) / block.omega_p, [0.0, 0.0]
@@ -240,7 +240,7 @@ class Run:
         return 0.0, y
 
     def take_rows(self, t, until, solution, at_rest=None):
-        """The rotation at the rows from `t` to `until`."""
+        """Records the rotation at the rows from `t` to `until`."""
         block = self.block
         while (row := len(self.theta)) <= round(block.t_end / block.dt) and row * block.dt <= until + 1e-12:
             self.theta.append(at_rest if solution is None else float(solution(min(row * block.dt, until))[0]))
@@ -268,7 +268,7 @@ class Run:
             if self.trace:
                 self.take_rows(t, solution.t[-1], solution.sol)
             if self.method == "DOP853":
-                # Where one or two steps were enough, a longer one may be.
+                # If one or two steps sufficed, a longer one may too.
                 longest = float(np.diff(solution.t).max())
                 first_step = (2.0 * longest if len(solution.t) < 4 else longest) or None
             t, y = float(solution.t[-1]), solution.y[:, -1].tolist()

@@ -1,4 +1,4 @@
-"""Work-precision points -> what an error costs."""
+"""Work-precision points -> cost of an error."""
 
 import itertools
 import math
@@ -21,7 +21,7 @@ class Point:
 
 
 def best(points, quantity):
-    """The points that are not beaten, in the error and in a quantity of work, from the cheapest on."""
+    """Returns the points that no other beats in both error and work, from the cheapest on."""
     kept = []
     for point in sorted(points, key=lambda point: (getattr(point, quantity), point.error)):
         if math.isfinite(point.error) and (not kept or point.error < kept[-1].error):
@@ -30,9 +30,9 @@ def best(points, quantity):
 
 
 def cost(points, error, quantity):
-    """The work that one method takes for an error, interpolated between the logarithms of its best points.
+    """Returns one method's work for an error, interpolated between the logarithms of its best points.
 
-    None if it is never that accurate; where all points are more accurate, what the cheapest takes.
+    None if the method is never that accurate; the cheapest point's work if all points are more accurate.
     """
     kept = best(points, quantity)
     if not kept or kept[-1].error > error:
@@ -48,7 +48,7 @@ def cost(points, error, quantity):
 
 
 def cheapest(points, error, quantity):
-    """The least cost among the methods of these points, and which it is: (None, None) if none is that accurate."""
+    """Returns the least cost among these methods, and its method; (None, None) if none is that accurate."""
     costs = {}
     for method in sorted({point.method for point in points}):
         value = cost([point for point in points if point.method == method], error, quantity)

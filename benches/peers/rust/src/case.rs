@@ -1,9 +1,9 @@
-//! A case file of `cases.py` → its numbers; and the command line of the programs that solve it:
+//! A case file of `cases.py` → its parameters; the command line of the programs that solve it:
 //!
-//! - `PROGRAM CASE METHOD TOLERANCE time SECONDS` repeats the run for so much CPU time;
+//! - `PROGRAM CASE METHOD TOLERANCE time SECONDS` repeats the run for this CPU time;
 //! - `PROGRAM CASE METHOD TOLERANCE trace` gives the rotation at multiples of the case's dt.
 //!
-//! One line of JSON is printed.
+//! Each prints one line of JSON.
 
 use std::fs;
 use std::hint::black_box;
@@ -12,7 +12,7 @@ use rustix::time::{ClockId, clock_gettime};
 use serde::Deserialize;
 use serde_json::{Map, json};
 
-/// A case as its file has it; angles in rad, accelerations in m/s², times in s.
+/// A case, as in its file; angles in rad, accelerations in m/s², times in s.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Case {
     pub alpha: f64,
@@ -24,11 +24,11 @@ pub struct Case {
     pub gravity: f64,
     /// 1 for Housner's block.
     pub rigid: f64,
-    /// Of the pulse: 0 none, 1 one sine, 2 one cosine.
+    /// Shape of the pulse: 0 none, 1 one sine, 2 one cosine.
     pub shape: f64,
     pub a_p: f64,
     pub omega_p: f64,
-    /// 1 if the block starts in vertical equilibrium, else v = 0.
+    /// 1 if the block starts in vertical equilibrium, otherwise v = 0.
     pub settled: f64,
     pub theta: f64,
     pub theta_dot: f64,
@@ -57,12 +57,12 @@ impl Case {
         Case { record, ..case }
     }
 
-    /// Time of a sample of the record.
+    /// Returns the time of a sample of the record.
     pub fn sample_time(&self, sample: usize) -> f64 {
         sample as f64 * self.record_dt
     }
 
-    /// Value and slope of the record from a sample on.
+    /// Returns value and slope of the record after a sample.
     pub fn ramp(&self, sample: usize) -> (f64, f64) {
         match (self.record.get(sample), self.record.get(sample + 1)) {
             (Some(a), Some(b)) => (*a, (b - a) / self.record_dt),
@@ -70,18 +70,18 @@ impl Case {
         }
     }
 
-    /// Number of steps of dt to the end.
+    /// Returns the number of steps of dt to the end.
     pub fn rows(&self) -> usize {
         (self.t_end / self.dt).round() as usize
     }
 
-    /// Time of a row.
+    /// Returns the time of a row.
     pub fn row_time(&self, row: usize) -> f64 {
         (row as f64 * self.dt).min(self.t_end)
     }
 }
 
-/// What a run took.
+/// Cost of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
     /// Evaluations of the equations of motion.
@@ -92,15 +92,15 @@ pub struct Work {
     pub events: u64,
 }
 
-/// A solver at work on a case.
+/// A solver of a case.
 pub trait Solver: Sized {
-    /// Takes up a case with a method and a tolerance; not timed.
+    /// Prepares a case for a method and a tolerance; not timed.
     fn new(case: Case, method: &str, tolerance: f64) -> Self;
 
-    /// The whole run.
+    /// Makes the whole run.
     fn run(&mut self) -> Work;
 
-    /// The rotation at every row.
+    /// Returns the rotation at every row.
     fn trace(&mut self) -> Vec<f64>;
 }
 
@@ -109,7 +109,7 @@ fn cpu_seconds() -> f64 {
     now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
-/// The program of a solver.
+/// Runs the program of a solver.
 pub fn program<S: Solver>() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [path, method, tolerance, task, rest @ ..] = arguments.as_slice() else {

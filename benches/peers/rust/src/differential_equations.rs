@@ -1,11 +1,11 @@
-//! A case through the crate `differential-equations`, as an engineer would do it: its Dormand-Prince 8(5,3) or one of
-//! Verner's pairs with dense output, a new start after each event.
+//! Solves a case with the crate `differential-equations`, as an engineer would: its Dormand-Prince 8(5,3) or one of Verner's
+//! pairs with dense output, restarted after each event.
 //!
-//! METHOD is dop853, verner76 or verner98; for records followed by -restart (stop and start anew at each sample) or -through
-//! (go on over the kinks). State: θ, θ̇, v, v̇; on the rigid base the last two stay zero. Forces are per mass.
+//! METHOD is dop853, verner76 or verner98; for records followed by -restart (stop and restart at each sample) or -through (step
+//! over the kinks). State: θ, θ̇, v, v̇; on the rigid base the last two stay zero. Forces are per mass.
 //!
-//! Events are located in a `Solout` of this file, on the crate's dense output. The crate's own events look for a fall
-//! through one function each, and of two in the same step take the one that was added first, not the earlier one.
+//! A `Solout` of this file locates events on the crate's dense output. The crate's own events watch a single function each, and
+//! of two in the same step they report the one added first, not the earlier one.
 
 use std::cell::Cell;
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ type State = [f64; 4];
 /// +1 for L, −1 for R.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// What the equations need; K and C per mass.
+/// Parameters in the equations; K and C per mass.
 #[derive(Clone, Copy)]
 struct Block {
     rigid: bool,
@@ -65,13 +65,13 @@ impl Block {
         }
     }
 
-    /// `R0 sin φ` and `R0 cos φ`, `φ = α + sθ`.
+    /// Returns `R0 sin φ` and `R0 cos φ`, `φ = α + sθ`.
     #[inline]
     fn arms(&self, s: f64, (sin, cos): (f64, f64)) -> (f64, f64) {
         (self.b * cos + s * self.h * sin, self.h * cos - s * self.b * sin)
     }
 
-    /// Height and rate of a corner.
+    /// Returns height and rate of a corner.
     #[inline]
     fn corner(&self, s: f64, y: &State, sin_cos: (f64, f64)) -> (f64, f64) {
         let (reach, height) = self.arms(s, sin_cos);
@@ -93,7 +93,7 @@ enum Regime {
     RigidBase(f64),
 }
 
-/// The ground acceleration over a piece of time.
+/// The ground acceleration over an interval.
 #[derive(Clone, Copy)]
 enum Ground {
     Ramp { t0: f64, value: f64, slope: f64 },
@@ -164,7 +164,7 @@ struct Creep {
     since: f64,
 }
 
-/// Which corners touch, and the supports of those that do not.
+/// The corners that touch, and the supports of the others.
 #[derive(Clone, Copy, Default)]
 struct Contact {
     touching: [bool; 2],
@@ -177,7 +177,7 @@ impl Contact {
         block.delta_s - depth * (-(t - since) * block.k / block.c).exp()
     }
 
-    /// Reaction of what touches and gap of what does not: each ends the regime as it falls through zero.
+    /// Returns the reaction of each touching corner and the gap of each other one; a fall through zero ends the regime.
     fn surfaces(&self, block: &Block, regime: Regime, t: f64, y: &State) -> [f64; 2] {
         if let Regime::RigidBase(s) = regime {
             return [-s * y[0], 1.0];
@@ -205,7 +205,7 @@ impl Contact {
     }
 }
 
-/// Looks for the first event in each step, and takes rows on the way.
+/// Looks for the first event in each step, and collects rows.
 struct Watch<'a> {
     equations: &'a Equations,
     contact: &'a Contact,
@@ -227,8 +227,8 @@ impl Watch<'_> {
         self.contact.surfaces(&self.equations.block, self.equations.regime, t, y)
     }
 
-    /// Where surface `i` is positive, with its value: at the start of the step, or inside if it has just begun at zero, as
-    /// the gap does after lift-off, and has come back within the step.
+    /// Returns a time at which surface `i` is positive, and its value: the start of the step, or a time inside it if the surface
+    /// starts at zero (as a gap does after lift-off) and returns within the step.
     fn positive<I: Interpolation<f64, State> + ?Sized>(
         &self,
         i: usize,
@@ -249,7 +249,8 @@ impl Watch<'_> {
         })
     }
 
-    /// Where surface `i` is zero; positive at `a`, not at `b`. Regula falsi with the Illinois weights.
+    /// Returns the zero of surface `i` between `a`, where it is positive, and `b`, where it is not. Regula falsi with Illinois
+    /// weights.
     fn root<I: Interpolation<f64, State> + ?Sized>(
         &self,
         i: usize,
@@ -336,7 +337,7 @@ struct Peer<S> {
 }
 
 impl<S: OrdinaryNumericalMethod<f64, State> + Interpolation<f64, State>> Peer<S> {
-    /// State and time at the start; on the rigid base, when rocking starts under a sine.
+    /// Returns state and time of the start; on the rigid base, the start of rocking under a sine.
     fn start(&mut self) -> (f64, State) {
         let block = self.equations.block;
         let case = &self.equations.case;
@@ -357,7 +358,7 @@ impl<S: OrdinaryNumericalMethod<f64, State> + Interpolation<f64, State>> Peer<S>
         (0.0, y)
     }
 
-    /// The excitation from `t` on, and how far it goes without a kink at which to stop.
+    /// Sets the excitation from `t` on, and returns the time of the next kink at which to stop.
     fn next_piece(&mut self, t: f64, sample: usize) -> f64 {
         let case = &self.equations.case;
         let t_end = case.t_end;
@@ -381,7 +382,7 @@ impl<S: OrdinaryNumericalMethod<f64, State> + Interpolation<f64, State>> Peer<S>
         end.min(t_end)
     }
 
-    /// Drops corners whose supports would have to pull, now or in the next moment.
+    /// Releases corners whose supports would have to pull, now or in the next moment.
     fn settle(&mut self, t: f64, y: &State) {
         let block = self.equations.block;
         let rounding = 1e-12 * block.gravity;
@@ -404,7 +405,7 @@ impl<S: OrdinaryNumericalMethod<f64, State> + Interpolation<f64, State>> Peer<S>
         }
     }
 
-    /// What the fall of surface `i` does; eqs. (14)–(19) and their mirror image for a landing.
+    /// Applies the fall of surface `i`; eqs. (14)–(19) and their mirror image for a landing.
     fn apply(&mut self, i: usize, t: f64, y: &mut State) {
         let block = self.equations.block;
         if let Regime::RigidBase(s) = self.equations.regime {
@@ -474,7 +475,7 @@ impl<S: OrdinaryNumericalMethod<f64, State> + Interpolation<f64, State>> Peer<S>
     }
 }
 
-/// A peer whatever its method.
+/// A peer with any of its methods.
 trait Runs {
     fn run(&mut self) -> Work;
     fn trace(&mut self) -> Vec<f64>;
@@ -498,7 +499,7 @@ impl<S: OrdinaryNumericalMethod<f64, State> + Interpolation<f64, State>> Runs fo
 impl Solver for Box<dyn Runs> {
     fn new(case: Case, method: &str, tolerance: f64) -> Box<dyn Runs> {
         let block = Block::new(&case);
-        // A height counts as the velocity that the supports make of it.
+        // A height counts as the velocity that the supports would give it.
         let velocity = block.r0 * block.alpha * block.p;
         let scales = [block.alpha, block.alpha * block.p, velocity / block.omega_v.max(block.p), velocity];
         let atol = scales.map(|scale| tolerance * scale).to_vec();

@@ -1,4 +1,4 @@
-//! A case through this project's solver: the core that the FMU has, with its peaks and energy sums. There is one method.
+//! Solves a case with this project's core, as in the FMU, including its peaks and energy sums. It has one method.
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
@@ -15,13 +15,13 @@ struct Ours {
 }
 
 impl Ours {
-    /// Inputs from a sample of the record on.
+    /// Returns the inputs from a sample of the record on.
     fn inputs(&self, sample: usize) -> Inputs {
         let (value, rate) = self.case.ramp(sample);
         Inputs { time: self.case.sample_time(sample), a_gx: Ramp { value, rate }, ..Inputs::default() }
     }
 
-    /// From the start to a time: as few calls as the inputs allow.
+    /// Runs from the start to a time, in as few calls as the inputs allow.
     fn run_to(&self, end: f64) -> Simulation {
         let mut simulation =
             Simulation::new(self.block, self.settings, self.pulse, &self.initial, 0.0, &self.inputs(0));
@@ -73,8 +73,8 @@ impl Solver for Ours {
         Work { rhs: counts.evaluations, steps: counts.steps, events: (counts.impacts + counts.liftoffs).into() }
     }
 
-    /// Each row is the end of a run of its own: a stop on the way would shorten the steps, and make this better than what
-    /// is timed.
+    /// Each row is the end of a separate run: intermediate stops would shorten the steps and make this more accurate than the
+    /// timed run.
     fn trace(&mut self) -> Vec<f64> {
         (0..=self.case.rows()).map(|row| self.run_to(self.case.row_time(row)).state()[0]).collect()
     }
