@@ -38,7 +38,7 @@ impl Simulation {
             begins = goes_on;
         }
         let seen = observe(&start.block, goes_on.0, &goes_on.1, support_heights, start.forcing);
-        let peaks = channels(&seen).peak_sensitivity();
+        let peaks = Peaks { tension: seen.tension.map(|tension| tension.eps), ..channels(&seen).peak_sensitivity() };
         let seen = if self.is_frozen() { seen.without_motion() } else { seen };
         let (kinetic, potential) = energy(&start.block, begins.0, &start.forcing.ties, &begins.1);
         let [kinetic, potential] = [kinetic, potential].map(|part| (part * start.block.mass).eps);

@@ -20,7 +20,7 @@ use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
 use crate::system::instant::Pose;
 use crate::system::instant::{Footing, State};
-use peaks::Peaks;
+use peaks::{Peaks, greater};
 
 pub use crate::system::beginning::Initial;
 pub use crate::system::initial_sensitivity::Start;
@@ -280,7 +280,11 @@ impl Simulation {
         let start = simulation.now(&block, &excitation);
         simulation.sums = EnergySums { initial: start.energy(), ..EnergySums::default() };
         let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
-        simulation.peaks.include(&Motion::from_pose(&block, &shown, &excitation).at(time, shown.state).channels());
+        let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
+        simulation.peaks.include(&shown.channels());
+        for (tie, peak) in simulation.peaks.tension.iter_mut().enumerate().take(block.ties.all().len()) {
+            *peak = greater(*peak, shown.tension(tie).value);
+        }
         simulation
     }
 

@@ -53,12 +53,13 @@ impl System {
                 let start = &Start { forcing: Forcing { ties: pose.ties, ..start.forcing }, ..*start };
                 let mut walk = Walk::begin(start, first, Placement::on_supports(&start.block, &start.initial));
                 for regime in regimes {
-                    if let (Regime::FullContact, Some(pivot)) = (walk.regime, regime.pivot()) {
+                    let grips = walk.footing.grips();
+                    if let (Regime::FullContact, Some(pivot), true) = (walk.regime, regime.pivot(), grips) {
                         walk.placement.hold_pivot(&start.block, pivot);
                     }
                     walk.enter(regime);
                 }
-                walk.slide_like(&pose);
+                walk.hold_foot_like(&pose);
                 walk.hold_like(&pose);
                 let here = (walk.regime, walk.instant);
                 InitialSensitivity { begins: here, goes_on: here, support_heights: walk.support_heights(&pose) }
@@ -77,7 +78,7 @@ impl System {
                         walk.placement = Placement::of(&walk.instant);
                         walk.enter(regime);
                     }
-                    walk.slide_like(&pose);
+                    walk.hold_foot_like(&pose);
                 }
                 InitialSensitivity { begins, goes_on: (walk.regime, walk.instant), support_heights: [zero; 2] }
             }
@@ -134,17 +135,20 @@ impl<'a, T: Elementary> Walk<'a, T> {
         }
     }
 
-    /// The foot slides from here on, if it does in this pose.
-    fn slide_like(&mut self, pose: &Pose) {
-        if self.footing.grips() && !pose.footing.grips() {
-            self.footing = match (pose.footing, free(&self.placement)) {
-                (Footing::Slides { direction, .. }, Footing::Free { u, u_dot }) => {
-                    Footing::Slides { u, u_dot, direction }
-                }
-                (_, free) => free,
-            };
-            self.look();
+    /// The foot grips or slides from here on like that of this pose.
+    fn hold_foot_like(&mut self, pose: &Pose) {
+        let (u, u_dot) = (self.placement.u, self.placement.velocities.u_dot);
+        match (self.footing, pose.footing) {
+            (Footing::Free { .. }, _) | (Footing::Grips { .. }, Footing::Grips { .. }) => return,
+            (_, Footing::Slides { direction, .. }) => self.footing = Footing::Slides { u, u_dot, direction },
+            (_, Footing::Free { .. }) => self.footing = Footing::Free { u, u_dot },
+            (Footing::Slides { .. }, Footing::Grips { .. }) => {
+                self.footing = Footing::Grips { offset: T::from(0.0) };
+                self.look();
+                self.footing = Footing::Grips { offset: u - self.placement.u };
+            }
         }
+        self.look();
     }
 
     /// A corner is held from here on, if one is in this pose.

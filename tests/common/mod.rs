@@ -47,7 +47,7 @@ pub struct Motion {
     a_p: f64,
     #[serde(default)]
     omega_p: f64,
-    record: Option<String>,
+    pub record: Option<String>,
     #[serde(default)]
     scale: f64,
 }
@@ -114,11 +114,6 @@ pub fn cases() -> Vec<Case> {
 }
 
 impl Motion {
-    /// Returns the name of its record, if it has one.
-    pub fn record(&self) -> Option<&str> {
-        self.record.as_deref()
-    }
-
     pub fn pulse(&self) -> Pulse {
         let shape = match self.kind.as_deref() {
             Some("sine") => PulseShape::OneSine,

@@ -91,7 +91,7 @@ fn run(case: &Case, event_mode: bool) -> BTreeSet<&'static str> {
 #[test]
 fn steps_return_early_at_slip_grip_taut_slack_and_break() {
     for event_mode in [true, false] {
-        let cases = cases().into_iter().filter(|case| case.a_gx.record().is_none());
+        let cases = cases().into_iter().filter(|case| case.a_gx.record.is_none());
         let kinds: BTreeSet<&str> = cases.flat_map(|case| run(&case, event_mode)).collect();
         assert_eq!(Vec::from_iter(kinds), ["break", "grip", "slack", "slip", "taut"], "event mode {event_mode}");
     }

@@ -14,7 +14,7 @@ pub struct Known {
 }
 
 /// All known variables of FMI 2.0.
-pub const KNOWNS: [Known; 31] = {
+pub const KNOWNS: [Known; 50] = {
     const fn free(name: &'static str) -> Known {
         Known { name, least: None }
     }
@@ -40,6 +40,7 @@ pub const KNOWNS: [Known; 31] = {
         free("mass"),
         free("gamma"),
         free("eccentricity"),
+        from_zero("friction"),
         from_zero("epsilon"),
         free("g"),
         from_zero("restitution_factor"),
@@ -53,8 +54,52 @@ pub const KNOWNS: [Known; 31] = {
         free("record.scale"),
         free("record.start"),
         from_zero("record.dt"),
+        free("tie_1.block_x"),
+        free("tie_1.block_z"),
+        free("tie_1.ground_x"),
+        free("tie_1.ground_z"),
+        from_zero("tie_1.stiffness"),
+        from_zero("tie_1.pretension"),
+        from_zero("tie_1.slack"),
+        from_zero("tie_1.damping"),
+        from_zero("tie_1.strength"),
+        free("tie_2.block_x"),
+        free("tie_2.block_z"),
+        free("tie_2.ground_x"),
+        free("tie_2.ground_z"),
+        from_zero("tie_2.stiffness"),
+        from_zero("tie_2.pretension"),
+        from_zero("tie_2.slack"),
+        from_zero("tie_2.damping"),
+        from_zero("tie_2.strength"),
     ]
 };
+
+/// Parameters of the ties.
+const TIES: [[&str; 9]; 2] = [
+    [
+        "tie_1.block_x",
+        "tie_1.block_z",
+        "tie_1.ground_x",
+        "tie_1.ground_z",
+        "tie_1.stiffness",
+        "tie_1.pretension",
+        "tie_1.slack",
+        "tie_1.damping",
+        "tie_1.strength",
+    ],
+    [
+        "tie_2.block_x",
+        "tie_2.block_z",
+        "tie_2.ground_x",
+        "tie_2.ground_z",
+        "tie_2.stiffness",
+        "tie_2.pretension",
+        "tie_2.slack",
+        "tie_2.damping",
+        "tie_2.strength",
+    ],
+];
 
 /// Initial values and parameters by name.
 #[derive(Clone, Debug)]
@@ -89,6 +134,12 @@ impl Draw {
             "pulse.start" | "record.start" => 0.1,
             "initial.theta_dot" | "initial.v_dot" => 0.5,
             "epsilon" => 0.5,
+            "friction" => 0.1,
+            _ if known.starts_with("tie_") => match known.split_once('.').map(|(_, of)| of) {
+                Some("slack") => 0.01,
+                Some("block_x" | "block_z" | "ground_x" | "ground_z") => 0.1,
+                _ => self.of(known).max(0.1 * mass),
+            },
             "dimensionless.xi_v" | "restitution_factor" | "record.scale" => self.of(known).max(0.1),
             "physical.C" => self.of(known).max(0.1 * mass),
             _ => self.of(known),
@@ -97,7 +148,7 @@ impl Draw {
 }
 
 /// Numbers from 0 to 1 that determine a draw.
-const NUMBERS: usize = 56;
+const NUMBERS: usize = 96;
 
 fn strategy() -> impl Strategy<Value = Draw> {
     prop::collection::vec(0.0..1.0_f64, NUMBERS).prop_map(|numbers| {
@@ -167,6 +218,31 @@ fn strategy() -> impl Strategy<Value = Draw> {
             ("F_z", mass * between(-0.5, 0.5)),
             ("M_y", mass * between(-0.5, 0.5)),
         ]);
+        // Below that at which a corner may jam on the rigid base.
+        let rough = if inertia > 0.0 { 0.24 } else { 0.7 };
+        let plain = between(0.0, 1.0) < 0.4;
+        let friction = if plain || between(0.0, 1.0) < 0.4 { 0.0 } else { between(0.02, rough) };
+        values.push(("friction", friction));
+        let ties = if plain { 0.0 } else { between(-1.0, 3.0).floor() };
+        for (i, names) in (0..).zip(TIES) {
+            let [zero_or, slack, brittle] = [1.0, 1.0, 1.0].map(|most| between(0.0, most) < 0.5);
+            let is_there = f64::from(i) < ties;
+            let drawn = [
+                between(-1.0, 1.0) * half_width,
+                between(0.0, 4.0),
+                between(-4.0, 4.0) * half_width,
+                between(-3.0, -0.2),
+                mass * between(0.5, 50.0),
+                mass * between(0.1, 3.0),
+                between(0.0, 0.05),
+                mass * between(0.05, 2.0),
+                mass * between(0.5, 20.0),
+            ];
+            let has = [true, true, true, true, is_there, !slack, slack, !zero_or, brittle];
+            for ((name, value), has) in names.into_iter().zip(drawn).zip(has) {
+                values.push((name, if has { value } else { 0.0 }));
+            }
+        }
         Draw { values }
     })
 }

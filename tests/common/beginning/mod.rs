@@ -95,11 +95,30 @@ impl Sizes {
     }
 }
 
+/// Returns the stretch of a tie (m), from the place of the block; zero without a tie.
+fn stretch(get: &mut impl FnMut(&str) -> f64, tie: u32) -> f64 {
+    let mut of = |name: &str| get(&format!("tie_{tie}.{name}"));
+    let [stiffness, pretension, slack] = ["stiffness", "pretension", "slack"].map(&mut of);
+    let [block, ground] = [["block_x", "block_z"], ["ground_x", "ground_z"]].map(|ends| ends.map(&mut of));
+    if stiffness == 0.0 {
+        return 0.0;
+    }
+    let [eccentricity, r0, alpha, u, v] = ["eccentricity", "derived.R0", "derived.alpha", "u", "v"].map(&mut *get);
+    let (sin, cos) = libm::sincos(get("theta"));
+    let h = r0 * libm::cos(alpha);
+    let (x, z) = (block[0] - eccentricity, block[1] - h);
+    let [x, z] = [eccentricity + u + x * cos + z * sin, h + v + z * cos - x * sin];
+    let rest = libm::hypot(block[0] - ground[0], block[1] - ground[1]) + slack - pretension / stiffness;
+    libm::hypot(x - ground[0], z - ground[1]) - rest
+}
+
 /// Values that tell whether a function is smooth between two points.
 struct Side {
     regime: [f64; 3],
-    /// Whether the foot slides, whether each tie pulls, and whether it is broken.
-    holds: [f64; 5],
+    /// Whether the foot slides and to which side.
+    slides: f64,
+    /// Whether each tie is stretched, pulls, and is broken.
+    ties: [[f64; 3]; 2],
     shear: f64,
     /// N_L + N_R, in units of the force.
     pressed: f64,
@@ -118,13 +137,14 @@ impl Side {
         let mut get = |name: &str| host.get(name);
         Side {
             regime: ["regime", "separated", "overturned"].map(&mut get),
-            holds: [
-                get("slides"),
-                sign(get("tie_1.tension"), sizes.force),
-                sign(get("tie_2.tension"), sizes.force),
-                get("tie_1.broken"),
-                get("tie_2.broken"),
-            ],
+            slides: get("slides") * sign(get("H"), sizes.force),
+            ties: [1, 2].map(|tie| {
+                [
+                    stretch(&mut get, tie).signum(),
+                    sign(get(&format!("tie_{tie}.tension")), sizes.force),
+                    get(&format!("tie_{tie}.broken")),
+                ]
+            }),
             shear: sign(get("H"), sizes.force),
             pressed: (get("N_L") + get("N_R")) / sizes.force,
             separation: get("derived.theta_separation"),
@@ -142,7 +162,8 @@ impl Side {
         let pressed = self.pressed.min(other.pressed);
         let steady = pressed > 0.3 && (self.pressed - other.pressed).abs() < 0.01 * pressed;
         self.regime == other.regime
-            && self.holds == other.holds
+            && self.slides == other.slides
+            && self.ties == other.ties
             && match unknown {
                 "friction_demand" | "peak.friction_demand" => same(self.shear, other.shear) && steady,
                 // The smaller of two, which are equal without eccentricity.
