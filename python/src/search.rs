@@ -87,9 +87,6 @@ pub fn search_damping<'py>(
     if block.foundation == Foundation::Rigid {
         return Err(PyValueError::new_err("a rigid base has no damping; expected a block on viscoelastic supports"));
     }
-    if !block.ties.is_empty() {
-        return Err(PyValueError::new_err("ties are not followed by this search; expected a block without ties"));
-    }
     finite("rate", rate, |_| true, "a finite number")?;
     let dimensionless = Dimensionless { alpha: block.alpha, p: block.p, eta: block.eta(), xi_v: block.xi_v };
     let common = Common {
@@ -109,7 +106,8 @@ pub fn search_damping<'py>(
             progress.end_if_abandoned();
         };
         let search = || {
-            search::damping_against_separation(&dimensionless, &common, rate, settings, &scan, Width::widest(), show)
+            let (ties, width) = (block.ties.all(), Width::widest());
+            search::damping_against_separation(&dimensionless, &common, ties, rate, settings, &scan, width, show)
         };
         pool.install(search)
     })?;

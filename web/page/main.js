@@ -470,7 +470,7 @@ function setUpStudy(name, plotOf, rowsOf) {
         const seconds = ((performance.now() - begin) / 1000).toFixed(1);
         part(".state").textContent = made.complete ? `${made.rows} rows in ${seconds} s` : "cancelled";
         part(".after").hidden = !made.complete;
-        part("pre").textContent = made.command ?? `${made.obstacle}.`;
+        part("pre").textContent = made.command;
         result = made.complete ? made : null;
       } else {
         showErrors(made.errors, name);

@@ -91,11 +91,6 @@ struct Overturning {
     /// Factor on Housner's restitution e of the rigid base; their product is at most 1
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     restitution_factor: f64,
-    /// Mass M; it changes the motion only together with --tie [kg]
-    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
-    mass: f64,
-    #[command(flatten)]
-    holds: HoldOptions,
     #[command(flatten)]
     block: BlockOptions,
     #[command(flatten)]
@@ -125,6 +120,11 @@ struct BlockOptions {
     /// Gravitational acceleration [m/s2]
     #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity)]
     g: f64,
+    /// Mass M; it changes the motion only together with --tie [kg]
+    #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
+    mass: f64,
+    #[command(flatten)]
+    holds: HoldOptions,
 }
 
 #[derive(Args)]
@@ -155,14 +155,17 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             let scan = damping.search.scan(from, to, resolution)?;
             let common = damping.block.common(Foundation::Viscoelastic);
             let block = damping.block.dimensionless(0.1, &common, explicit)?;
+            let tied = damping.block.tied(&block, &common, explicit)?;
+            let ties = tied.ties.all();
             let (settings, width) = (damping.search.settings()?, damping.search.processor.width());
             damping.search.search(
                 "xi_v",
                 "",
                 &scan,
                 |progress| {
-                    let found =
-                        search::damping_against_separation(&block, &common, rate, settings, &scan, width, progress);
+                    let found = search::damping_against_separation(
+                        &block, &common, ties, rate, settings, &scan, width, progress,
+                    );
                     Ok(found?)
                 },
                 OutcomeMap::damping_against_separation,
@@ -186,7 +189,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             )
         }
         Target::Overturning(overturning) => {
-            let Overturning { xi_v, foundation, restitution_factor, resolution, mass, .. } = **overturning;
+            let Overturning { xi_v, foundation, restitution_factor, resolution, .. } = **overturning;
             let rigid = foundation == Foundation::Rigid;
             explicit.refuse_unless(!rigid, &["eta", "xi-v"], "on a rigid base")?;
             explicit.refuse_unless(
@@ -196,14 +199,9 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             )?;
             explicit.refuse_unless(!explicit.has("record"), &["pulse", "period"], "with --record")?;
             overturning.search.check_table(&overturning.accelerograms.files().named())?;
-            let common = Common { restitution_factor, mass, ..overturning.block.common(foundation) };
-            let common = overturning.holds.common(common);
-            let block = Block::from_dimensionless(&overturning.block.dimensionless(xi_v, &common, explicit)?, &common)?;
-            let block = overturning.holds.tied(block)?;
-            anyhow::ensure!(
-                block.ties.is_empty() || explicit.has("mass"),
-                "--tie without --mass; expected both, since the effect of a tie depends on the mass"
-            );
+            let common = Common { restitution_factor, ..overturning.block.common(foundation) };
+            let dimensionless = overturning.block.dimensionless(xi_v, &common, explicit)?;
+            let block = overturning.block.tied(&dimensionless, &common, explicit)?;
             warn_of_soft_supports(&block);
             let (shaking, name, unit) = overturning.shaking(common.gravity)?;
             let [least, greatest] = search::usual_strengths(&block, &shaking);
@@ -269,8 +267,18 @@ impl BlockOptions {
     }
 
     fn common(&self, foundation: Foundation) -> Common {
-        let BlockOptions { epsilon, gamma, g, .. } = *self;
-        Common { epsilon, gamma, gravity: g, foundation, ..Common::default() }
+        let BlockOptions { epsilon, gamma, g, mass, .. } = *self;
+        self.holds.common(Common { epsilon, gamma, gravity: g, mass, foundation, ..Common::default() })
+    }
+
+    /// Returns the block with its ties, which need a mass.
+    fn tied(&self, block: &Dimensionless, common: &Common, explicit: &ExplicitOptions) -> anyhow::Result<Block> {
+        let block = self.holds.tied(Block::from_dimensionless(block, common)?)?;
+        anyhow::ensure!(
+            block.ties.is_empty() || explicit.has("mass"),
+            "--tie without --mass; expected both, since the effect of a tie depends on the mass"
+        );
+        Ok(block)
     }
 }
 

@@ -13,12 +13,13 @@ use crate::formats::{PictureOptions, check_table};
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::report::is_standard_output;
 use crate::run_options::{RunOptions, SizeOptions, StudyOptions, warn_of_soft_supports};
-use rocking_block::block::Common;
+use crate::tie::tie;
+use rocking_block::block::{Common, Tie};
 use rocking_block::excitation::PulseShape;
 use rocking_block::ground::Ground;
 use rocking_charts::spectrum::Abscissa;
 use rocking_studies::spectrum::statistics::Statistics;
-use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
 
 /// Options of `rocking spectrum`.
 #[derive(Parser)]
@@ -80,6 +81,13 @@ struct BlockOptions {
     /// Coulomb's coefficient of friction of the feet; 0 for no limit, so that they do not slide
     #[arg(long, value_name = "MU", default_value_t = 0.0)]
     friction: f64,
+    /// Distance of the centre of mass from the middle of the base over half the width, e_x/b: the same for all sizes
+    #[arg(long, value_name = "RATIO", default_value_t = 0.0, allow_hyphen_values = true)]
+    eccentricity_ratio: f64,
+    /// A tie that grows with the block: the keys of `rocking simulate --tie`, but with places and slack in R0, stiffness in M g/R0,
+    /// pretension and strength in M g, and damping in M p. One option per tie
+    #[arg(long, value_name = "KEY=NUMBER,...", value_parser = tie, allow_hyphen_values = true)]
+    tie_ratio: Vec<Tie>,
 }
 
 /// Parses the foundation of a curve.
@@ -150,7 +158,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
 impl Options {
     /// Returns the spectrum and a description of its excitation.
     fn spectrum(&self, explicit: &ExplicitOptions) -> anyhow::Result<(Spectrum, String)> {
-        let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g, friction } =
+        let BlockOptions { alpha, ref size, ref foundation, p_min, p_max, points, mass, gamma, g, friction, .. } =
             self.blocks;
         let alpha = match size.read(explicit, &["alpha"])? {
             Some([width, height]) => libm::atan2(width, height),
@@ -173,6 +181,10 @@ impl Options {
         let spectrum = Spectrum {
             alpha,
             common: Common { mass, gamma, gravity: g, friction, ..Common::default() },
+            in_proportion: InProportion {
+                eccentricity: self.blocks.eccentricity_ratio,
+                ties: self.blocks.tie_ratio.clone(),
+            },
             bases,
             sizes: Sizes { least: p_min, greatest: p_max, count: points },
             motions,
@@ -182,6 +194,7 @@ impl Options {
             step: self.run.step()?,
             friction_demand: check_friction_demand(self.friction_demand)?,
         };
+        check("eccentricity-ratio", self.blocks.eccentricity_ratio, |x| x.abs() < 1.0, "a ratio between -1 and 1")?;
         spectrum.check()?;
         // All sizes of a foundation share eta, so they all fall over or none does.
         for &base in &spectrum.bases {

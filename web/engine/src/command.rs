@@ -90,6 +90,11 @@ pub fn tie_values(tie: &Tie) -> [(&'static str, f64); 9] {
     ]
 }
 
+/// A tie as an option of the program.
+pub fn tie_text(tie: &Tie) -> String {
+    tie_values(tie).map(|(key, value)| format!("{key}={value}")).join(",")
+}
+
 /// The command line of a run that writes its history to `history.csv`.
 pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
     let block = &inputs.run.block;
@@ -123,8 +128,7 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
         };
     }
     for tie in block.ties.all() {
-        let values = tie_values(tie).map(|(key, value)| format!("{key}={value}"));
-        line.option("tie", values.join(","));
+        line.option("tie", tie_text(tie));
     }
     if !inputs.parameters.has_inertia() {
         line.unless("gamma", block.gamma, common.gamma);

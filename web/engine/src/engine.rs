@@ -233,8 +233,7 @@ impl Engine {
             "omega_p": is_pulse.then_some(omega_p),
             "columns": spectrum.header().columns,
             "header": spectrum.header().text().unwrap_or_default(),
-            "command": command.as_ref().ok(),
-            "obstacle": command.as_ref().err(),
+            "command": command,
         });
         self.study = Some(Prepared::Spectrum(spectrum));
         Ok((json, Vec::new()))

@@ -4,9 +4,9 @@ use rocking_block::block::{Common, Foundation};
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_block::words::Words;
 use rocking_studies::spectrum::statistics::direction;
-use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
 
-use crate::command::CommandLine;
+use crate::command::{CommandLine, tie_text};
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{Excitation, Inputs, Vertical, block_error};
 
@@ -14,19 +14,9 @@ use crate::inputs::{Excitation, Inputs, Vertical, block_error};
 ///
 /// # Errors
 /// One for each field at fault.
-pub fn read(
-    mut fields: Fields,
-    inputs: Inputs,
-    vertical: &Vertical,
-) -> Result<(Spectrum, Result<String, &'static str>), Vec<FieldError>> {
+pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<(Spectrum, String), Vec<FieldError>> {
     if inputs.excitation == Excitation::Release {
         fields.refuse(FieldError::new("excitation", "found a free motion; a spectrum expects a record or a pulse"));
-    }
-    if !inputs.run.block.ties.is_empty() {
-        fields.refuse(FieldError::new(
-            "tie",
-            "found a tie; a spectrum expects none, since a tie does not grow with the block",
-        ));
     }
     let least = fields.number("p_min", |x| x >= 0.001, "a frequency of at least 0.001 rad/s");
     let greatest = fields.number("p_max", |x| x > least, "a frequency above the smallest p");
@@ -47,7 +37,6 @@ pub fn read(
         mass: block.mass,
         gamma: block.gamma,
         gravity: block.gravity,
-        eccentricity: block.eccentricity,
         friction: block.friction,
         ..Common::default()
     };
@@ -55,6 +44,7 @@ pub fn read(
     let spectrum = Spectrum {
         alpha: block.alpha,
         common,
+        in_proportion: InProportion::of(block),
         bases: bases.collect(),
         sizes: Sizes { least, greatest, count },
         motions: vec![(direction(vertical.is_some()).into(), inputs.run.ground.clone())],
@@ -73,12 +63,7 @@ pub fn read(
     fields.finish((spectrum, command))
 }
 
-fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> Result<String, &'static str> {
-    if inputs.run.block.eccentricity != 0.0 {
-        return Err(
-            "`rocking spectrum` has no option for an eccentricity, which would be the same for blocks of all sizes",
-        );
-    }
+fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> String {
     let default = Common::default();
     let Common { mass, gamma, gravity, friction, .. } = spectrum.common;
     let mut line = CommandLine::new("spectrum");
@@ -89,12 +74,16 @@ fn command_line(spectrum: &Spectrum, inputs: &Inputs, vertical: &Vertical) -> Re
     let Sizes { least, greatest, count } = spectrum.sizes;
     line.option("p-min", least).option("p-max", greatest).option("points", count);
     line.unless("mass", mass, default.mass).unless("gamma", gamma, default.gamma).unless("g", gravity, default.gravity);
-    line.unless("friction", friction, default.friction);
+    let InProportion { eccentricity, ties } = &spectrum.in_proportion;
+    line.unless("friction", friction, default.friction).unless("eccentricity-ratio", *eccentricity, 0.0);
+    for tie in ties {
+        line.option("tie-ratio", tie_text(tie));
+    }
     let on_separation = spectrum.settings.on_separation;
     line.unless("on-separation", on_separation.word(), OnSeparation::Fly.word());
     if let Some(duration) = spectrum.duration {
         line.option("duration", duration);
     }
     line.option("csv", "spectrum.csv");
-    Ok(line.text())
+    line.text()
 }

@@ -20,7 +20,7 @@ use rocking_block::ground::Ground;
 use rocking_block::simulation::Settings;
 use rocking_studies::output::runner::Study;
 use rocking_studies::run::outcome::End;
-use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
 
 /// Height of a panel without its outcome bars: under pulses and under records.
 const HEIGHT: [u32; 2] = [6600, 5600];
@@ -96,6 +96,7 @@ fn spectrum(
     Spectrum {
         alpha,
         common: Common::default(),
+        in_proportion: InProportion::default(),
         bases: bases.to_vec(),
         sizes: Sizes { least, greatest, count: detail.sizes },
         motions: vec![("".into(), ground)],

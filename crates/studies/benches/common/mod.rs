@@ -11,7 +11,7 @@ use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::dynamics::instant_of;
 use rocking_block::system::instant::{Footing, State};
 use rocking_records::ReadOptions;
-use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
+use rocking_studies::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
 
 use crate::fmu::{Fmu, OK, reference};
 
@@ -91,6 +91,7 @@ pub fn spectrum(ground: Ground, count: u64) -> Spectrum {
     Spectrum {
         alpha: 0.25,
         common: Common::default(),
+        in_proportion: InProportion::default(),
         bases: vec![FoundationParameters::Viscoelastic { eta: 40.0, xi_v: 0.1, epsilon: 0.0 }],
         sizes: Sizes { least: 0.5, greatest: 4.0, count },
         motions: vec![("record".into(), ground)],

@@ -16,7 +16,7 @@ mod sums;
 
 use std::str::FromStr;
 
-use rocking_block::block::Block;
+use rocking_block::block::{Block, Corner};
 use rocking_records::Record;
 
 pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
@@ -117,7 +117,9 @@ impl Measure {
 
     /// The underlying measure of the record alone, and the factor that relates it to a block.
     pub fn beside(self, block: &Block) -> (Measure, f64) {
-        let uplift = || block.gravity * libm::tan(block.alpha);
+        // The side with less base lifts and overturns first.
+        let [left, right] = Corner::each(|corner| block.alpha_of(corner));
+        let uplift = || block.gravity * libm::tan(left.min(right));
         match self {
             Measure::PgaToUplift => (Measure::Pga, 1.0 / uplift()),
             Measure::PgvToOverturning => (Measure::Pgv, block.p / uplift()),

@@ -9,9 +9,9 @@
 //! overturn either. Pretensioned ties hold more energy than that even at rest: such a block is followed until it is at rest, upright
 //! or leaning on a tie.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
-use rocking_block::block::{Block, Corner, Foundation, Regime};
+use rocking_block::block::{Block, Corner, Foundation, Regime, TieState, TieStates};
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
@@ -66,17 +66,79 @@ fn barrier_over(block: &Block, corner: Corner) -> f64 {
 /// Longest rocking period (s) at an energy of `fraction` times the barrier, 0 ≤ fraction < 1.
 ///
 /// On the rigid base `(4/p) arcosh(1/√(1 − fraction))` (Housner 1963, in terms of the energy); supports add the period of rocking
-/// in full contact. An uneven block rocks about both corners, at most as slowly as about that with the lower frequency parameter;
-/// ties, which restrain it, are left out.
-fn cycle(block: &Block, fraction: f64) -> f64 {
+/// in full contact. An uneven block rocks about both corners, at most as slowly as about that with the lower frequency parameter. For a
+/// block with ties see [`tied_rocking_period`].
+fn cycle(block: &Block, ties: &TieStates, theta: f64, fraction: f64) -> f64 {
     let Block { b, h, i0, gravity, omega_v, .. } = *block;
-    let p = slowest(block);
-    let rocking = 4.0 / p * libm::acosh(1.0 / (1.0 - fraction).sqrt());
+    let rocking = match block.ties.is_empty() {
+        true => 4.0 / slowest(block) * libm::acosh(1.0 / (1.0 - fraction).sqrt()),
+        false => tied_rocking_period(block, ties, theta, fraction),
+    };
     let stiffness = omega_v * omega_v * b * b - gravity * h;
     match block.foundation {
         Foundation::Viscoelastic if stiffness > 0.0 => rocking + TAU * ((i0 + h * h) / stiffness).sqrt(),
         Foundation::Viscoelastic | Foundation::Rigid => rocking,
     }
+}
+
+/// Rocking period (s) of a block with ties on the rigid base, at this rotation and an energy of `fraction` times the barrier of the
+/// rigid base: twice `∫ dθ/θ̇` between the rotations at which it turns back.
+///
+/// By energy `½ (I0/M + R_I²) θ̇² = E − g R_I [cos(α_I − |θ|) − cos α_I] − Σ k s²/(2 M)`, with the stretch s of each tie that is not broken. A
+/// tendon through the base shortens the period (Vassiliou and Makris 2015); a tie that pulls to a side may lengthen it. Dashpots,
+/// impacts, and a gap that only lasting energy would cross are left out.
+pub fn tied_rocking_period(block: &Block, ties: &TieStates, theta: f64, fraction: f64) -> f64 {
+    /// Intervals of the search for the turning points, over both slenderness angles.
+    const SCAN: u32 = 400;
+    /// Halvings of the interval of a turning point.
+    const HALVINGS: u32 = 50;
+    /// Nodes of the integral in the angle of `θ = middle − half cos φ`, which is smooth where the block turns back.
+    const NODES: u32 = 400;
+    let barrier = Corner::each(|corner| libm::hypot(block.offset(corner), block.h) - block.h);
+    let energy = fraction * block.gravity * barrier[0].min(barrier[1]);
+    let square = |theta: f64| rate_squared(block, ties, energy, theta);
+    let turning = |side: f64| {
+        let step = side * (block.alpha_of(Corner::Left) + block.alpha_of(Corner::Right)) / f64::from(SCAN);
+        let mut inside = theta;
+        while square(inside + step) > 0.0 && inside.abs() < FRAC_PI_2 {
+            inside += step;
+        }
+        let mut outside = inside + step;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            if square(middle) > 0.0 { inside = middle } else { outside = middle }
+        }
+        inside
+    };
+    if square(theta) <= 0.0 {
+        return 0.0;
+    }
+    let [left, right] = [turning(-1.0), turning(1.0)];
+    let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
+    let slice = std::f64::consts::PI / f64::from(NODES);
+    let times = (0..NODES).map(|node| {
+        let (sin, cos) = libm::sincos(slice * (f64::from(node) + 0.5));
+        slice * half * sin / square(middle - half * cos).max(f64::MIN_POSITIVE).sqrt()
+    });
+    2.0 * times.sum::<f64>()
+}
+
+/// θ̇² (rad²/s²) of a block that rocks on the rigid base with this energy per unit mass (m²/s²).
+fn rate_squared(block: &Block, ties: &TieStates, energy: f64, theta: f64) -> f64 {
+    let corner = if theta < 0.0 { Corner::Left } else { Corner::Right };
+    let (offset, h) = (block.offset(corner), block.h);
+    let (sin, cos) = libm::sincos(theta);
+    // The corner stays; the centre of mass rises by `Q − h`.
+    let mut potential = block.gravity * (h * cos - offset * sin - h);
+    for (tie, _) in block.ties.all().iter().zip(ties).filter(|(_, state)| **state != TieState::Broken) {
+        let foot = -block.half_base(corner);
+        let [x, z] = [tie.block[0] - foot, tie.block[1]];
+        let end = [foot + x * cos + z * sin - tie.ground[0], z * cos - x * sin - tie.ground[1]];
+        let free = tie.length() + tie.slack - if tie.stiffness > 0.0 { tie.pretension / tie.stiffness } else { 0.0 };
+        let stretch = (libm::hypot(end[0], end[1]) - free).max(0.0);
+        potential += 0.5 * tie.stiffness * stretch * stretch / block.mass;
+    }
+    2.0 * (energy - potential) / (block.i0 + offset * offset + h * h)
 }
 
 /// The lower frequency parameter of both corners (rad/s): `√(g R_I/(I0/M + R_I²))`.
@@ -138,7 +200,8 @@ impl StoppingRule {
     pub fn check(&mut self, simulation: &Simulation) {
         let block = simulation.block();
         if let (None, Some(fraction)) = (self.earliest, fraction_of_barrier(simulation)) {
-            let further = (cycle(block, fraction) * block.p).ceil();
+            let period = cycle(block, &simulation.ties(), simulation.state()[0], fraction);
+            let further = (period * block.p).ceil();
             self.earliest = Some(self.checks + further as u64);
         }
         let is_known = self.earliest.is_some_and(|earliest| self.checks >= earliest);

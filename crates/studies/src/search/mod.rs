@@ -16,7 +16,7 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
 pub use bisection::{Change, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Tie};
 use rocking_block::excitation::Pulse;
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
@@ -53,18 +53,20 @@ fn changes_of_end(
 
 /// Scans the damping ratio ξ_v of a block that starts from rest on its supports with θ̇(0) = `rate` α p.
 ///
-/// The block vibrates freely until it has come down; the ξ_v of `block` is ignored.
+/// The block vibrates freely until it has come down, with these `ties`; the ξ_v of `block` is ignored.
 /// [`OutcomeMap::damping_against_separation`] gives the damping needed against separation.
+#[expect(clippy::too_many_arguments, reason = "a block in parts, since its damping is varied")]
 pub fn damping_against_separation(
     block: &Dimensionless,
     common: &Common,
+    ties: &[Tie],
     rate: f64,
     settings: Settings,
     scan: &Scan,
     width: Option<Width>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Result<OutcomeMap<End>, BlockError> {
-    let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common);
+    let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common)?.with_ties(ties);
     of(scan.from).and(of(scan.to))?;
     let initial = Initial { theta_dot: rate * block.alpha * block.p, ..Initial::default() };
     let run = |xi_v| {

@@ -15,7 +15,7 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::{Holds, Outcome};
 use crate::run::sliding;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Tie};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
@@ -86,13 +86,59 @@ impl Sizes {
     }
 }
 
+/// Eccentricity and ties in proportion to each block, so that blocks of all sizes are similar. The units are R0 for places and slack,
+/// M g/R0 for stiffness, M g for pretension and strength, and M p for damping.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InProportion {
+    /// Eccentricity over half the width, e_x/b (1).
+    pub eccentricity: f64,
+    /// Ties, with all their numbers in these units.
+    pub ties: Vec<Tie>,
+}
+
+impl InProportion {
+    /// The proportions of a block.
+    pub fn of(block: &Block) -> InProportion {
+        let ties = block.ties.all().iter().map(|tie| scaled(tie, block, |value, unit| value / unit));
+        InProportion { eccentricity: block.eccentricity / block.b, ties: ties.collect() }
+    }
+
+    /// The block with `common` and these proportions.
+    fn block(&self, dimensionless: &Dimensionless, common: &Common) -> Result<Block, BlockError> {
+        let even = Block::from_dimensionless(dimensionless, common)?;
+        if *self == InProportion::default() {
+            return Ok(even);
+        }
+        let common = Common { eccentricity: self.eccentricity * even.b, ..*common };
+        let block = Block::from_dimensionless(dimensionless, &common)?;
+        let ties: Vec<Tie> = self.ties.iter().map(|tie| scaled(tie, &block, |value, unit| value * unit)).collect();
+        block.with_ties(&ties)
+    }
+}
+
+/// A tie whose numbers are made by `change` from their values and their units for this block.
+fn scaled(tie: &Tie, block: &Block, change: impl Fn(f64, f64) -> f64) -> Tie {
+    let (length, force) = (block.r0, block.mass * block.gravity);
+    Tie {
+        block: tie.block.map(|place| change(place, length)),
+        ground: tie.ground.map(|place| change(place, length)),
+        stiffness: change(tie.stiffness, force / length),
+        pretension: change(tie.pretension, force),
+        slack: change(tie.slack, length),
+        damping: change(tie.damping, block.mass * block.p),
+        strength: change(tie.strength, force),
+    }
+}
+
 /// A spectrum: each ground motion × each foundation × each size is a row.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
     /// Slenderness angle α (rad).
     pub alpha: f64,
-    /// Mass, shape factor and gravity; `bases` has the rest.
+    /// Mass, shape factor, gravity and friction; `bases` and `in_proportion` have the rest.
     pub common: Common,
+    /// Eccentricity and ties.
+    pub in_proportion: InProportion,
     /// Foundations.
     pub bases: Vec<FoundationParameters>,
     /// Sizes.
@@ -175,7 +221,7 @@ impl Spectrum {
             }
         };
         let common = Common { epsilon, foundation, restitution_factor, ..self.common };
-        Block::from_dimensionless(&Dimensionless { alpha: self.alpha, p, eta, xi_v }, &common)
+        self.in_proportion.block(&Dimensionless { alpha: self.alpha, p, eta, xi_v }, &common)
     }
 
     /// The run of a row.
@@ -203,6 +249,11 @@ impl Study for Spectrum {
             format!("alpha = {}, mass = {mass}, gamma = {gamma}, g = {gravity}{friction}", self.alpha),
             format!("p = {least} to {greatest}, {count} sizes"),
         ];
+        let InProportion { eccentricity, ties } = &self.in_proportion;
+        if *eccentricity != 0.0 {
+            study.push(format!("e_x/b = {eccentricity}"));
+        }
+        study.extend(ties.iter().map(|tie| format!("tie in R0, M g and p: {tie:?}")));
         study.extend(self.bases.iter().map(|base| format!("foundation {base}")));
         for (name, ground) in &self.motions {
             study.push(format!("motion {name}: {}", ground.fingerprint()));
@@ -246,7 +297,7 @@ impl Spectrum {
 
     /// What holds the blocks.
     fn holds(&self) -> Holds {
-        Holds { friction: self.common.friction > 0.0, ties: 0 }
+        Holds { friction: self.common.friction > 0.0, ties: self.in_proportion.ties.len() }
     }
 
     /// The run of a row of a spectrum that has passed [`Spectrum::check`].

@@ -158,3 +158,63 @@ fn other_numbers_are_refused() {
     assert_eq!(told.status.code(), Some(2));
     assert!(text(&told.stderr).contains("expected 1, 2, 4 or 8"));
 }
+
+/// Friction, a tie and an eccentric centre of mass: such blocks are stepped alone.
+const HELD: [&str; 6] = [
+    "--friction",
+    "0.35",
+    "--eccentricity-ratio",
+    "0.2",
+    "--tie-ratio",
+    "block_z=1.5,ground_x=2,stiffness=0.3,slack=0.02,damping=0.01,strength=0.06",
+];
+
+#[test]
+fn a_spectrum_of_held_blocks() {
+    let folder = folder("");
+    let arguments = [&SPECTRUM[..10], &HELD, &["--points", "7", "--foundation", "rigid"]].concat();
+    let table = the_same_bytes(folder.path(), &arguments, STOOD_AND_FELL);
+    let some = |column: &str| (0..table.rows.len()).filter(|&row| table.number(row, column) > 0.0).count();
+    assert!(some("peak.slip [m]") > 3 && some("peak.tie_1.tension [N]") > 3);
+}
+
+/// Plain blocks in lanes beside blocks that are stepped alone.
+#[test]
+fn a_sweep_of_plain_and_held_blocks() {
+    let folder = folder(
+        r#"
+[study]
+design = "grid"
+
+[parameters]
+dimensionless.alpha = [0.2, 0.35]
+dimensionless.p = [1, 2.5]
+friction = [0, 0.3]
+eccentricity = [0, 0.05]
+tie_1.block_z = [1]
+tie_1.ground_x = [2]
+tie_1.stiffness = [0, 2e3]
+
+[[records]]
+horizontal = "h.csv"
+vertical = "v.csv"
+unit = "m/s2"
+dt = 0.01
+"#,
+    );
+    let table = the_same_bytes(folder.path(), &["sweep", "study.toml"], STOOD_AND_FELL);
+    let some = |column: &str| (0..table.rows.len()).filter(|&row| table.number(row, column) > 0.0).count();
+    assert_eq!(table.rows.len(), 32);
+    assert!(some("peak.slip [m]") > 3 && some("peak.tie_1.tension [N]") > 3);
+}
+
+#[test]
+fn searches_of_a_held_block() {
+    let folder = folder("");
+    let held = ["--friction", "0.4", "--eccentricity", "0.1", "--mass", "1000"];
+    let tie = ["--tie", "block_z=2,ground_x=3,stiffness=2e3,slack=0.01"];
+    let damping = [&["search", "damping", "--to", "0.4", "--points", "40"], &held[..], &tie].concat();
+    the_same_bytes(folder.path(), &damping, ["separated", "completed"]);
+    let pulse = ["--period", "1.5", "--to", "12", "--points", "60"];
+    the_same_bytes(folder.path(), &[&["search", "overturning"], &held[..], &tie, &pulse].concat(), STOOD_AND_FELL);
+}

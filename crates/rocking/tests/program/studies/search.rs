@@ -27,7 +27,7 @@ fn end(block: &Block, initial: Initial, pulse: Pulse, duration: f64) -> End {
 fn damping_against_separation_brackets_the_change() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
     let found =
-        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
+        damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
             .unwrap();
     assert!(!found.changes.is_empty());
     for change in &found.changes {
@@ -89,7 +89,7 @@ fn the_program_prints_the_result_of_the_library() {
     assert_eq!(one, two);
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-4 };
     let found =
-        damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
+        damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, |_, _| ())
             .unwrap();
     let needed = found.least_without(End::Separated).unwrap();
     // Four decimals, as fine as the resolution.
@@ -167,7 +167,8 @@ fn progress_ends_with_all_runs_done() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
     let told = std::sync::Mutex::new(Vec::new());
     let progress = |done, runs| told.lock().unwrap().push((done, runs));
-    damping_against_separation(&BLOCK, &Common::default(), 0.95, Settings::default(), &scan, WIDTH, progress).unwrap();
+    damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, progress)
+        .unwrap();
     let mut told = told.into_inner().unwrap();
     told.sort_unstable();
     assert!(told.iter().map(|run| run.0).eq(1..=told.len() as u64));

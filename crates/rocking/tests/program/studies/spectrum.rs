@@ -309,3 +309,66 @@ fn wrong_spectra_are_refused_and_leave_no_file() {
     );
     refused(folder.path(), &spectrum(&["--csv", "none/s.csv"]), &["none/s.csv: cannot be written"]);
 }
+
+/// Eccentricity and ties in proportion: blocks of p and 2p under similar pulses rock alike, and slide a quarter of the way.
+#[test]
+fn held_blocks_of_all_sizes_are_similar() {
+    let folder = tempfile::tempdir().unwrap();
+    let held = "--friction 0.3 --eccentricity-ratio -0.15 \
+                --tie-ratio block_z=1.4,ground_x=2,stiffness=0.4,pretension=0.01,damping=0.02,strength=0.05";
+    let tables = [(1.0, "large.csv"), (2.0, "small.csv")].map(|(p, name)| {
+        let (least, most, period) = (0.5 * p, 4.0 * p, 2.0 / p);
+        let line = format!(
+            "spectrum --pulse one-sine --amplitude 4 --period {period} --p-min {least} --p-max {most} --points 7 \
+             --foundation 40,0.1,0 --foundation rigid {held} --csv {name}"
+        );
+        stdout(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+        Table::read(&folder.path().join(name))
+    });
+    let mut held = [0, 0];
+    for row in 0..14 {
+        let [large, small] = tables.each_ref().map(|table| {
+            ["peak.theta/alpha [1]", "peak.slip [m]", "peak.tie_1.tension [N]"].map(|name| table.number(row, name))
+        });
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + 1e-3);
+        assert!(close(large[0], small[0]), "row {row}: {large:?} {small:?}");
+        assert!(close(large[1], 4.0 * small[1]) && close(large[2], small[2]), "row {row}: {large:?} {small:?}");
+        held = [held[0] + i32::from(large[1] > 0.01), held[1] + i32::from(large[2] > 200.0)];
+    }
+    assert!(held[0] > 3 && held[1] > 3, "{held:?}");
+}
+
+/// A row is the run of the block with the numbers that its proportions come to.
+#[test]
+fn proportions_are_those_of_the_block() {
+    let folder = tempfile::tempdir().unwrap();
+    let excitation = "--pulse one-sine --amplitude 4 --period 1.1 --g 9.81 --mass 700";
+    let line = format!(
+        "spectrum {excitation} --p-min 1 --p-max 2 --points 2 --foundation 40,0.1,0 --eccentricity-ratio 0.1 \
+         --tie-ratio block_x=-0.1,block_z=1,ground_x=-2,stiffness=0.5,pretension=0.02,slack=0.01,damping=0.03,strength=1 \
+         --csv spectrum.csv"
+    );
+    stdout(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let row = Table::read(&folder.path().join("spectrum.csv"));
+    let (p, alpha, mass, g) = (2.0, 0.25_f64, 700.0, 9.81);
+    let r0 = 0.75 * g / (p * p);
+    let (weight, b) = (mass * g, r0 * alpha.sin());
+    let tie = format!(
+        "block_x={},block_z={r0},ground_x={},stiffness={},pretension={},slack={},damping={},strength={weight}",
+        -0.1 * r0,
+        -2.0 * r0,
+        0.5 * weight / r0,
+        0.02 * weight,
+        0.01 * r0,
+        0.03 * mass * p
+    );
+    let line = format!("simulate {excitation} --p {p} --eccentricity {} --tie {tie} --tolerance 1e-6 --json", 0.1 * b);
+    let json: serde_json::Value =
+        serde_json::from_str(&stdout(folder.path(), &line.split_whitespace().collect::<Vec<_>>())).unwrap();
+    for (column, pointer) in
+        [("peak.theta/alpha [1]", "/peak/theta~1alpha"), ("peak.tie_1.tension [N]", "/ties/0/peak_tension")]
+    {
+        let (found, expected) = (row.number(0, column), json.pointer(pointer).and_then(|x| x.as_f64()).unwrap());
+        assert!((found / expected - 1.0).abs() < 1e-5 && expected > 0.01, "{column}: {found}, not {expected}");
+    }
+}

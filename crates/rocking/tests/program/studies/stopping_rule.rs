@@ -1,15 +1,16 @@
 //! End of runs without a duration, and the rule that counts a separation as overturning.
 
 use rocking_block::block::ties::NO_TIES;
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime};
-use rocking_block::excitation::{Forcing, Pulse, PulseShape};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime, Tie};
+use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
 use rocking_block::ground::Ground;
-use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
+use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::dynamics::instant;
+use rocking_block::system::events::EventKind;
 use rocking_block::system::forces::energy;
 use rocking_block::system::instant::Footing;
 use rocking_studies::run::outcome::{End, Flights};
-use rocking_studies::run::stopping_rule::overturning_barrier;
+use rocking_studies::run::stopping_rule::{fraction_of_barrier, overturning_barrier, tied_rocking_period};
 use rocking_studies::run::{History, Run};
 use rocking_studies::statistics::sampling::LatinHypercube;
 
@@ -76,6 +77,45 @@ fn the_barrier_of_an_uneven_block_is_the_lower_one_of_both_sides() {
         let (searched, barrier) = (sides[0].min(sides[1]), overturning_barrier(&block));
         assert!((searched - barrier).abs() < 1e-7 * block.gravity * block.r0, "{barrier}, searched {sides:?}");
     }
+}
+
+/// The rocking period with ties is that of a block that loses no energy, measured over three landings.
+#[test]
+fn the_rocking_period_with_ties_is_the_measured_one() {
+    let plain = block(0.25, 40.0, 0.0, Foundation::Rigid);
+    let common =
+        Common { foundation: Foundation::Rigid, restitution_factor: 1.0 / plain.restitution(), ..Common::default() };
+    let elastic = |ties: &[Tie]| {
+        let dimensionless = Dimensionless { alpha: 0.25, p: 1.3, eta: 40.0, xi_v: 0.1 };
+        Block::from_dimensionless(&dimensionless, &common).unwrap().with_ties(ties).unwrap()
+    };
+    let (b, weight) = (plain.b, plain.mass * plain.gravity);
+    let tie = Tie { stiffness: 0.4 * weight / b, ..Tie::default() };
+    let tendon = Tie { ground: [0.0, -2.0 * b], pretension: 0.05 * weight, ..tie };
+    let guy = Tie { block: [b, 4.0 * b], ground: [6.0 * b, 0.0], ..tie };
+    let slack = Tie { block: [-b, 5.0 * b], ground: [-7.0 * b, 0.0], slack: 0.05 * b, ..tie };
+    // Hardly any stiffness: a constant force to the right.
+    let pulls = Tie { stiffness: 0.01 * weight / b, pretension: 0.01 * weight, slack: 0.0, ..guy };
+    let [without, ..] = [&[][..], &[tendon], &[guy], &[slack], &[tendon, slack], &[pulls]].map(|ties| {
+        let (block, inputs) = (elastic(ties), Inputs::default());
+        let settings = Settings { tolerance: 1e-10, ..Settings::default() };
+        let initial = Initial { theta: 0.12, ..Initial::default() };
+        let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
+        let fraction = fraction_of_barrier(&simulation).unwrap();
+        let rule = tied_rocking_period(&block, &simulation.ties(), 0.12, fraction);
+        let mut landings = vec![];
+        let take = &mut |event: &_| {
+            let &rocking_block::system::events::Event { time, kind, .. } = event;
+            landings.extend(matches!(kind, EventKind::Landing(_)).then_some(time));
+        };
+        simulation.advance(20.0, &inputs, take).unwrap();
+        let measured = landings[2] - landings[0];
+        assert!((rule / measured - 1.0).abs() < 2e-4, "{ties:?}: {rule} s, measured {measured} s");
+        rule
+    });
+    let exact = 4.0 / plain.p * (1.0 / (1.0 - 0.12 / 0.25_f64)).acosh();
+    // Housner's formula, for a slender block.
+    assert!((without / exact - 1.0).abs() < 0.02, "{without} s, Housner's {exact} s");
 }
 
 /// Released at rest on either side of α, one block comes down and the other overturns, after a long time.
