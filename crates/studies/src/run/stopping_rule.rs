@@ -97,9 +97,13 @@ pub fn tied_rocking_period(block: &Block, ties: &TieStates, theta: f64, fraction
     let barrier = Corner::each(|corner| libm::hypot(block.offset(corner), block.h) - block.h);
     let energy = fraction * block.gravity * barrier[0].min(barrier[1]);
     let square = |theta: f64| rate_squared(block, ties, energy, theta);
+    let step = (block.alpha_of(Corner::Left) + block.alpha_of(Corner::Right)) / f64::from(SCAN);
+    // A block that turns back right now moves to one side.
+    let Some(start) = [theta, theta - step, theta + step].into_iter().find(|&theta| square(theta) > 0.0) else {
+        return 0.0;
+    };
     let turning = |side: f64| {
-        let step = side * (block.alpha_of(Corner::Left) + block.alpha_of(Corner::Right)) / f64::from(SCAN);
-        let mut inside = theta;
+        let (step, mut inside) = (side * step, start);
         while square(inside + step) > 0.0 && inside.abs() < FRAC_PI_2 {
             inside += step;
         }
@@ -110,9 +114,6 @@ pub fn tied_rocking_period(block: &Block, ties: &TieStates, theta: f64, fraction
         }
         inside
     };
-    if square(theta) <= 0.0 {
-        return 0.0;
-    }
     let [left, right] = [turning(-1.0), turning(1.0)];
     let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
     let slice = std::f64::consts::PI / f64::from(NODES);
