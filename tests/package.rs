@@ -1,4 +1,4 @@
-//! What is in `RockingBlock.fmu`, and that it depends on the sources alone.
+//! Content of `RockingBlock.fmu`, which depends on the sources alone.
 
 #[path = "../build/date.rs"]
 mod date;
@@ -13,7 +13,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive};
 
 const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Those of which the last commit has the date.
+/// The sources whose last commit gives the date.
 const SOURCES: [&str; 5] = ["build.rs", "build", "src", "modelDescription.xml", "documentation"];
 
 fn open(path: &Path) -> ZipArchive<File> {
@@ -41,7 +41,7 @@ fn text(files: &BTreeMap<String, Vec<u8>>, path: &str) -> String {
     String::from_utf8(content.clone()).unwrap()
 }
 
-/// The path and content of the one binary.
+/// Returns path and content of the only binary.
 fn binary(files: &BTreeMap<String, Vec<u8>>) -> (&str, &[u8]) {
     let mut binaries = files.iter().filter(|(path, _)| path.starts_with("binaries/"));
     let (path, content) = binaries.next().expect("a binary");
@@ -54,7 +54,7 @@ fn contains(content: &[u8], part: &str) -> bool {
 }
 
 #[test]
-fn holds_what_the_standard_names_and_nothing_else() {
+fn holds_only_the_files_of_the_standard() {
     let files = files();
     let (binary, _) = binary(&files);
     let found: Vec<_> = files.keys().filter(|path| !path.starts_with("documentation/licenses/")).collect();
@@ -99,7 +99,7 @@ fn holds_the_licence_of_every_crate_it_lists() {
     assert_eq!(folders, listed);
 }
 
-/// CycloneDX 1.6: what is linked, by the checksums of Cargo.lock, and nothing that another build would have otherwise.
+/// CycloneDX 1.6: the linked crates, with the checksums of Cargo.lock, and no content that differs between builds.
 #[test]
 fn bill_of_materials_lists_the_crates_of_the_licences_with_their_checksums() {
     let files = files();
@@ -156,11 +156,11 @@ fn description_has_the_date_of_the_sources() {
     let packed = text(&files(), "modelDescription.xml");
     let packed = roxmltree::Document::parse(&packed).unwrap();
     let date = packed.root_element().attribute("generationDateAndTime").unwrap();
-    // A commit of what was already built does not pack again.
+    // A commit of sources that were built before it does not pack again.
     assert!(date.len() == 20 && *date <= *date::generation().unwrap(), "{date}");
 }
 
-/// The packed description is the source with its GUID, and with Integers in the place of enumerations.
+/// The packed description is the source with its GUID, and with Integers instead of enumerations.
 #[test]
 fn description_is_the_source_without_enumerations() {
     let files = files();
@@ -221,7 +221,7 @@ fn page_shows_every_variable_and_loads_nothing() {
     for variable in &VARIABLES {
         assert!(page.contains(&format!("<td><code>{}</code></td>", variable.name)), "{}", variable.name);
     }
-    // A reference to the page itself, as to the arrowhead of the drawing, loads nothing.
+    // A reference within the page, such as to the arrowhead of the drawing, loads nothing.
     let page = page.replace("url(#", "");
     for forbidden in
         ["<script", "<link", "src=", "@import", "url(", "<!-- variables", "<!-- version", "<!-- FMI", "fmi3"]
@@ -230,7 +230,7 @@ fn page_shows_every_variable_and_loads_nothing() {
     }
 }
 
-/// Whatever differs between two builds of one source would show here first.
+/// Any difference between two builds of the same sources would show here first.
 #[test]
 fn entries_are_sorted_and_undated() {
     let mut archive = open(Path::new(env!("ROCKING_BLOCK_FMU")));

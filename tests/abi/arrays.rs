@@ -32,13 +32,13 @@ fn fresh<T>(length: usize) -> Vec<T> {
 }
 
 #[test]
-fn results_may_go_where_nothing_was_written() {
+fn results_may_go_to_uninitialized_memory() {
     let instance = pushed();
     let outputs = real_outputs();
     let n = outputs.len();
     let mut values = fresh(n);
     assert_eq!(call!(instance, get_real, outputs.as_ptr(), n, values.as_mut_ptr()), OK);
-    // SAFETY: the call wrote all of them.
+    // SAFETY: the call has initialized all n values.
     unsafe { values.set_len(n) };
     let seen: Vec<f64> = outputs.iter().map(|r| instance.get(&FMU.description.variables[*r as usize].name)).collect();
     assert_eq!(values, seen);
@@ -48,7 +48,7 @@ fn results_may_go_where_nothing_was_written() {
         call!(instance, get_real_output_derivatives, outputs.as_ptr(), n, vec![1; n].as_ptr(), rates.as_mut_ptr()),
         OK
     );
-    // SAFETY: the call wrote all of them.
+    // SAFETY: the call has initialized all n rates.
     unsafe { rates.set_len(n) };
     assert_eq!(rates[outputs.iter().position(|&r| r == reference("theta")).unwrap()], instance.get("theta_dot"));
 
@@ -62,7 +62,7 @@ fn results_may_go_where_nothing_was_written() {
     let bytes = instance.serialize(state);
     let mut room: Vec<std::ffi::c_char> = fresh(bytes.len() + 10);
     assert_eq!(call!(instance, serialize, state, room.as_mut_ptr(), bytes.len() + 10), OK);
-    // SAFETY: the call wrote as many as the state has.
+    // SAFETY: the call has initialized all bytes of the state.
     unsafe { room.set_len(bytes.len()) };
     assert_eq!(room, bytes);
     instance.free(state);
@@ -70,7 +70,7 @@ fn results_may_go_where_nothing_was_written() {
 
 /// Passes directions and sensitivities in one array, as solvers that work in place do.
 #[test]
-fn a_direction_may_be_where_its_sensitivities_go() {
+fn a_direction_may_share_its_array_with_the_sensitivities() {
     let instance = pushed();
     let (unknowns, knowns) = (UNKNOWNS.map(reference), INPUTS.map(reference));
     let mut apart = [f64::NAN; 5];
@@ -94,7 +94,7 @@ fn a_direction_may_be_where_its_sensitivities_go() {
 
 /// Passes one buffer for everything, so that inputs overlap the results.
 #[test]
-fn references_and_orders_may_be_where_the_values_go() {
+fn references_and_orders_may_share_their_arrays_with_the_values() {
     let instance = pushed();
     let outputs = real_outputs();
     let n = outputs.len();

@@ -28,7 +28,7 @@ fn instantiate(name: Option<&str>, kind: c_int, guid: Option<&str>) -> (bool, Ve
 }
 
 #[test]
-fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
+fn wrong_names_guids_and_types_are_refused_and_the_reason_is_logged() {
     let guid = FMU.description.guid.as_str();
     let wrong = "{00000000-0000-0000-0000-000000000000}";
     let cases: [(Request, &[&str]); 9] = [
@@ -57,12 +57,12 @@ fn an_instance_for_somebody_else_is_not_given_and_the_reason_is_logged() {
 }
 
 #[test]
-fn without_callbacks_there_is_no_instance_and_without_a_logger_no_message() {
+fn instantiation_without_callbacks_or_logger() {
     let guid = CString::new(FMU.description.guid.as_str()).unwrap();
     let mut callbacks = callbacks(&Messages::default());
     callbacks.logger = None;
     let instantiate = FMU.functions.instantiate;
-    // SAFETY: texts end with 0; NULL callbacks are what is tested; the others outlive the instance.
+    // SAFETY: texts end with 0; the test is about NULL callbacks; the others outlive the instance.
     unsafe {
         assert!(instantiate(c"block".as_ptr(), CO_SIMULATION, guid.as_ptr(), null(), null(), 0, 1).is_null());
         assert!(instantiate(c"block".as_ptr(), CO_SIMULATION, c"wrong".as_ptr(), null(), &callbacks, 0, 1).is_null());
@@ -85,7 +85,7 @@ fn any_resource_location_does() {
 }
 
 #[test]
-fn geometry_that_makes_no_block_is_refused_until_it_is_mended() {
+fn invalid_geometry_is_refused_until_it_is_corrected() {
     let fine: [(&str, f64); 3] = [("physical.width", 2.0), ("physical.height", 8.0), ("physical.K", 1e6)];
     for (name, value) in fine {
         let instance = Instance::new("block");
@@ -117,7 +117,7 @@ fn parameters_whose_product_overflows_are_refused() {
 
 /// A parameter that is not read is reported with the setting that it needs, never silently ignored.
 #[test]
-fn parameters_that_are_not_read_are_warned_of() {
+fn unused_parameters_cause_a_warning() {
     let cases = [
         ("parameterization", 1.0, "physical.width", 1.25, "parameterization = Physical"),
         ("parameterization", 2.0, "dimensionless.alpha", 1.25, "parameterization = Dimensionless"),
@@ -146,13 +146,13 @@ fn parameters_that_are_not_read_are_warned_of() {
     }
 }
 
-/// Sizes of a block, none of them a start value.
+/// Sizes of a block; none of them is a start value.
 const SIZES: [(&str, f64); 4] =
     [("physical.width", 0.6), ("physical.height", 2.0), ("physical.K", 4e5), ("physical.C", 3e3)];
 
 /// A block given by its sizes never gets default supports without a warning.
 #[test]
-fn sizes_that_were_not_set_are_warned_of() {
+fn missing_sizes_cause_a_warning() {
     let warned = |foundation: f64, sizes: &[(&str, f64)]| {
         let instance = Instance::new("block");
         instance.set("parameterization", 2.0);
@@ -183,7 +183,7 @@ fn sizes_that_were_not_set_are_warned_of() {
 }
 
 #[test]
-fn an_experiment_that_cannot_be_is_refused_and_the_one_before_stays() {
+fn an_invalid_experiment_is_refused_and_the_previous_one_stays() {
     let bad: [(Experiment, &[&str]); 8] = [
         ((None, f64::NAN, None), &["startTime", "NaN"]),
         ((None, f64::INFINITY, None), &["startTime", "inf"]),

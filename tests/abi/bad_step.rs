@@ -15,7 +15,7 @@ fn at_two() -> Instance {
 }
 
 #[test]
-fn steps_that_cannot_be_are_refused_with_both_times_and_leave_no_trace() {
+fn impossible_steps_are_refused_with_both_times_and_change_nothing() {
     let (nan, infinite) = (f64::NAN, f64::INFINITY);
     let bad: [(f64, f64, &[&str]); 16] = [
         (1.5, 0.5, &["currentCommunicationPoint", "1.5", "2.0"]),
@@ -72,7 +72,7 @@ fn a_block_at_rest_takes_a_step_of_any_length() {
 
 /// Masters sum up their steps: an error of 1e-9 max(h, |t|) is accepted, and the master's time becomes the instance's.
 #[test]
-fn a_clock_off_by_rounding_is_accepted_and_taken() {
+fn a_clock_off_by_rounding_is_accepted_and_adopted() {
     for (time, step) in [(2.0 + 1.9e-9, 0.5), (2.0 - 1.9e-9, 0.5), (2.0 + 4.9e-9, 5.0), (2.0_f64.next_up(), 1e-3)] {
         let instance = at_two();
         instance.step(time, step);

@@ -155,7 +155,7 @@ fn what_cannot_be_set() {
 }
 
 #[test]
-fn numbers_that_are_none_or_out_of_limits() {
+fn non_finite_and_out_of_range_numbers_are_refused() {
     for instance in &settable()[..2] {
         let before = all_of(instance);
         for variable in FMU.description.variables.iter().filter(|v| v.kind == "Real") {
@@ -187,7 +187,7 @@ fn numbers_that_are_none_or_out_of_limits() {
 }
 
 #[test]
-fn inputs_that_are_no_numbers_while_stepping() {
+fn non_finite_inputs_are_refused_while_stepping() {
     let [_, _, instance] = settable();
     let before = all_of(&instance);
     for name in ["a_gx", "a_gz", "F_x", "F_z", "M_y"] {
@@ -201,7 +201,7 @@ fn inputs_that_are_no_numbers_while_stepping() {
 }
 
 #[test]
-fn integers_that_are_no_item_of_the_enumeration() {
+fn integers_outside_the_enumeration_are_refused() {
     let enumerations: [(&str, &[c_int]); 5] = [
         ("parameterization", &[0, 3, -1, c_int::MAX]),
         ("foundation", &[0, 3, c_int::MIN]),
@@ -222,7 +222,7 @@ fn integers_that_are_no_item_of_the_enumeration() {
 }
 
 #[test]
-fn derivatives_of_what_has_none() {
+fn derivatives_of_variables_without_any_are_refused() {
     let [_, _, instance] = settable();
     let (a_gx, theta) = (reference("a_gx"), reference("theta"));
     for order in [0, 2, -1] {
@@ -245,7 +245,7 @@ fn derivatives_of_what_has_none() {
 }
 
 #[test]
-fn statuses_of_the_wrong_kind() {
+fn statuses_of_the_wrong_kind_are_refused() {
     let [_, _, instance] = settable();
     for kind in [DO_STEP_STATUS, PENDING_STATUS, TERMINATED, 4, -1] {
         instance.refuses(call!(instance, get_real_status, kind, &mut 0.0), &["fmi2GetRealStatus"]);

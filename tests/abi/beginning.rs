@@ -42,7 +42,7 @@ fn begin(values: &[(&str, f64)]) -> Instance {
 }
 
 #[test]
-fn derivatives_are_those_of_the_values() {
+fn derivatives_match_differences_of_the_values() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("record.txt");
     std::fs::write(&path, RECORD).unwrap();
@@ -84,7 +84,7 @@ fn directions_add_up() {
 
 /// Derivatives with respect to parameters that are not read, or that do not act, are zero.
 #[test]
-fn what_is_not_read_has_no_effect() {
+fn unused_parameters_have_no_effect() {
     let mut instance = begin(&[("initial.theta", 0.1)]);
     let declared = declared(&FMU.xml);
     let unknowns = real_unknowns(&declared);
@@ -98,7 +98,7 @@ fn what_is_not_read_has_no_effect() {
 ///
 /// A peak grows in either direction; the other outputs have the derivative of the block's side.
 #[test]
-fn at_a_kink_it_is_one_side() {
+fn derivatives_at_a_kink_are_one_sided() {
     let mut rigid = begin(&[("foundation", 2.0), ("initial.theta", 0.0)]);
     let couple = 0.5 / 3.640549260430305 * 2.0;
     let [left, right, peak] = rigid.derivatives(&["N_L", "N_R", "peak.N"], "M_y")[..] else { panic!() };
@@ -115,7 +115,7 @@ fn at_a_kink_it_is_one_side() {
 
 /// A scale of zero erases the record, which is read again for its derivative.
 #[test]
-fn a_record_can_be_scaled_from_nothing() {
+fn a_record_can_be_scaled_from_zero() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("record.txt");
     std::fs::write(&path, RECORD).unwrap();
@@ -133,7 +133,7 @@ fn a_record_can_be_scaled_from_nothing() {
 }
 
 #[test]
-fn what_is_declared_nowhere_is_refused() {
+fn undeclared_dependencies_are_refused() {
     let instance = begin(&[]);
     let refuses = |unknown: u32, known: u32, direction: f64, words: &[&str]| {
         let mut found = -1.5;
@@ -154,7 +154,7 @@ fn what_is_declared_nowhere_is_refused() {
     refuses(theta, none, 1.0, &[&words]);
     refuses(none, alpha, 1.0, &[&words]);
     refuses(theta, alpha, f64::NAN, &["NaN", "dimensionless.alpha", "finite"]);
-    // Parameters that make no block have no derivatives.
+    // Invalid block parameters have no derivatives.
     instance.set("parameterization", 2.0);
     instance.set("physical.width", 0.0);
     refuses(theta, alpha, 1.0, &["width = 0"]);
@@ -167,9 +167,9 @@ fn what_is_declared_nowhere_is_refused() {
     refuses(reference("derived.p"), a_gx, 1.0, &["derived.p is a calculated parameter", "only an output"]);
 }
 
-/// Reading derivatives changes nothing.
+/// Reading derivatives has no side effect.
 #[test]
-fn asking_leaves_no_trace() {
+fn reading_derivatives_has_no_side_effect() {
     let (mut asked, other) = (begin(&[("initial.theta", 0.1)]), begin(&[("initial.theta", 0.1)]));
     let before = asked.bits();
     asked.derivatives(&["N_L", "derived.p"], "dimensionless.alpha");

@@ -1,4 +1,4 @@
-//! Friction, ties and an eccentric centre of mass, computed by the FMU, beside independent trajectories.
+//! Friction, ties and an eccentric centre of mass in the FMU, compared with independent trajectories.
 
 use crate::beyond_cases::{Case, Change, cases};
 use crate::common::{Record, inputs_at, record_named};

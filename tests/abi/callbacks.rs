@@ -34,7 +34,7 @@ unsafe extern "C" fn meddle(environment: Environment, _: Text, _: Status, _: Tex
     let (mut real, mut integer, mut state, mut size) = ([f64::NAN], c_int::MIN, saved, usize::MAX);
     let mut bytes = [0; 8];
     let (logs, text) = ([c"logSteps".as_ptr()], null::<Text>());
-    // SAFETY: the instance lives, arrays hold what their counts say; that a call is under way is the point.
+    // SAFETY: the instance lives, arrays hold as many values as their counts say; the test is about calls during another call.
     let answers = unsafe {
         [
             ("fmi2SetDebugLogging", (f.set_debug_logging)(c, 0, 1, logs.as_ptr())),
@@ -76,7 +76,7 @@ unsafe extern "C" fn meddle(environment: Environment, _: Text, _: Status, _: Tex
             ("fmi2GetBooleanStatus", (f.get_boolean_status)(c, TERMINATED, &mut integer)),
         ]
     };
-    // SAFETY: the instance lives; this must leave it alone.
+    // SAFETY: the instance lives; the call must not free it.
     unsafe { (f.free_instance)(c) };
     assert!(real[0].is_nan() && integer == c_int::MIN && size == usize::MAX && state == saved, "nothing is written");
     meddler.answers.borrow_mut().extend(answers);
@@ -134,7 +134,7 @@ fn run(meddles: bool) -> (usize, Vec<(&'static str, Status)>, Vec<u64>) {
     (meddler.messages.get(), meddler.answers.into_inner(), seen)
 }
 
-/// Any call of the logger on its instance returns `fmi2Error`, logs nothing and changes nothing.
+/// Every call of the logger on its own instance returns `fmi2Error`, logs nothing and changes nothing.
 #[test]
 fn calls_from_within_the_logger_are_refused() {
     let (messages, none, alone) = run(false);
@@ -174,7 +174,7 @@ fn another_instance_can_be_called_from_within_the_logger() {
     };
     let guid = CString::new(FMU.description.guid.as_str()).unwrap();
     let f = &FMU.functions;
-    // SAFETY: texts end with 0, and the callbacks and what they point to outlive the instance.
+    // SAFETY: texts end with 0; the callbacks and their data outlive the instance.
     unsafe {
         let c = (f.instantiate)(c"block".as_ptr(), CO_SIMULATION, guid.as_ptr(), null(), &callbacks, 0, 1);
         assert_eq!((f.do_step)(c, 0.0, 0.1, 1), ERROR, "not initialized");

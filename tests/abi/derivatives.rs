@@ -123,10 +123,11 @@ fn shifted(instance: &Instance, output: &str, input: &str, shift: f64) -> f64 {
     moved
 }
 
-/// Outputs are linear in the inputs but for the friction demand, a quotient: differences over 1e-3 and 5e-4 of a weight,
-/// extrapolated (error of fourth order), are exact to 1e-11 in it and to rounding, 1e-16/1e-3, in the others.
+/// All outputs but the friction demand, a quotient, are linear in the inputs. Differences over 1e-3 and 5e-4 of a weight,
+/// extrapolated (error of fourth order), are accurate to 1e-11 for the friction demand and to rounding, 1e-16/1e-3, for the
+/// others.
 #[test]
-fn directional_derivatives_are_those_of_the_outputs() {
+fn directional_derivatives_match_differences_of_the_outputs() {
     for scene in &SCENES {
         let instance = set_up(scene);
         for output in FMU.description.real_outputs() {
@@ -182,7 +183,7 @@ fn directions_add_up() {
 
 /// Reading derivatives changes nothing.
 #[test]
-fn asking_leaves_no_trace() {
+fn reading_derivatives_has_no_side_effect() {
     for scene in &SCENES {
         let (asked, other) = (set_up(scene), set_up(scene));
         let before = asked.bits();
@@ -206,11 +207,11 @@ fn rate(instance: &Instance, output: &str) -> f64 {
     result
 }
 
-/// Four steps of 1e-4 s and the five-point difference at the middle one: its error is d⁴/30 of the fifth derivative,
-/// (40 rad/s · 1e-4 s)⁴/30 = 1e-11 of the first one in the fastest motion there is here, the vertical one with ω_v = 40
-/// rad/s; rounding is 1e-16/1e-4 = 1e-12 of what the output is a difference of.
+/// Four steps of 1e-4 s and the five-point difference at the middle one. Its error is d⁴/30 of the fifth derivative, (40 rad/s ·
+/// 1e-4 s)⁴/30 = 1e-11 of the first one in the fastest motion here, the vertical one with ω_v = 40 rad/s. Rounding adds
+/// 1e-16/1e-4 = 1e-12 of the quantities whose difference is the output.
 #[test]
-fn output_derivatives_are_those_of_the_outputs_in_time() {
+fn output_derivatives_match_differences_in_time() {
     const STEP: f64 = 1e-4;
     let mut wrong = Vec::new();
     for scene in &SCENES {

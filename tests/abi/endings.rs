@@ -32,7 +32,7 @@ fn approach(instance: &Instance, case: &Case) -> f64 {
 }
 
 #[test]
-fn the_end_of_a_run_is_discarded_with_its_time_and_the_outputs_of_that_time() {
+fn the_end_of_a_run_is_a_discarded_step_with_the_outputs_of_its_time() {
     for (name, flag, other, regime) in
         [("sine_separates", "separated", "overturned", 2.0), ("overturns", "overturned", "separated", 1.0)]
     {
@@ -69,7 +69,7 @@ fn the_end_of_a_run_is_discarded_with_its_time_and_the_outputs_of_that_time() {
             assert!((instance.get("theta").abs() - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
         } else {
             assert_eq!([instance.get("N_L"), instance.get("N_R"), instance.get("H")], [0.0; 3]);
-            // In flight after t_e; the motion is that of the last instant of contact.
+            // In flight after t_e, with the motion at the last instant of contact.
             assert!((instance.get("v_ddot") + 9.81).abs() < 1e-9 && instance.get("theta_ddot").abs() < 1e-9);
         }
         let bits = instance.bits();
@@ -81,7 +81,7 @@ fn the_end_of_a_run_is_discarded_with_its_time_and_the_outputs_of_that_time() {
 }
 
 #[test]
-fn the_end_does_not_depend_on_the_step_in_which_it_falls() {
+fn the_end_does_not_depend_on_the_communication_step() {
     for name in ["sine_separates", "overturns"] {
         let case = case(name);
         for step in [10.0, 0.7] {
@@ -134,7 +134,7 @@ fn still_bits(instance: &Instance) -> Vec<u64> {
     outputs.map(|output| instance.get(&output.name).to_bits()).collect()
 }
 
-/// The supports under a frozen block are frozen, too: heights above them are constant and have no rate.
+/// The supports under a held block are held too: heights above them are constant, and their rates are zero.
 #[test]
 fn a_block_that_is_held_keeps_its_height_over_the_supports() {
     let case = case("sine_separates");
@@ -172,7 +172,7 @@ fn a_start_in_the_air() {
 
 /// With `Fly` the run continues after separation.
 #[test]
-fn a_separation_that_ends_in_a_landing() {
+fn a_separation_may_end_in_a_landing() {
     let case = case("sine_separates");
     let instance = Instance::new("block");
     prepare(&instance, &case);
@@ -215,7 +215,7 @@ fn a_discarded_step_can_be_taken_back() {
     assert!((instance.real_status(LAST_SUCCESSFUL_TIME).unwrap() - ended).abs() < 1e-9);
 }
 
-/// A toppling block on supports leaves them before it lies on its side: it is separated and overturned.
+/// A toppling block leaves its supports before it lies on its side: it has separated and overturned.
 #[test]
 fn a_block_that_separates_on_its_way_over_has_overturned() {
     for (choice, ended) in [(1.0, DISCARD), (2.0, OK)] {

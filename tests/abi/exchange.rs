@@ -165,7 +165,7 @@ const FLYING: [(&str, f64); 6] = [
     ("on_separation", 3.0),
 ];
 
-/// In flight and under nonlinear inputs, the motion is that of Co-Simulation in steps short enough for linear inputs.
+/// In flight and under nonlinear inputs, the motion matches Co-Simulation in steps short enough for linear inputs.
 #[test]
 fn a_simple_solver_follows_flights_under_arbitrary_inputs() {
     let mut solver = Solver::begin(&FLYING);
@@ -203,7 +203,7 @@ fn a_simple_solver_follows_flights_under_arbitrary_inputs() {
 
 /// States, derivatives and nominal values are those of the variables named in the description.
 #[test]
-fn states_are_the_variables_that_they_are_declared_to_be() {
+fn states_are_the_declared_variables() {
     let mut solver = Solver::begin(&FLYING);
     solver.go(0.9, 1e-3);
     let set: States = std::array::from_fn(|i| solver.states[i] * (1.0 + 1e-7));
@@ -329,7 +329,7 @@ fn time_events_and_the_end_of_the_run() {
 }
 
 #[test]
-fn arrays_of_another_length_and_numbers_that_are_none_are_refused() {
+fn arrays_of_wrong_length_and_non_finite_numbers_are_refused() {
     let solver = Solver::begin(&FLYING);
     let before = solver.instance.bits();
     let i = &solver.instance;
@@ -381,7 +381,7 @@ fn states_read_back_in_each_regime() {
 
 /// Each event and each kink of a pulse signals changed states, so that importers restart their solvers.
 #[test]
-fn every_event_says_that_states_changed() {
+fn every_event_reports_changed_states() {
     let pulse = [("pulse.shape", 2.0), ("pulse.amplitude", 6.0), ("pulse.period", 0.5), ("pulse.start", 0.25)];
     for foundation in [1.0, 2.0] {
         let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
@@ -497,7 +497,7 @@ fn peaks_between_samples_of_a_record_are_seen() {
 }
 
 #[test]
-fn states_out_of_all_proportion_are_discarded() {
+fn absurdly_large_states_are_discarded() {
     let mut solver = Solver::begin(&FLYING);
     let (time, states) = (solver.time, solver.states);
     for i in [1, 3, 5] {
@@ -545,7 +545,7 @@ fn states_can_be_set_as_variables() {
 
 /// The nominal values in the file are those of the block with the start values.
 #[test]
-fn nominal_values_of_the_states_are_those_of_the_default_block() {
+fn nominal_values_suit_the_default_block() {
     let instance = Instance::of(MODEL_EXCHANGE, "block", None, false);
     let mut nominals = [f64::NAN; STATES];
     assert_eq!(call!(instance, get_nominals, nominals.as_mut_ptr(), nominals.len()), OK);

@@ -1,4 +1,4 @@
-//! The names that the binary exports (all 44 functions of the standard's headers, and nothing else).
+//! The exported names of the binary: all 44 functions of the standard's headers, and no others.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use crate::functions::NAMES;
 use crate::host::FMU;
 
 #[test]
-fn the_44_functions_of_the_standard_and_nothing_else() {
+fn exports_are_the_44_functions_of_the_standard() {
     assert_eq!(NAMES.len(), 44);
     let file = object::File::parse(FMU.binary.as_slice()).unwrap();
     let exported: BTreeSet<&str> = file

@@ -61,7 +61,7 @@ unsafe extern "C" fn logger(
     format: Text,
     argument: Text,
 ) {
-    // SAFETY: the environment is the `Messages` beside the instance, and texts end with 0 (standard, 2.1.5).
+    // SAFETY: the environment is this instance's `Messages`, and texts end with 0 (standard, 2.1.5).
     let (messages, [instance, category, format]) = unsafe {
         (
             &*environment.cast::<Messages>(),
@@ -69,7 +69,7 @@ unsafe extern "C" fn logger(
         )
     };
     let text = if format == "%s" {
-        // SAFETY: the format says that a text follows.
+        // SAFETY: the format announces a text.
         unsafe { CStr::from_ptr(argument) }.to_str().expect("messages are UTF-8").to_string()
     } else {
         String::new()
@@ -91,7 +91,7 @@ pub fn callbacks(messages: &Messages) -> Callbacks {
 /// An instance of the FMU.
 pub struct Instance {
     pub component: Component,
-    /// In boxes of their own: the library holds their addresses.
+    /// Boxed, because the library holds their addresses.
     messages: Box<Messages>,
     _callbacks: Box<Callbacks>,
 }
@@ -112,7 +112,7 @@ pub fn reference(name: &str) -> Reference {
 macro_rules! call {
     ($instance:expr, $function:ident $(, $argument:expr)*) => {{
         let instance: &$crate::host::Instance = &$instance;
-        // SAFETY: a live instance, used by this thread only; arrays hold what their counts say, or are deliberately NULL.
+        // SAFETY: a live instance, used by this thread only; arrays are as long as their counts, or deliberately NULL.
         unsafe { ($crate::host::FMU.functions.$function)(instance.component $(, $argument)*) }
     }};
 }
@@ -259,13 +259,13 @@ impl Instance {
         call!(self, do_step, time, step, 1)
     }
 
-    /// Does a step and expects success.
+    /// Takes a step, which must succeed.
     #[track_caller]
     pub fn step(&self, time: f64, step: f64) {
         assert_eq!(self.try_step(time, step), OK, "{:?}", self.messages());
     }
 
-    /// Does steps of one length to a time, a multiple of it.
+    /// Takes steps of one length to a time that is a multiple of it.
     #[track_caller]
     pub fn go(&self, from: f64, to: f64, step: f64) {
         let last = (to / step).round() as u64;

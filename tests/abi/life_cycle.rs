@@ -168,7 +168,7 @@ fn the_table_names_every_function() {
 }
 
 #[test]
-fn every_call_in_every_state_is_allowed_or_refused_as_the_standard_says() {
+fn legality_of_every_call_in_every_state() {
     let mut wrong = Vec::new();
     for state in STATES {
         for &(name, allowed, act) in TABLE {
@@ -235,7 +235,7 @@ const OF_EXCHANGE: [(&str, &str); 31] = [
     ("fmi2GetNominalsOfContinuousStates", "IMECTX"),
 ];
 
-/// The functions whose results are not finite after the states that lead to the error.
+/// Functions whose results are not finite after the states that lead to the error.
 const NOT_FINITE: [&str; 3] = ["fmi2GetDirectionalDerivative", "fmi2GetDerivatives", "fmi2GetEventIndicators"];
 
 const TO_CONTINUOUS_TIME_MODE: [fn(&Instance) -> Status; 3] = [
@@ -249,7 +249,7 @@ fn exchanged_in(state: &str) -> Instance {
     if state == "error" {
         instance.set("on_separation", 3.0);
         TO_CONTINUOUS_TIME_MODE.iter().for_each(|step| assert_eq!(step(&instance), OK));
-        // Such states have no regime that lasts.
+        // No regime lasts in such a state.
         let states = [0.1, -1e155, 0.0, 1e200, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert_eq!(call!(instance, set_continuous_states, states.as_ptr(), states.len()), OK);
         assert_eq!(call!(instance, enter_event_mode), OK);
@@ -266,7 +266,7 @@ fn exchanged_in(state: &str) -> Instance {
 }
 
 #[test]
-fn every_call_of_model_exchange_is_allowed_or_refused_as_the_standard_says() {
+fn legality_of_every_call_of_model_exchange() {
     let mut wrong = Vec::new();
     for (state, letter) in EXCHANGED.iter().zip(["I", "M", "E", "C", "T", "X"]) {
         for &(name, _, act) in TABLE {
@@ -298,7 +298,7 @@ fn every_call_of_model_exchange_is_allowed_or_refused_as_the_standard_says() {
 
 /// The two statuses that no synchronous FMU has are refused in every state.
 #[test]
-fn integer_and_string_statuses_are_never_answered() {
+fn integer_and_string_statuses_are_refused() {
     for state in STATES {
         let instance = instance_in(state);
         assert_eq!(call!(instance, get_integer_status, PENDING_STATUS, &mut 0), ERROR, "{state:?}");
@@ -311,7 +311,7 @@ fn integer_and_string_statuses_are_never_answered() {
 
 /// A refused call changes neither the values read after it nor the rest of the run, bit by bit.
 #[test]
-fn refused_calls_leave_no_trace_in_the_run() {
+fn refused_calls_do_not_change_the_run() {
     let run = |disturbed: bool| {
         let instance = instance_in(StepComplete);
         let mut trace = Vec::new();
@@ -368,10 +368,10 @@ fn a_whole_life_twice() {
 
 /// A function without an instance returns an error (standard, 2.1.5).
 #[test]
-fn without_an_instance_every_function_answers_an_error() {
+fn every_function_refuses_a_null_instance() {
     let f = &crate::host::FMU.functions;
     let nobody: Component = null_mut();
-    // SAFETY: NULL is what is tested; no other pointer is followed without an instance.
+    // SAFETY: the test is about NULL; without an instance no other pointer is followed.
     let answers = unsafe {
         (f.free_instance)(nobody);
         [

@@ -52,7 +52,7 @@ fn by_category(messages: &[Message], category: &str) -> usize {
 }
 
 #[test]
-fn without_logging_a_run_says_nothing() {
+fn without_logging_a_run_is_silent() {
     assert_eq!(rock(&Instance::at("quiet", None, false)), []);
     let turned_off = Instance::at("quiet", None, true);
     assert_eq!(choose(&turned_off, false, &[]), OK);

@@ -41,11 +41,11 @@ fn simulation(ground: &Ground) -> Simulation {
     Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &ground.inputs_from(0.0).0)
 }
 
-/// A step whose length is a power of two, so that times are exact.
+/// The step is a power of two, so that times are exact.
 const STEP: f64 = 1.0 / 64.0;
 
 #[test]
-fn a_record_inside_is_followed_as_the_solver_follows_it() {
+fn the_fmu_follows_a_record_like_the_solver() {
     let read = |path| Some(rocking_records::read(Path::new(path), &ReadOptions::default()).unwrap());
     let ground = Ground { horizontal: read(HORIZONTAL), vertical: read(VERTICAL) }.scaled(4.0);
     let mut simulation = simulation(&ground);
@@ -110,7 +110,7 @@ fn inputs_are_added() {
 }
 
 #[test]
-fn what_the_record_amounts_to_is_shown() {
+fn peaks_and_end_of_a_record_are_variables() {
     let instance = driven();
     instance.set("record.start", 2.5);
     instance.initialize(None);
@@ -127,7 +127,7 @@ fn what_the_record_amounts_to_is_shown() {
 
 /// A shifted record gives the shifted motion.
 #[test]
-fn a_record_begins_where_it_is_told_to() {
+fn a_record_begins_at_its_start_time() {
     let motion = |start: f64| {
         let instance = driven();
         instance.set("record.start", start);
@@ -267,7 +267,7 @@ fn names_of_files_are_printed_in_one_line() {
 }
 
 #[test]
-fn numbers_are_printed_with_the_digits_that_they_have() {
+fn numbers_are_printed_with_all_their_digits() {
     let instance = Instance::new("block");
     instance.refuses(instance.try_set("mass", -1e300), &["mass = -1e300;"]);
     instance.refuses(instance.try_set("dimensionless.alpha", 5.0), &["dimensionless.alpha = 5;"]);
@@ -276,7 +276,7 @@ fn numbers_are_printed_with_the_digits_that_they_have() {
 
 /// A file of a format without channels has one channel.
 #[test]
-fn a_channel_that_a_file_has_not_is_refused() {
+fn a_missing_channel_is_refused() {
     let ready = |channel: f64| {
         let instance = driven();
         instance.set("record.horizontal_channel", channel);

@@ -66,7 +66,7 @@ fn a_block_that_must_lift_has_lifted_in_the_outputs_of_that_instant() {
 
 /// The next step counts the jump as an event and its reaction as a peak; the push decreases.
 #[test]
-fn a_jump_at_a_communication_point_is_an_event_of_the_step_after() {
+fn a_jump_at_a_communication_point_is_an_event_of_the_next_step() {
     let instance = rigid();
     instance.initialize(None);
     instance.step(0.0, 0.2);
@@ -172,7 +172,7 @@ fn the_restitution_factor() {
     instance.set("restitution_factor", 0.9);
     assert_eq!(call!(instance, exit_initialization_mode), OK);
 
-    // It is not read on supports.
+    // Supports do not use it.
     let instance = Instance::new("block");
     instance.set("restitution_factor", 0.9);
     assert_eq!(instance.setup(None, 0.0, None), OK);

@@ -41,7 +41,7 @@ fn to_step(instance: &Instance, steps: i32) {
 }
 
 #[test]
-fn back_to_any_step_and_on_again_gives_the_same_bits() {
+fn going_back_to_any_step_gives_the_same_bits() {
     let mut uplifted = 0;
     for steps in [0, 1, 7, 12, 20, 33, 50] {
         let instance = prepared();
@@ -111,7 +111,7 @@ fn a_state_is_saved_and_restored_in_every_phase() {
 }
 
 #[test]
-fn a_serialized_state_goes_on_in_another_instance_with_the_same_bits() {
+fn a_serialized_state_continues_in_another_instance_with_the_same_bits() {
     let one = prepared();
     one.initialize(Some(1e-9));
     to_step(&one, 17);
@@ -137,7 +137,7 @@ fn a_serialized_state_goes_on_in_another_instance_with_the_same_bits() {
 }
 
 #[test]
-fn a_state_is_written_over() {
+fn an_existing_state_is_overwritten() {
     let instance = prepared();
     instance.initialize(None);
     let mut state = instance.save();

@@ -292,7 +292,7 @@ fn no_experiment_is_needed() {
 
 /// Without a pulse only differences of time matter; a start far from 0 loses digits of time.
 #[test]
-fn the_start_time_is_where_time_begins() {
+fn runs_begin_at_the_start_time() {
     let run = |start: f64| {
         let instance = Instance::new("block");
         instance.set("initial.theta", 0.1);

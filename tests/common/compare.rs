@@ -1,7 +1,7 @@
-//! A run beside its reference trajectory: columns, events and their bounds.
+//! A run compared with its reference trajectory: columns, events and their bounds.
 //!
-//! The trajectories are printed with 13 digits, the event times with 16, and were computed at a tolerance of 1e-12
-//! (tests/reference/README.md): neither the printing nor the reference limits a bound below, except that of `SENSITIVE`.
+//! The trajectories have 13 digits, the event times 16; both were computed at a tolerance of 1e-12 (tests/reference/README.md).
+//! Neither printing nor reference limits a bound below, except that of `SENSITIVE`.
 
 use rocking_block::block::{Block, Foundation};
 
@@ -60,7 +60,7 @@ const BOUNDS: [Bound; 10] = [
     Bound { name: "energy", unit: "M (R0 alpha p)^2", all: [1e-9, 1e-8], sensitive: [5e-9, 2e-7] },
     // A deviation of θ over θ̇, some α p/4 at impacts. Through the FMU they are printed to 1e-9 s.
     Bound { name: "event times", unit: "s", all: [1e-8, 3e-8], sensitive: [2e-7, 5e-6] },
-    // As the events, of which the last ends the run.
+    // The same as for the events, since the last event ends the run.
     Bound { name: "end", unit: "s", all: [1e-8, 3e-8], sensitive: [1e-8, 3e-8] },
     // The energy residual: works are integrated with the same steps.
     Bound { name: "residual", unit: "greatest energy", all: [1e-9, 1e-8], sensitive: [1e-9, 1e-8] },

@@ -205,7 +205,7 @@ impl Fmu {
             status => return Err(status),
         }
         let mut bytes = vec![0; size];
-        // SAFETY: as before, and the room is as large as its count says.
+        // SAFETY: the instance lives, and the buffer is as large as its count says.
         match unsafe { fmi2SerializeFMUstate(self.component, state, bytes.as_mut_ptr().cast(), size) } {
             OK => Ok(bytes),
             status => Err(status),
@@ -215,7 +215,7 @@ impl Fmu {
     /// Restores a state from bytes into a new slot after the last.
     pub fn deserialize(&mut self, bytes: &[u8]) -> fmi2Status {
         let mut state = null_mut();
-        // SAFETY: the instance lives, the bytes are as many as the count says, and there is a place for the state.
+        // SAFETY: the instance lives, the count is the number of bytes, and the pointer to the state is valid.
         let status =
             unsafe { fmi2DeSerializeFMUstate(self.component, bytes.as_ptr().cast(), bytes.len(), &raw mut state) };
         assert_eq!(status == OK, !state.is_null(), "a refused state must not be given");
@@ -225,7 +225,7 @@ impl Fmu {
         status
     }
 
-    /// Tells whether steps are quick: the motion is ordinary, or so violent that no step can follow.
+    /// Returns true if steps are quick: the motion is ordinary, or so violent that no step can follow.
     ///
     /// In between, clock and tolerance admit up to 10¹⁵ valid steps.
     pub fn is_quick(&mut self) -> bool {

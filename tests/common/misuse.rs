@@ -149,8 +149,8 @@ fn null_array(fmu: &mut Fmu, choice: u32) -> fmi2Status {
     let (c, vr, n) = (fmu.component, reference("a_gx"), 1 + choice as usize % 5);
     let vr = &raw const vr;
     let (order, mut x) = (1, 0.0);
-    // SAFETY: the instance lives; a null pointer is refused before the other arrays are read, and with a count above 1 these
-    // are null as well.
+    // SAFETY: the instance lives; a null pointer is refused before the other arrays are read, and with a count above 1 the others
+    // are null too.
     unsafe {
         match choice / 5 % 17 {
             0 => fmi2GetReal(c, null(), n, null_mut()),
@@ -309,7 +309,7 @@ fn wrong_derivative(fmu: &mut Fmu, phase: Phase, choice: u32) -> fmi2Status {
 
 fn wrong_status_kind(c: fmi2Component, phase: Phase, choice: u32) -> (fmi2Status, fmi2Status) {
     let unknown = pick(choice, &[4, -1, i32::MAX, i32::MIN]);
-    // No status is a string, and without a pending step there is none to query, by the standard.
+    // By the standard, no status is a string, and without a pending step none can be queried.
     let pending = if matches!(phase, Instantiated | Initialization | Phase::Error) { ERROR } else { DISCARD };
     // SAFETY: the instance lives, and there is a place for each result, or null.
     unsafe {

@@ -24,7 +24,7 @@ fn array(instance: &Instance, name: &str, samples: &[f64]) {
 }
 
 #[test]
-fn a_record_in_arrays_is_that_of_a_file() {
+fn a_record_in_arrays_acts_like_one_in_a_file() {
     let (horizontal, vertical) = (samples(300), samples(300).iter().map(|a| 0.5 * a).collect::<Vec<_>>());
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, values: &[f64]| {
@@ -91,7 +91,7 @@ fn arrays_are_read_as_they_were_set_among_scalars() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn arrays_that_do_not_fit_are_refused() {
     let block = new();
     let horizontal = reference("record.horizontal_samples");
     let three = [1.0, 2.0, 3.0];

@@ -103,7 +103,7 @@ fn begin(values: &[(&'static str, f64)], samples: &[[f64; 5]; 2], time: f64) -> 
 }
 
 #[test]
-fn derivatives_are_those_of_the_values() {
+fn derivatives_match_differences_of_the_values() {
     let declared = declared();
     let (mut runner, mut pairs) = (TestRunner::deterministic(), Pairs::new());
     for i in 0..100 {
@@ -229,7 +229,7 @@ fn adjoint_and_directional_derivatives_belong_together() {
 }
 
 #[test]
-fn what_is_declared_nowhere_is_refused() {
+fn undeclared_dependencies_are_refused() {
     let instance = begin(&[("record.dt", 0.3)], &SAMPLES, 0.0);
     let refuses = |unknown: &str, known: &str, count: usize, words: &[&str]| {
         let (unknown, known, seed) = (reference(unknown), reference(known), vec![1.0; count]);

@@ -12,7 +12,7 @@ const CLOSE: f64 = 1e-7;
 /// The time after an event (s) at which a foot that slides has a direction, and a taut tie a tension.
 const MOMENT: f64 = 1e-8;
 
-/// The discrete outputs: regime, direction of slip, and of each tie whether it pulls and whether it is broken.
+/// The discrete outputs: regime, direction of slip, and for each tie whether it pulls and whether it has broken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct State {
     regime: i32,
@@ -33,7 +33,7 @@ impl State {
     }
 }
 
-/// Stops a case at its events, with Event Mode or without, and returns the kinds of changes that were seen.
+/// Stops a case at its events, with or without Event Mode, and returns the kinds of changes.
 fn run(case: &Case, event_mode: bool) -> BTreeSet<&'static str> {
     let instance = Instance::new(Wanted { event_mode, early_return: true, ..Wanted::default() });
     case.parameters().iter().for_each(|(name, value)| instance.set(name, *value));
@@ -87,7 +87,7 @@ fn run(case: &Case, event_mode: bool) -> BTreeSet<&'static str> {
     kinds
 }
 
-/// Each event of the pulses' cases ends a step early, at its time, and is handled as the trajectory has it.
+/// Each event of the pulse cases ends a step early, at its time, and changes the motion as in the trajectory.
 #[test]
 fn steps_return_early_at_slip_grip_taut_slack_and_break() {
     for event_mode in [true, false] {

@@ -57,9 +57,9 @@ fn stopping_at_events_or_not_gives_the_same_bits() {
     }
 }
 
-/// The first lift-off of a rigid block under a ramp of ground acceleration is where a_gx = g tan(alpha).
+/// The first lift-off of a rigid block under a ramp of ground acceleration occurs at a_gx = g tan(alpha).
 #[test]
-fn an_event_is_where_a_closed_form_has_it() {
+fn the_first_lift_off_matches_the_closed_form() {
     let block = instance(true, true, &[("foundation", 2.0)]);
     let lift = 9.81 * 0.25_f64.tan();
     block.set("a_gx", lift * (1.0 - 1e-12));
@@ -73,7 +73,7 @@ fn an_event_is_where_a_closed_form_has_it() {
     assert!((stepped.reached - 0.4).abs() < 1e-12, "{stepped:?}");
 }
 
-/// Outputs are those before the event until it is handled.
+/// Outputs keep their values before the event until it is handled.
 #[test]
 fn an_impact_is_seen_from_both_sides() {
     let values = [("foundation", 2.0), ("initial.theta", 0.05)];
@@ -95,9 +95,9 @@ fn an_impact_is_seen_from_both_sides() {
     assert!((after / before - block.get("derived.e")).abs() < 1e-12, "{after} after {before}");
 }
 
-/// A master that does not handle the event gets the same bits.
+/// A master that ignores the event gets the same bits.
 #[test]
-fn an_event_that_is_not_handled_is_applied_in_the_next_step() {
+fn an_unhandled_event_is_applied_in_the_next_step() {
     let [handled, forgotten] = [(), ()].map(|()| rocking(true, true, &[]));
     handled.step_by_events(0.0, 4.0, true);
     let mut here = 0.0;
@@ -108,7 +108,7 @@ fn an_event_that_is_not_handled_is_applied_in_the_next_step() {
 }
 
 #[test]
-fn the_end_of_the_run_is_told_by_the_step() {
+fn the_step_reports_the_end_of_the_run() {
     // Complete separation: epsilon = 0.4 throws the block off its supports.
     let values = [("on_separation", 1.0), ("epsilon", 0.4), ("dimensionless.eta", 60.0)];
     for (event_mode, early_return) in [(false, false), (false, true), (true, true)] {
@@ -130,7 +130,7 @@ fn the_end_of_the_run_is_told_by_the_step() {
         assert_eq!(stepped, expected);
         assert_eq!((block.get("separated"), block.get("events.last_time"), block.get("regime")), (1.0, here, 2.0));
         let bits = block.output_bits();
-        // Time stands still after that.
+        // Time stops after that.
         assert_eq!(block.step(here, 1.0), expected);
         assert_eq!(block.output_bits(), bits);
         assert_eq!(call!(block, terminate), OK);

@@ -93,7 +93,7 @@ fn least_indicator(block: &Instance, time: f64, states: &[f64; STATES]) -> f64 {
 }
 
 #[test]
-fn a_solver_outside_comes_to_the_impacts_of_co_simulation() {
+fn an_external_solver_finds_the_impacts_of_co_simulation() {
     let inside = Instance::new(Wanted::default());
     inside.set_all(&RELEASED);
     inside.initialize(false);
@@ -138,7 +138,7 @@ fn a_solver_outside_comes_to_the_impacts_of_co_simulation() {
 }
 
 #[test]
-fn sizes_are_told_and_checked() {
+fn sizes_are_reported_and_checked() {
     let block = ready(&RELEASED);
     let (mut states, mut indicators) = (0, 0);
     block.ok(call!(block, get_number_of_continuous_states, &mut states));
@@ -154,7 +154,7 @@ fn sizes_are_told_and_checked() {
 }
 
 #[test]
-fn what_belongs_to_the_other_interface_is_refused() {
+fn functions_of_the_other_interface_are_refused() {
     let block = ready(&RELEASED);
     let other = "this belongs to Co-Simulation; the instance is one for Model Exchange";
     block.refuses(block.try_step(0.0, 0.1).0, &["fmi3DoStep", other]);
@@ -224,9 +224,9 @@ fn dependence_on_time_is_declared() {
     }
 }
 
-/// States may jump at events, and indicators have no unit.
+/// States may jump at events (`reinit`), and indicators have no unit.
 #[test]
-fn the_file_says_what_states_and_indicators_are() {
+fn states_and_indicators_are_described_in_the_file() {
     for name in ["theta", "theta_dot", "v", "v_dot", "u", "u_dot"] {
         assert_eq!(FMU.variables[name].attributes.get("reinit").map(String::as_str), Some("true"), "{name}");
     }
@@ -237,7 +237,7 @@ fn the_file_says_what_states_and_indicators_are() {
 
 /// Derivatives with respect to time equal differences at the same states, under a pulse and above a creeping support.
 #[test]
-fn derivatives_with_respect_to_time_are_those_of_the_values() {
+fn derivatives_with_respect_to_time_match_differences() {
     for foundation in [1.0, 2.0] {
         let pulse = [("foundation", foundation), ("pulse.shape", 3.0), ("pulse.amplitude", 3.0), ("pulse.period", 0.7)];
         let block =

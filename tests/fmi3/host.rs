@@ -120,11 +120,11 @@ unsafe extern "C" fn update(
     early_return_requested: *mut bool,
     early_return_time: *mut f64,
 ) {
-    // SAFETY: the environment is that of the instance, and lives as long.
+    // SAFETY: the environment belongs to the instance, and lives as long.
     let environment = unsafe { &*environment.cast::<Environment>() };
     let update = Update { time, set_requested, get_allowed, step_finished, can_return_early };
     let handle = *environment.handle.lock().unwrap();
-    // SAFETY: the environment is in an `Rc`, whose count stays as it is: neither it nor the instance is dropped here.
+    // SAFETY: the environment is in an `Rc` whose count does not change here: neither it nor the instance is dropped.
     let shared = unsafe { Rc::from_raw(std::ptr::from_ref(environment)) };
     let instance = ManuallyDrop::new(Instance { handle, environment: shared });
     let mut on_update = environment.on_update.lock().unwrap();
@@ -165,7 +165,7 @@ impl Drop for Instance {
 macro_rules! call {
     ($instance:expr, $function:ident $(, $argument:expr)*) => {{
         let instance: &$crate::host::Instance = &$instance;
-        // SAFETY: a live instance, used by this thread only; arrays hold what their counts say, or are deliberately NULL.
+        // SAFETY: a live instance, used by this thread only; arrays are as long as their counts, or deliberately NULL.
         unsafe { ($crate::host::FMU.functions.$function)(instance.handle $(, $argument)*) }
     }};
 }
@@ -351,7 +351,7 @@ impl Instance {
         stepped
     }
 
-    /// Does a communication step that stops at events, and returns their times.
+    /// Takes a communication step that stops at events, and returns their times.
     #[track_caller]
     pub fn step_by_events(&self, time: f64, end: f64, event_mode: bool) -> Vec<f64> {
         let (mut here, mut events) = (time, Vec::new());

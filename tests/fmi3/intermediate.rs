@@ -84,7 +84,7 @@ fn leaving_steps_at_events_keeps_the_bits() {
 }
 
 #[test]
-fn updates_come_as_the_standard_has_them() {
+fn updates_follow_the_standard() {
     let seen: Rc<RefCell<Vec<(Update, f64, f64)>>> = Rc::default();
     let log = Rc::clone(&seen);
     let block = instance(
@@ -131,7 +131,7 @@ fn the_importer_leaves_a_step() {
 }
 
 #[test]
-fn what_is_not_for_an_update_is_refused() {
+fn calls_illegal_during_an_update_are_refused() {
     let block = instance(
         true,
         Box::new(|instance, update| {
@@ -210,7 +210,7 @@ fn an_interval_below_the_resolution_of_the_clock_goes_on() {
 }
 
 #[test]
-fn a_block_at_rest_is_looked_at_when_the_step_ends() {
+fn updates_of_a_block_at_rest() {
     let (block, looks) = counted(&["theta"], &[], 0.0);
     block.step(0.0, 1e6);
     assert_eq!(looks.take(), [1e6]);
@@ -248,7 +248,7 @@ fn a_block_at_rest_takes_a_step_of_any_length() {
 }
 
 #[test]
-fn a_step_without_a_place_for_a_result_is_not_made() {
+fn a_step_with_null_results_is_refused() {
     let block = Instance::new(Wanted::default());
     block.set_all(&[("initial.theta", 0.1), ("foundation", 2.0)]);
     block.initialize(false);

@@ -20,7 +20,7 @@ fn new() -> Instance {
 }
 
 #[test]
-fn a_state_saved_at_an_event_that_is_not_handled_goes_on_with_the_same_bits() {
+fn a_state_saved_before_an_unhandled_event_continues_with_the_same_bits() {
     let block = new();
     block.initialize(true);
     let stepped = block.step(0.0, 3.0);
@@ -74,7 +74,7 @@ fn a_reset_in_any_mode_gives_a_new_instance() {
 
 /// Each mode refuses the functions that are illegal in it.
 #[test]
-fn each_mode_admits_what_the_standard_says() {
+fn each_mode_admits_the_calls_of_the_standard() {
     let block = new();
     type Act = fn(&Instance) -> i32;
     let acts: [(&str, Act); 8] = [
@@ -111,7 +111,7 @@ fn each_mode_admits_what_the_standard_says() {
 }
 
 #[test]
-fn event_mode_is_for_who_asked_for_it() {
+fn event_mode_must_be_requested() {
     let block = Instance::new(Wanted::default());
     block.initialize(false);
     block.refuses(call!(block, enter_event_mode), &["fmi3EnterEventMode", "eventModeUsed was false"]);
@@ -138,7 +138,7 @@ fn interleaved_instances_do_not_touch_one_another() {
 }
 
 #[test]
-fn log_lines_come_as_they_were_chosen() {
+fn log_categories_are_selected() {
     let block = Instance::new(Wanted { logging: true, ..Wanted::default() });
     block.set_all(&ROCKING);
     block.initialize(false);

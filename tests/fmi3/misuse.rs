@@ -13,7 +13,7 @@ fn ready() -> Instance {
 }
 
 #[test]
-fn an_instance_is_for_this_fmu_and_this_interface() {
+fn wrong_tokens_and_interfaces_are_refused() {
     let other = CString::new("{00000000-0000-0000-0000-000000000000}").unwrap();
     let token = FMU.token.as_ptr();
     for (name, token) in [
@@ -66,7 +66,7 @@ fn variables_have_one_type_each() {
 }
 
 #[test]
-fn what_is_out_of_place_is_refused() {
+fn calls_out_of_place_are_refused() {
     let block = ready();
     block.refuses(block.try_set("mass", 2.0), &["mass is a fixed parameter"]);
     block.refuses(block.try_set("theta", 2.0), &["theta is an output"]);
@@ -87,7 +87,7 @@ fn what_is_out_of_place_is_refused() {
 }
 
 #[test]
-fn what_this_fmu_does_not_have_says_so() {
+fn unsupported_functions_are_refused_with_a_reason() {
     let block = ready();
     let mut byte = false;
     block.refuses(call!(block, get_clock, null(), 0, &mut byte), &["fmi3GetClock", "no clocks"]);

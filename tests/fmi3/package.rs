@@ -8,7 +8,7 @@ use crate::functions::NAMES;
 use crate::host::{BINARY, FMU};
 
 #[test]
-fn holds_what_the_standard_names() {
+fn holds_the_files_of_the_standard() {
     let files: Vec<&str> = FMU.files.keys().map(String::as_str).filter(|f| !f.contains("/licenses/")).collect();
     let documentation = ["documentation/index.html", "documentation/sbom.cdx.json"];
     let icons = ["icon.png", "icon.svg", "terminalsAndIcons.xml"].map(|name| format!("terminalsAndIcons/{name}"));
@@ -18,7 +18,7 @@ fn holds_what_the_standard_names() {
     assert!(FMU.files.contains_key("documentation/licenses/license.txt"));
 }
 
-/// The documentation page is that of this version: its variables, functions and file.
+/// The documentation page describes this version: its variables, functions and file.
 #[test]
 fn page_describes_this_unit() {
     let page = std::str::from_utf8(&FMU.files["documentation/index.html"]).unwrap();
@@ -34,7 +34,7 @@ fn page_describes_this_unit() {
 }
 
 #[test]
-fn the_functions_of_the_standard_and_nothing_else() {
+fn exports_are_the_functions_of_the_standard() {
     let file = object::File::parse(FMU.files[BINARY].as_slice()).unwrap();
     let exported: BTreeSet<&str> = file
         .dynamic_symbols()

@@ -175,7 +175,7 @@ fn block_in(state: char) -> Instance {
         for step in &TO_CONTINUOUS_TIME_MODE {
             block.ok(step(&block));
         }
-        // Such states have no regime that lasts.
+        // No regime lasts in such a state.
         block.ok(call!(
             block,
             set_continuous_states,
@@ -209,7 +209,7 @@ fn the_table_names_every_function() {
 }
 
 #[test]
-fn every_call_in_every_state_is_taken_or_refused_as_the_table_says() {
+fn legality_of_every_call_in_every_state() {
     let mut wrong = Vec::new();
     for (letter, state) in STATES {
         for &(name, states, act) in TABLE {

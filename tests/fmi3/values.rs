@@ -16,7 +16,7 @@ fn fmi3() -> Instance {
     block
 }
 
-/// Makes the same run without a C interface.
+/// Makes the same run without C interface.
 fn unit() -> Unit {
     let mut unit = Unit::new(Interface::CoSimulation);
     for (name, value) in ROCKING {
@@ -108,7 +108,7 @@ fn derivatives_in_time_are_rates() {
 }
 
 #[test]
-fn the_file_lists_what_the_code_has() {
+fn the_file_lists_the_variables_of_the_code() {
     for metadata in &VARIABLES {
         let variable = &FMU.variables[metadata.name];
         assert_eq!(variable.reference, metadata.variable as u32);

@@ -387,7 +387,7 @@ fn other_supports_do_not_tend_to_the_rigid_base() {
         assert!((far - 0.09).abs() < 2e-3, "η = {eta}: {far}");
     }
     let near = [1600.0, 3200.0].map(|eta| from_housner(eta, 0.1, 0.4, 0.0));
-    // Second order would reduce the first to a quarter, and below to a sixteenth.
+    // Second order would reduce the first to a quarter, and the lower ones to a sixteenth.
     assert!(near.iter().all(|near| (5e-5..1e-3).contains(near)) && near[1] > near[0] / 2.0, "{near:?}");
     let undamped = [400.0, 1600.0].map(|eta| from_housner(eta, 0.0, 0.0, 0.0));
     assert!(undamped[1] > undamped[0] / 4.0, "{undamped:?}");

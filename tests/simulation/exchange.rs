@@ -25,10 +25,10 @@ fn go(simulation: &mut Simulation, until: f64) -> Observation<f64> {
     simulation.observe(&inputs)
 }
 
-/// The sizes by which an importer's solver weighs errors are, within a factor of ten, those of a block that rocks almost up to α,
-/// whether it is slender or broad; those of the vertical motion on supports are those of a block that stands on them and bounces.
+/// The nominal values by which an importer's solver weighs errors agree, within a factor of ten, with a block that rocks almost
+/// up to α, whether slender or broad; the nominal values of the vertical motion, with a block that bounces on its supports.
 #[test]
-fn nominal_states_are_of_the_size_of_the_motion() {
+fn nominal_states_match_the_size_of_the_motion() {
     let greatest = |mut simulation: Simulation| {
         let energy = simulation.energies().total;
         let mut greatest = [0.0_f64; STATES];
@@ -37,7 +37,7 @@ fn nominal_states_are_of_the_size_of_the_motion() {
             let states = simulation.states(&Inputs::default());
             greatest = std::array::from_fn(|i| greatest[i].max(states[i].abs()));
         }
-        // What it can lose, and what the ground would have to give.
+        // The energy that the block can lose, and the work of the ground.
         [greatest[0], greatest[1], greatest[2], greatest[3], greatest[4], greatest[5], energy, energy]
     };
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
@@ -57,11 +57,11 @@ fn nominal_states_are_of_the_size_of_the_motion() {
     }
 }
 
-/// Steps from outside that are long see peaks between their ends by cubics: to `(ω h)⁴/384` of a motion of circular frequency ω
-/// and amplitude 1, where the ends alone miss `(ω h)²/8`. The motions begin at each seventh of a step.
+/// For long external steps, peaks between their ends come from cubics, accurate to `(ω h)⁴/384` of a motion of circular frequency
+/// ω and amplitude 1; the ends alone miss `(ω h)²/8`. The motions begin at each seventh of a step.
 #[test]
-fn peaks_between_states_from_outside_are_those_of_the_motion() {
-    // Nothing is faster than the vertical motion in full contact.
+fn peaks_between_external_states_match_the_motion() {
+    // The vertical motion in full contact is the fastest one.
     const TURN: f64 = 0.4;
     let bounces = block(Foundation::Viscoelastic, 0.25, 20.0, 0.02);
     let vertical = Some((0.0, 0.3 * bounces.static_deflection() * bounces.omega_v));
@@ -101,10 +101,10 @@ fn peaks_between_states_from_outside_are_those_of_the_motion() {
     }
 }
 
-/// In flight under ground acceleration that is linear in time the height is a cubic, which one step from outside sees exactly: its
-/// top is where `v̇ = v̇₀ − (g + c) t − d t²/2` is zero.
+/// In flight under a ground acceleration linear in time, the height is a cubic, which one external step reproduces exactly. It
+/// peaks where `v̇ = v̇₀ − (g + c) t − d t²/2` is zero.
 #[test]
-fn the_top_of_a_flight_is_seen_in_one_step_from_outside() {
+fn one_external_step_finds_the_top_of_a_flight() {
     let block = block(Foundation::Viscoelastic, 0.25, 40.0, 0.1);
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
     for (c, d) in [(-2.0, 30.0), (1.0, -25.0), (0.0, 0.0)] {
@@ -127,8 +127,8 @@ fn the_top_of_a_flight_is_seen_in_one_step_from_outside() {
     }
 }
 
-/// In the direction in which states and inputs change, what a user sees changes at the rates of the motion, and so do the
-/// energies; their balance stands. An energy that is a state changes its own sum and the balance alone.
+/// Along the direction in which states and inputs change, outputs and energies change at the rates of the motion, and the balance
+/// holds. An energy among the states changes only its own sum and the balance.
 #[test]
 fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
     let inputs =
@@ -199,7 +199,7 @@ impl Outside {
         self.simulation.pass_events(&self.inputs, f64::INFINITY, &mut |event| self.events.push(*event)).unwrap();
     }
 
-    /// Where a step leads, and whether an event is behind.
+    /// Returns the result of a step, and whether an event follows it.
     fn attempt(&mut self, time: f64, states: &States, h: f64) -> bool {
         let mut rate = |elapsed: f64, k: &States| {
             let moved = std::array::from_fn(|i| states[i] + elapsed * k[i]);
@@ -221,7 +221,7 @@ impl Outside {
         }
     }
 
-    /// Goes on until a time, or to the first event.
+    /// Steps until a time, or to the first event.
     fn go_to_event(&mut self, until: f64, h: f64) {
         while self.simulation.time() < until {
             let (time, states) = (self.simulation.time(), self.simulation.states(&self.inputs));
@@ -245,10 +245,10 @@ impl Outside {
     }
 }
 
-/// Stepped from outside, too, a block on the rigid base rocks until it rests, by as many impacts whatever its size: each takes the
-/// same part of the velocity.
+/// In external steps, too, a block on the rigid base rocks until it rests, after the same number of impacts for any size: each
+/// impact takes the same fraction of the velocity.
 #[test]
-fn a_block_of_any_size_that_is_stepped_from_outside_comes_to_rest() {
+fn externally_stepped_blocks_of_any_size_come_to_rest() {
     for p in [0.1, 8.0, 1000.0] {
         let common = Common { foundation: Foundation::Rigid, ..Common::default() };
         let dimensionless = Dimensionless { alpha: 0.3, p, eta: 40.0, xi_v: 0.1 };
@@ -265,9 +265,9 @@ fn a_block_of_any_size_that_is_stepped_from_outside_comes_to_rest() {
     }
 }
 
-/// Whatever it stands on, a block is where it was put and moves as it was told.
+/// On every foundation, states that are set are read back.
 #[test]
-fn states_that_are_set_are_those_that_are_read() {
+fn states_are_read_back_as_set() {
     for (theta, regime) in [(0.12, Regime::TiltingRight), (-0.12, Regime::TiltingLeft), (0.0, Regime::FullContact)] {
         let block = block(Foundation::Viscoelastic, 0.3, 40.0, 0.1);
         let mut simulation = start(block, &Initial { theta, ..Initial::default() });
@@ -278,7 +278,7 @@ fn states_that_are_set_are_those_that_are_read() {
         let put = [0.9 * theta + 1e-4, -0.7, now[2] + 0.1 * deflection, 2.0, now[4], now[5], 0.3, 0.2, 0.5, 0.4];
         simulation.set_states(0.0, &put);
         let read = simulation.states(&inputs);
-        // Where a foot grips, the horizontal motion follows.
+        // The horizontal motion of a gripping foot follows from the others.
         for i in [0, 1, 2, 3, 6, 7, 8, 9] {
             assert!(
                 (read[i] - put[i]).abs() <= 1e-14 * (1.0 + put[i].abs()),
@@ -290,12 +290,12 @@ fn states_that_are_set_are_those_that_are_read() {
 
 /// Flights over the rigid base, stepped from outside, have the events of those that are stepped inside, and lead to the same place.
 #[test]
-fn flights_over_the_rigid_base_are_the_same_from_outside() {
+fn external_steps_reproduce_flights_over_the_rigid_base() {
     let common = Common { foundation: Foundation::Rigid, epsilon: 0.5, ..Common::default() };
     let dimensionless = Dimensionless { alpha: 0.3, p: 2.0, eta: 40.0, xi_v: 0.1 };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
-    // The ground falls away and comes back.
+    // The ground drops away and returns.
     let inputs = Inputs { a_gx: Ramp::held(0.5), a_gz: Ramp { value: -14.0, rate: 30.0 }, ..Inputs::default() };
     let initial = Initial { theta: 0.1, theta_dot: -0.3, vertical: None };
     let mut inside = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
@@ -319,7 +319,7 @@ fn flights_over_the_rigid_base_are_the_same_from_outside() {
 /// The first steps of a solver after an event are of first order, and an error of theirs may close a gap that opens. Here they are backward
 /// Euler's, from nanoseconds on; no event follows from them.
 #[test]
-fn first_steps_after_an_event_come_to_no_event() {
+fn first_steps_after_an_event_contain_no_event() {
     let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
     let dimensionless = Dimensionless { alpha: 0.25, p: 2.0, eta: 40.0, xi_v: 0.1 };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
@@ -388,7 +388,7 @@ fn peaks_end_with_the_run() {
 /// Bounces that follow ever faster on each other, and rocking that dies out, are those of the block itself to the last, though the
 /// solver's steps are longer than most of them.
 #[test]
-fn events_that_follow_fast_are_foreseen() {
+fn events_in_quick_succession_are_predicted() {
     let dimensionless = Dimensionless {
         alpha: 0.18780937236228806,
         p: 2.426103416172558,
@@ -417,9 +417,9 @@ fn events_that_follow_fast_are_foreseen() {
     }
 }
 
-/// What was foreseen under inputs that have changed since is forgotten: the solver looks for the event itself.
+/// Events predicted under inputs that have changed since are dropped: the solver searches anew.
 #[test]
-fn events_are_not_foreseen_under_other_inputs() {
+fn predicted_events_are_dropped_if_the_inputs_change() {
     let common = Common { foundation: Foundation::Rigid, ..Common::default() };
     let dimensionless = Dimensionless { alpha: 0.188, p: 2.43, eta: 38.0, xi_v: 0.034 };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();

@@ -1,7 +1,7 @@
 //! Random runs under harsh loads: none fails, and no corner pulls.
 //!
-//! The number of a case determines it. `HARSH_CASES=100000 cargo test --release --test simulation harsh` runs more cases, from
-//! `HARSH_FIRST` on. Numbers of failing cases are stored in a file and run each time from then on.
+//! The number of a case determines it. `HARSH_CASES=100000 cargo test --release --test simulation harsh` runs more cases,
+//! starting at `HARSH_FIRST`. Numbers of failing cases are stored in a file, and those cases run each time from then on.
 
 use std::f64::consts::TAU;
 

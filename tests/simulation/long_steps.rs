@@ -52,7 +52,7 @@ fn run(block: Block, initial: &Initial, steps: &[Step], parts: u32) -> (Vec<Even
 /// Number of events to compare; over more bounces rounding errors grow without bound.
 const MOST_EVENTS: usize = 10;
 
-/// Tells whether two runs have the same events and, unless these are many, the same peaks.
+/// Returns true if two runs have the same events and, unless there are many, the same peaks.
 ///
 /// The friction demand is left out: it is unbounded where a reaction nears zero.
 fn same((a, peaks): &(Vec<Event>, Peaks), (b, others): &(Vec<Event>, Peaks)) -> bool {
@@ -146,10 +146,10 @@ fn long_steps_have_the_events_and_peaks_of_short_ones() {
     assert!(differ <= 1 + ran / 2000, "{differ} of {ran} runs differ");
 }
 
-/// A block at rest takes a step of any length, and so does one that comes to rest within it: after a pulse, and leaning into a constant
-/// push.
+/// A block at rest takes a step of any length, and so does one that comes to rest within the step, after a pulse or while leaning
+/// into a constant push.
 #[test]
-fn rest_lasts_as_long_as_is_asked_for() {
+fn a_block_at_rest_takes_any_step() {
     let sine = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.5, start: 0.1 };
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
         for (pulse, push) in [(Pulse::NONE, 0.0), (sine, 0.0), (Pulse::NONE, 1.5), (sine, 0.5)] {

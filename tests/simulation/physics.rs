@@ -157,7 +157,7 @@ fn the_impact_map_solves_the_balance_equations() {
 }
 
 #[test]
-fn an_elastic_landing_changes_nothing_and_a_plastic_one_is_housners() {
+fn elastic_and_plastic_landings() {
     let elastic = block(0.25, 1.0, 40.0, 0.1, 1.0);
     let (v_dot, theta_dot) = impact::landing(&elastic, Corner::Left, 0.0, -0.2, -0.3);
     assert!((v_dot + 0.2).abs() < 1e-15 && (theta_dot + 0.3).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! Runs of the solver beside the independent reference trajectories.
+//! Runs of the solver compared with the independent reference trajectories.
 
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::{Ending, Progress, Settings, Simulation};

@@ -1,4 +1,4 @@
-//! Blocks that come to rest, and motions that no step can follow.
+//! Blocks that come to rest, and motions too violent for any step.
 
 use rocking_block::block::{Block, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};

@@ -118,7 +118,7 @@ proptest! {
 
 /// Only an event that ends the run is applied without a stop; if the block is held afterwards, the run stops first.
 #[test]
-fn an_event_that_ends_the_run_is_no_stop() {
+fn the_event_that_ends_the_run_is_not_a_stop() {
     let case = |rigid: bool, theta: f64, vertical: f64| Case {
         alpha: 0.25,
         eta: 40.0,

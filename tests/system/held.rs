@@ -59,7 +59,7 @@ fn corner_arm(block: &Block, theta: f64) -> f64 {
     block.b * theta.cos() + block.h * theta.sin()
 }
 
-/// Returns N_L over the weight and the acceleration with which the gap of L would open.
+/// Returns N_L over the weight, and the acceleration at which the gap of L would open.
 fn look(simulation: &Simulation, inputs: &Inputs, pulse: &Pulse) -> (f64, f64) {
     let (block, seen) = (simulation.block(), simulation.observe(inputs));
     let a_gx = pulse.acceleration(simulation.time()) + inputs.a_gx.value;

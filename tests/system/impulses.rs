@@ -107,7 +107,7 @@ fn a_landing_on_both_gives_each_corner_its_rate() {
 }
 
 #[test]
-fn a_grip_is_a_horizontal_impulse_that_stops_what_is_held() {
+fn a_grip_is_a_horizontal_impulse_that_stops_the_foot() {
     let block = uneven(Foundation::Viscoelastic, 0.2);
     for (regime, along) in
         [(Regime::FullContact, 0.0), (Regime::TiltingLeft, -block.b), (Regime::TiltingRight, block.b)]

@@ -178,7 +178,7 @@ fn evaluations_in_transitions_are_counted() {
 
 /// Evaluations beyond start, steps, event and transition are of the dense output, three per step that needs it.
 #[test]
-fn evaluations_are_those_of_steps_events_and_dense_output() {
+fn evaluations_count_steps_events_and_dense_output() {
     // The block falls on L and stays, or onto its right side.
     for (theta, landings) in [(0.3, 1), (1.0, 0)] {
         let common = Common { foundation: Foundation::Rigid, restitution_factor: 0.0, ..Common::default() };

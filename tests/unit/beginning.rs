@@ -83,7 +83,7 @@ impl Files {
         self.0.path().join(format!("{record}.txt")).to_str().unwrap().to_string()
     }
 
-    /// Starts a model without records, with both, or with both swapped, in turn.
+    /// Starts a model in turn without records, with both, and with both swapped.
     fn start(&self, draw: &Draw, turn: usize) -> Model {
         let mut model = Model(Unit::new(Interface::CoSimulation));
         draw.values.iter().for_each(|(name, value)| model.set(name, *value));
@@ -144,7 +144,7 @@ const CANCELS: [(&str, &str); 2] =
     [("derived.eta", "dimensionless.p"), ("derived.theta_separation", "dimensionless.p")];
 
 #[test]
-fn derivatives_are_those_of_the_values() {
+fn derivatives_match_differences_of_the_values() {
     let (declared, files) = (declared(XML), Files::new());
     let (mut runner, mut pairs) = (TestRunner::deterministic(), Pairs::new());
     for i in 0..1000 {
@@ -167,7 +167,7 @@ fn derivatives_are_those_of_the_values() {
 
 /// Changing a known over its range changes the unknowns declared by InitialUnknowns, and no others.
 #[test]
-fn values_change_with_what_they_are_declared_to_depend_on() {
+fn values_change_with_their_declared_dependencies() {
     let (declared, files) = (declared(XML), Files::new());
     let mut runner = TestRunner::deterministic();
     let mut moved: BTreeSet<(&str, &str)> = BTreeSet::new();
@@ -321,10 +321,11 @@ fn beginning(draw: &Draw) -> [f64; 10] {
     [seen.u, seen.u_dot, seen.v, seen.v_dot, seen.theta_ddot, left, right, seen.horizontal, up_left, up_right]
 }
 
-/// Upright on the rigid base a block tilts to the side to which it is moved: `u = h θ`, `v = b |θ|`, `u̇ = h θ̇`, `M g v`; so its derivatives
-/// are one-sided, in the direction asked for, while reactions and accelerations, which would jump, are those of rest.
+/// Upright on the rigid base, a block tilts to the side to which it is moved: `u = h θ`, `v = b |θ|`, `u̇ = h θ̇`, `M g v`. Its
+/// derivatives are one-sided, in the requested direction, while reactions and accelerations, which would jump, keep their values
+/// at rest.
 #[test]
-fn an_upright_block_on_the_rigid_base_leans_in_the_direction_asked_for() {
+fn an_upright_block_on_the_rigid_base_leans_in_the_requested_direction() {
     let mut model = Model(Unit::new(Interface::CoSimulation));
     model.set("foundation", 2.0);
     model.0.plan(None, 0.0, None).unwrap();
@@ -357,7 +358,7 @@ fn an_upright_block_on_the_rigid_base_leans_in_the_direction_asked_for() {
     }
 }
 
-/// A sine that begins at the start acts from there on if it is moved to begin earlier, and not if it is moved to begin later.
+/// A sine that starts with the run acts at once if it is moved earlier, and not yet if it is moved later.
 #[test]
 fn the_beginning_of_a_sine_has_a_derivative_on_each_side() {
     let (amplitude, period) = (1.5, 0.8);
@@ -372,7 +373,7 @@ fn the_beginning_of_a_sine_has_a_derivative_on_each_side() {
     let mut along = |unknown, component| model.along(unknown, "pulse.start", component);
     assert_eq!([along("theta_ddot", 1.0), along("peak.H", 1.0)], [0.0; 2]);
     let earlier = [along("H", -1.0), along("peak.H", -1.0)];
-    // What the pulse will be after some time, on supports that give way: at most M a_p ω.
+    // The pulse after some time, on yielding supports: at most M a_p ω.
     let rate = 1000.0 * amplitude * std::f64::consts::TAU / period;
     assert!(earlier[0] != 0.0 && earlier[0].abs() <= rate, "{earlier:?}");
     assert_eq!(earlier[1], earlier[0].abs());

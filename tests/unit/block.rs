@@ -1,4 +1,4 @@
-//! Parameters of the unit → a block: measured bodies, ties, and what is not read.
+//! Parameters of the unit → a block: measured bodies, ties, and parameters without effect.
 
 use rocking_block::unit::instance::{Interface, Unit};
 use rocking_block::unit::variables::{Metadata, VARIABLES};
@@ -47,7 +47,7 @@ const MEASURED: [(&str, f64); 9] = [
     ("foundation", 1.0),
 ];
 
-/// Any plane body with a flat base, as it is measured: its angles, radius, frequency and restitution in closed form.
+/// Any plane body with a flat base, defined by its measured sizes: angles, radius, frequency and restitution in closed form.
 #[test]
 fn a_measured_body_is_given_by_its_sizes() {
     let mut unit = unit(&MEASURED);
@@ -77,7 +77,7 @@ fn a_measured_body_is_given_by_its_sizes() {
 
 /// A centre of mass at half the height, and the moment of inertia that follows from gamma, change no bit.
 #[test]
-fn zeros_stand_for_a_rectangle() {
+fn zeros_mean_a_rectangle() {
     let sizes = [("parameterization", 2.0), ("physical.width", 1.2), ("physical.height", 2.8), ("physical.K", 1e6)];
     let mut plain = unit(&sizes);
     let mut same = unit(&[&sizes[..], &[("physical.center_height", 1.4)]].concat());
@@ -88,7 +88,7 @@ fn zeros_stand_for_a_rectangle() {
 }
 
 #[test]
-fn what_is_not_read_is_named_with_what_it_needs() {
+fn parameters_without_effect_are_named_with_their_condition() {
     let with = |others: &[(&'static str, f64)]| unread(&[&MEASURED[..], others].concat());
     assert_eq!(with(&[]), []);
     assert_eq!(with(&[("gamma", 2.0)]), [("gamma", "physical.inertia = 0")]);
@@ -100,7 +100,7 @@ fn what_is_not_read_is_named_with_what_it_needs() {
 }
 
 #[test]
-fn what_makes_no_block_is_refused_with_its_reason() {
+fn invalid_blocks_are_refused_with_the_reason() {
     for (values, words) in [
         (&[("eccentricity", -2.0)][..], &["eccentricity = -2 m", "1.82"][..]),
         (&[("tie_2.stiffness", 1e3)], &["tie_2 = 0", "two different places"]),

@@ -186,7 +186,7 @@ proptest! {
 ///
 /// Fuzzing once found a step size of 8e-320 s, which made a step endless.
 #[test]
-fn a_number_forged_anywhere_is_refused_or_can_be_stepped() {
+fn forged_numbers_are_refused_or_can_be_stepped() {
     let mut fmu = Fmu::new();
     assert_eq!(fmu.set(fmu::reference("initial.theta"), 0.1), OK);
     assert_eq!([fmu.setup(None, 0.0, None), fmu.enter(), fmu.exit(), fmu.step(0.0, 0.5)], [OK; 4]);
@@ -230,7 +230,7 @@ fn a_state_with_a_nan_is_refused() {
         let mut bytes = bytes.clone();
         bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
         let Ok(forged) = postcard::from_bytes::<Simulation>(&bytes) else { continue };
-        // A change elsewhere than in a number affects other fields as well.
+        // A change outside a number affects other fields too.
         let [was, is] = [&simulation, &forged].map(|simulation| fields(&serde_json::to_value(simulation).unwrap()));
         let changed: Vec<&String> = was.iter().zip(&is).filter(|(was, is)| was != is).map(|(_, is)| &is.0).collect();
         let [place] = changed[..] else { continue };

@@ -9,7 +9,7 @@ use super::Sizes;
 /// A Real input or parameter.
 pub struct Known {
     pub name: &'static str,
-    /// Lower bound, if it is zero.
+    /// Lower bound, if it is zero; otherwise `None`.
     pub least: Option<f64>,
 }
 

@@ -117,7 +117,7 @@ struct Side {
     regime: [f64; 3],
     /// Whether the foot slides and to which side.
     slides: f64,
-    /// Whether each tie is stretched, pulls, and is broken.
+    /// For each tie, whether it is stretched, pulls, and has broken.
     ties: [[f64; 3]; 2],
     shear: f64,
     /// N_L + N_R, in units of the force.
@@ -155,7 +155,7 @@ impl Side {
         }
     }
 
-    /// Tells whether an unknown is smooth between the two sides, as far as these values determine it.
+    /// Returns true if an unknown is smooth between the two sides, as far as these values show.
     fn joins(&self, other: &Side, unknown: &str) -> bool {
         let same = |a: f64, b: f64| a == b && a != 0.0;
         // The difference of a quotient by q has an error of (δq/q)⁴/64 of its derivative, if q changes by δq between the sides.
@@ -196,8 +196,8 @@ pub type Pairs = BTreeMap<(String, String), Found>;
 /// Compares all derivatives in a random initial state with differences.
 ///
 /// The differences are central, over 1e-3 and 5e-4 of the scale of the known, and extrapolated. Relative to the magnitude of the
-/// unknown, rounding contributes 1e-16/1e-3 times some ten sums, about 1e-12, and the fifth derivative as much. On stiff supports
-/// both are up to 50 times greater, because reactions are differences of larger numbers.
+/// unknown, rounding contributes 1e-16/1e-3 times some ten sums, about 1e-12, and the fifth derivative a similar amount. On stiff
+/// supports both are up to 50 times greater, because reactions are differences of larger numbers.
 pub fn compare(host: &mut impl Host, draw: &Draw, declared: &Declared, pairs: &mut Pairs) {
     let unknowns = real_unknowns(declared);
     let sizes = Sizes::of(host);

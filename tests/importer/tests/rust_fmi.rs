@@ -1,4 +1,4 @@
-//! The FMU as rust-fmi sees it, and the C types of the interface against those made from the standard's headers.
+//! The FMU in rust-fmi, and the interface's C types compared with those made from the standard's headers.
 
 use std::mem::{offset_of, size_of};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use fmi::traits::FmiImport;
 use fmi_sys::fmi2 as headers;
 use rocking_block::fmi::fmi2::types as ours;
 
-/// The FMU lies in the folder of the profile, two above this executable.
+/// The FMU is in the folder of the profile, two levels above this executable.
 fn fmu() -> PathBuf {
     let executable = std::env::current_exe().unwrap();
     executable.ancestors().nth(2).unwrap().join("RockingBlock.fmu")
@@ -54,7 +54,7 @@ fn runs_a_reference_case() {
 }
 
 #[test]
-fn what_is_declared_is_seen() {
+fn the_declarations_are_read() {
     let import: Fmi2Import = fmi::import::from_path(fmu()).unwrap();
     let co_simulation = import.model_description().co_simulation.as_ref().unwrap();
     assert_eq!(co_simulation.model_identifier, "rocking_block");
@@ -62,7 +62,7 @@ fn what_is_declared_is_seen() {
     assert_eq!(co_simulation.can_interpolate_inputs, Some(true));
 }
 
-/// A structure that differs from the header's by a field or its place would be read as rubbish.
+/// Any structure that differs from the header's in a field or its position would be misread.
 #[test]
 fn the_callbacks_lie_as_in_the_header() {
     assert_eq!(size_of::<ours::fmi2CallbackFunctions>(), size_of::<headers::fmi2CallbackFunctions>());

@@ -1,5 +1,5 @@
 //! The FMU of FMI 3.0 through the functions that rust-fmi makes from the standard's headers. Its reader of modelDescription.xml
-//! (fmi-schema 0.8.0) refuses the attribute `unit` of a variable, which the standard has, so that it reads no FMU with units.
+//! (fmi-schema 0.8.0) refuses the standard's attribute `unit` of a variable, and so any FMU with units.
 
 use std::ffi::CString;
 use std::io::Read;
@@ -9,7 +9,7 @@ use std::ptr::{null, null_mut};
 use fmi_sys::fmi3::{Fmi3Binding, fmi3Status_fmi3OK as OK};
 use rocking_block::unit::variables::{TOKEN, VARIABLES};
 
-/// The library out of the FMU, which lies in the folder of the profile, two above this executable.
+/// Unpacks the library of the FMU, which is in the folder of the profile, two levels above this executable.
 fn library() -> (tempfile::TempDir, Fmi3Binding) {
     let executable = std::env::current_exe().unwrap();
     let fmu: PathBuf = executable.ancestors().nth(2).unwrap().join("RockingBlock-fmi3.fmu");
@@ -38,7 +38,7 @@ fn runs_a_reference_case() {
     let (shape, pulse) = (reference("pulse.shape"), ["pulse.amplitude", "pulse.period", "mass"].map(reference));
     let counters = ["events.impacts", "events.liftoffs"].map(reference);
     let mut trajectory = csv::Reader::from_path("../reference/sine_eta40.csv").unwrap();
-    // SAFETY: the instance lives until it is freed at the end; texts end with 0, and arrays hold what their counts say.
+    // SAFETY: the instance lives until it is freed at the end; texts end with 0, and arrays are as long as their counts.
     unsafe {
         let block = fmu.fmi3InstantiateCoSimulation(
             c"block".as_ptr(),

@@ -43,7 +43,7 @@ fn newmarks_block_under_a_rectangular_pulse() {
     }
 }
 
-/// The same under a one-sine pulse: the block slides one way, grips or turns back, and comes to rest.
+/// Under a one-sine pulse the block slides one way, grips or turns back, and comes to rest.
 #[test]
 fn newmarks_block_under_a_sine_pulse() {
     for (friction, amplitude, period) in [(0.3, 6.0, 0.8), (0.2, 9.0, 0.5), (0.45, 5.0, 1.3), (0.05, 4.0, 0.6)] {
@@ -57,8 +57,8 @@ fn newmarks_block_under_a_sine_pulse() {
     }
 }
 
-/// Returns where a block stops that slides under `a sin ω t` for one period against `limit` (m/s²), and its whole way (m), from
-/// integrals in closed form.
+/// Returns the final position of a block that slides under one period of `a sin ω t` against `limit` (m/s²), and the distance it
+/// has slid (m), from integrals in closed form.
 fn slide(limit: f64, a: f64, omega: f64) -> [f64; 2] {
     let period = std::f64::consts::TAU / omega;
     // Velocity and place a time after `from`, sliding in a direction, while the pulse acts or after it.
@@ -79,11 +79,11 @@ fn slide(limit: f64, a: f64, omega: f64) -> [f64; 2] {
         high
     };
     let (mut time, mut place, mut total) = (libm::asin(limit / a) / omega, 0.0, 0.0);
-    // The ground goes to the right first, and the block to the left beside it.
+    // The ground moves to the right first, so the block slides to the left.
     let mut direction = -1.0;
     loop {
         let slides = |until: f64| direction * within(time, 0.0, direction, until).0 > 0.0;
-        // The foot's velocity has one greatest value; it is positive right after the beginning.
+        // The foot's velocity has a single maximum and is positive right after the start.
         let mut probe = time + 1e-4 * period;
         while probe < period && slides(probe) {
             probe += 1e-4 * period;
@@ -124,7 +124,7 @@ fn mode(alpha: f64, friction: f64, a: f64) -> (bool, bool) {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// The boundaries of the four modes are where Shenton has them, to rounding.
+    /// The boundaries between the four modes match Shenton's, to rounding.
     #[test]
     fn shentons_boundaries(alpha in 0.1..0.6, friction in 0.05..1.2, over in 1.001..3.0) {
         const CLOSE: f64 = 1e-12;
@@ -152,7 +152,7 @@ proptest! {
     }
 }
 
-/// With μ = tan α exactly a push beyond both limits slides the block, and it does not tip.
+/// With μ = tan α exactly, a push beyond both limits makes the block slide, not tip.
 #[test]
 fn friction_at_the_tangent_of_alpha() {
     for alpha in [0.15, 0.25, 0.4] {

@@ -1,4 +1,4 @@
-//! Friction, ties and an eccentric centre of mass, beside independent trajectories.
+//! Friction, ties and an eccentric centre of mass, compared with independent trajectories.
 
 mod friction;
 mod random;
@@ -22,7 +22,7 @@ fn slips(simulation: &Simulation) -> i32 {
     }
 }
 
-/// Compares a run with its trajectory: the messages of what differs.
+/// Compares a run with its trajectory; returns a message for each difference.
 fn run(case: &Case) -> Result<Vec<String>, String> {
     let records: [Option<Record>; 2] = [record_named(&case.a_gx, case.g)?, None];
     let settings = Settings { tolerance: 1e-10, ..Settings::default() };

@@ -113,7 +113,7 @@ macro_rules! ensure {
 /// Changes between slip and grip within 1e-6/p that count as chatter.
 const CHATTER: usize = 6;
 
-/// Runs a block and returns what is wrong with its energies and forces.
+/// Runs a block; fails if its energies or forces are wrong.
 fn check(draw: &Draw) -> Result<(), String> {
     let Some((mut simulation, inputs)) = draw.start(1.0, 1e-10) else { return Ok(()) };
     let block = *simulation.block();
@@ -164,7 +164,7 @@ fn check(draw: &Draw) -> Result<(), String> {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// The energies balance, no landing makes energy, no reaction pulls, friction keeps within its limit, and nothing chatters.
+    /// Energies balance, no landing adds energy, no reaction pulls, friction stays within its limit, and no foot chatters.
     #[test]
     fn energies_balance(draw in draws()) {
         prop_assert_eq!(check(&draw), Ok(()));
@@ -189,9 +189,9 @@ proptest! {
     }
 }
 
-/// With ever more friction and ever softer ties the motion is that of the plain block.
+/// With increasing friction and softening ties, the motion tends to that of the plain block.
 #[test]
-fn limits_are_the_plain_block() {
+fn infinite_friction_and_soft_ties_give_the_plain_block() {
     let dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
     let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.2, start: 0.0 };
     let theta = |foundation, friction, stiffness: f64, eccentricity| {

@@ -37,8 +37,7 @@ fn angular_acceleration(block: &Block, theta: f64) -> f64 {
     -(gravity * r0 * libm::sin(alpha - theta) + tension / mass * b * libm::cos(0.5 * theta)) / (i0 + r0 * r0)
 }
 
-/// The motion of a released block with a tendon is that of this equation, integrated by the classical Runge–Kutta method, until its
-/// first impact.
+/// A released block with a tendon follows this equation, integrated by the classical Runge–Kutta method, until its first impact.
 #[test]
 fn a_tendon_through_the_base() {
     for (stiffness, pretension) in [(0.0, 0.1), (0.5, 0.0), (2.0, 0.05), (8.0, 0.3)] {

@@ -1,4 +1,4 @@
-//! Flights beside an independent computation: take-offs, landings on one corner and on both, grips, slides.
+//! Flights compared with an independent computation: take-offs, landings on one corner and on both, grips, slides.
 
 use std::cell::Cell;
 use std::collections::BTreeSet;

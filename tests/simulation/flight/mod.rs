@@ -1,4 +1,4 @@
-//! Free flight: motion, landings and end, none with a gain of energy.
+//! Free flight: motion, landings and end, without gain of energy.
 
 mod against;
 mod independent;
@@ -154,7 +154,7 @@ fn a_level_drop_lands_on_both_corners() {
     assert!((landings[0].time - fall).abs() < 1e-12, "{} instead of {fall}", landings[0].time);
 }
 
-/// Ever lower flights end, and the block rests where it landed.
+/// Successive flights get lower and end, and the block rests where it landed.
 #[test]
 fn a_thrown_block_comes_to_rest_at_its_new_place() {
     for (epsilon, xi_v) in [(0.0, 0.3), (0.5, 0.2), (1.0, 0.1), (0.3, 2.0)] {

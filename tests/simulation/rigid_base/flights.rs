@@ -1,4 +1,4 @@
-//! Separation, sliding, flight and landing, against closed forms and an integration of their own.
+//! Separation, sliding, flight and landing, compared with closed forms and an independent integration.
 
 use rocking_block::block::{Block, Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
@@ -126,13 +126,13 @@ fn until_zero(
     (t + low, step(x, t, low, rate))
 }
 
-/// A block rocks while the vertical ground acceleration falls steadily; slip and lift-off match an integration by hand.
+/// A block rocks while the vertical ground acceleration falls steadily; slip and lift-off match an independent integration.
 ///
 /// Housner's equation and `N = M (g + a_gz + v̈)`, `v = R0 [cos(α − |θ|) − cos α]`, give the time at which the corner would have
-/// to be pulled. Then it slides: Lagrange's equations for θ and a free x, with the height `y = v(θ)` of the centre of mass, give
-/// the time at which the base bears no more load. Under the opposite ground motion the released corner rises at once.
+/// to be pulled. From then on it slides: Lagrange's equations for θ and a free x, with the height `y = v(θ)` of the centre of
+/// mass, give the time at which the base bears no load. Under the opposite ground motion the released corner rises at once.
 #[test]
-fn slip_and_lift_off_match_an_integration_by_hand() {
+fn slip_and_lift_off_match_an_independent_integration() {
     let block = block(0.3, 2.0, 0.0);
     let Block { alpha, p, r0, mass, .. } = block;
     for (theta, theta_dot, push, slides) in [(0.2, -0.5, 1.0, true), (-0.2, 0.2, -1.0, true), (-0.2, 0.2, 1.0, false)] {

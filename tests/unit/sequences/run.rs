@@ -149,7 +149,7 @@ impl Run {
         Run::start_with(experiment, &mut |_| ())
     }
 
-    /// The same, with an irrelevant action in every state on the way.
+    /// Starts the same run with an irrelevant action in every state on the way.
     pub fn start_with(experiment: &Experiment, aside: &mut impl FnMut(&mut Run)) -> Run {
         let mut run = Run { fmu: Fmu::new(), time: experiment.start, phase: Phase::Instantiated, saved: Vec::new() };
         run.initialize(experiment, aside);
@@ -237,8 +237,8 @@ impl Run {
                 self.phase = Phase::Failed;
                 reached
             }
-            // The integrator says that it cannot go on, which "damped_supports_never_fail" rules out where it must.
-            // No status is to be had then.
+            // The integrator reports that it cannot continue, which "damped_supports_never_fail" rules out where it must not
+            // happen. No status is available then.
             ERROR => {
                 self.phase = Phase::Error;
                 self.time

@@ -1,9 +1,9 @@
-//! The block in Cartesian coordinates, written anew from docs/model.md to be compared with the solver.
+//! The block in Cartesian coordinates: an independent implementation of docs/model.md, for comparison with the solver.
 //!
-//! Nothing of the solver is used but the numbers of the block. Coordinates are the place of the centre of mass and θ, whatever
-//! touches; forces and impulses are unknowns of linear systems beside the accelerations and velocities; supports that
-//! are lifted and the horizontal motion in flight are integrated, not put in closed form; steps are those of a Gauss
-//! method of order 6, short beside all periods, and an event is bisected by repeating the step in which it falls.
+//! It shares only the block's parameters with the solver. Coordinates are the position of the centre of mass and θ in all
+//! regimes; forces and impulses are unknowns of linear systems, together with the accelerations and velocities; lifted supports
+//! and the horizontal motion in flight are integrated, not put in closed form. Steps are those of a Gauss method of order 6,
+//! short compared with all periods; an event is bisected by repeating its step.
 
 mod rules;
 
@@ -12,13 +12,13 @@ use std::collections::BTreeSet;
 use nalgebra::{Matrix4, SMatrix, SVector, Vector2};
 use rocking_block::block::Block;
 
-/// x, z of the centre of mass, θ, their rates, and the heights of the support_heights of both supports.
+/// x, z of the centre of mass, θ, their rates, and the heights of both supports' tops.
 type State = SVector<f64, 8>;
 
 /// Accelerations of x, z, θ, and H per unit mass.
 type Forces = SVector<f64, 4>;
 
-/// What happened, in the words of the solver's log.
+/// Kind of an event, in the words of the solver's log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum What {
     LiftOff(usize),
@@ -27,7 +27,7 @@ pub enum What {
     Grip,
 }
 
-/// A rule that not every flight needs.
+/// A rule that only some flights need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rule {
     /// A corner lands while the other one stands.
@@ -36,9 +36,9 @@ pub enum Rule {
     RisingSupport,
     /// Both corners land at once.
     LandingOnBoth,
-    /// They would, but one of the impulses would pull.
+    /// Both corners meet their supports, but one of the impulses would pull.
     OtherLandsAlone,
-    /// A landing for which the support would have to pull.
+    /// A landing whose support would have to pull.
     NoPull,
     Slip,
     Grip,
@@ -59,7 +59,7 @@ impl Rule {
     ];
 }
 
-/// An event: its time (s), what it was, and which corners touched before and after.
+/// An event: its time (s), its kind, and the touching corners before and after.
 #[derive(Clone, Copy, Debug)]
 pub struct Happened {
     pub time: f64,
@@ -75,13 +75,14 @@ pub struct Run<'a> {
     pub time: f64,
     pub state: State,
     pub touching: [bool; 2],
-    /// Where the middle of the base is held, or the corner in its distance from it; nowhere in flight and in a slide.
+    /// Position at which the middle of the base is held, or the held corner offset by its distance from the middle; `None` in
+    /// flight and in a slide.
     foot: Option<f64>,
     held: Option<usize>,
     pub events: Vec<Happened>,
-    /// The rules that were used.
+    /// The rules applied so far.
     pub used: BTreeSet<Rule>,
-    /// How often a corner came down on its support, and how often one lifted.
+    /// Numbers of landings and lift-offs of corners.
     pub impacts: u32,
     pub liftoffs: u32,
 }
@@ -89,7 +90,7 @@ pub struct Run<'a> {
 const BOTH: [usize; 2] = [0, 1];
 
 impl Run<'_> {
-    /// From a state in which nothing touches.
+    /// Starts from a state without contact.
     pub fn in_flight<'a>(
         block: &Block,
         [theta, theta_dot, v, v_dot]: [f64; 4],
@@ -116,7 +117,7 @@ impl Run<'_> {
         run
     }
 
-    /// From rest on both supports.
+    /// Starts from rest on both supports.
     pub fn at_rest<'a>(block: &Block, ground: &'a dyn Fn(f64) -> [f64; 2]) -> Run<'a> {
         let state = State::from([0.0, block.h, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         Run {
@@ -139,12 +140,12 @@ impl Run<'_> {
         Vector2::new(if i == 0 { -self.block.b } else { self.block.b }, -self.block.h)
     }
 
-    /// What is held in full contact.
+    /// The point held in full contact.
     fn middle(&self) -> Vector2<f64> {
         Vector2::new(0.0, -self.block.h)
     }
 
-    /// What is held while these corners touch.
+    /// The point held while these corners touch.
     fn foothold(&self, touching: [bool; 2]) -> Vector2<f64> {
         match touching {
             [true, false] => self.corner(0),
@@ -153,13 +154,13 @@ impl Run<'_> {
         }
     }
 
-    /// A point of the block seen from its centre: turned clockwise by θ.
+    /// Vector from the centre to a point of the block, turned clockwise by θ.
     fn arm(state: &State, point: Vector2<f64>) -> Vector2<f64> {
         let (sin, cos) = state[2].sin_cos();
         Vector2::new(point.x * cos + point.y * sin, -point.x * sin + point.y * cos)
     }
 
-    /// Height of a corner over its place at rest, and its rate.
+    /// Height of a corner above its position at rest, and its rate.
     fn height(&self, state: &State, i: usize) -> [f64; 2] {
         let arm = Self::arm(state, self.corner(i));
         [state[1] + arm.y, state[4] - arm.x * state[5]]
@@ -197,7 +198,7 @@ impl Run<'_> {
         let arms = BOTH.map(|i| Self::arm(state, self.corner(i)));
         let n = BOTH.map(|i| if touching[i] { self.support(self.height(state, i)) } else { 0.0 });
         let foothold = Self::arm(state, self.foothold(touching));
-        // The foothold keeps its velocity, or nothing holds.
+        // The held point keeps its velocity; without a grip no point is held.
         let (hold, held) = match grips {
             true => ([1.0, 0.0, foothold.y, 0.0], foothold.x * state[5].powi(2)),
             false => ([0.0, 0.0, 0.0, 1.0], 0.0),
@@ -215,7 +216,7 @@ impl Run<'_> {
         matrix.lu().solve(&right).expect("forces that balance")
     }
 
-    /// The same while corner `i` is held: it bears nothing and goes with its support, and the middle of the base stands still.
+    /// The same while corner `i` is held: it bears no load and moves with its support, while the middle of the base stands still.
     fn forces_held(&self, time: f64, state: &State, i: usize) -> Forces {
         let [a_gx, a_gz] = (self.ground)(time);
         let n = self.support(self.height(state, 1 - i));
@@ -260,7 +261,7 @@ impl Run<'_> {
         rate
     }
 
-    /// The state a step later: Gauss' method with three stages.
+    /// Returns the state after a step of Gauss' method with three stages.
     fn step(&self, size: f64) -> State {
         let root = 15.0_f64.sqrt();
         let nodes = [0.5 - root / 10.0, 0.5, 0.5 + root / 10.0];
@@ -284,8 +285,8 @@ impl Run<'_> {
         self.state + (stages[0] * 5.0 + stages[1] * 8.0 + stages[2] * 5.0) * (size / 18.0)
     }
 
-    /// How fast the gap under a corner would open if it left its support now, where it moves with `rate`: its
-    /// acceleration without the support, less that of the support's top on its way back.
+    /// Acceleration of the gap under a corner if it left its support now, moving with `rate`: the corner's acceleration without
+    /// the support, minus that of the recovering support's top.
     fn opening(&self, time: f64, state: &State, i: usize, rate: f64) -> f64 {
         let mut touching = self.touching;
         touching[i] = false;
@@ -295,14 +296,14 @@ impl Run<'_> {
         self.corner_acceleration(&state, &forces, i) - self.top_acceleration(rate)
     }
 
-    /// With the horizontal velocity at which the foothold of these corners stands still.
+    /// Returns the state with the horizontal velocity at which the held point of these corners stands still.
     fn held_by(&self, state: &State, touching: [bool; 2]) -> State {
         let mut held = *state;
         held[3] = -Self::arm(state, self.foothold(touching)).y * state[5];
         held
     }
 
-    /// What presses on the supports right after a horizontal impulse that holds the foothold, the least of both.
+    /// The smaller support force right after a horizontal impulse that stops the held point.
     fn pressure(&self, state: &State) -> f64 {
         let foothold = self.foothold(self.touching);
         let (after, _) = self.strike(state, Some([foothold, foothold]), [None; 2]);
@@ -314,8 +315,8 @@ impl Run<'_> {
         pressed.fold(f64::INFINITY, f64::min)
     }
 
-    /// Velocities after impulses: a horizontal one at the first of two points that stops the second, or none, and a
-    /// vertical one at each corner that shall move with a given rate. The impulses at L and R per mass.
+    /// Returns the velocities after impulses, and the impulses at L and R per mass: an optional horizontal impulse at the first
+    /// of two points, which stops the second, and a vertical one at each corner with a prescribed rate.
     fn strike(&self, state: &State, hold: Option<[Vector2<f64>; 2]>, rates: [Option<f64>; 2]) -> (State, [f64; 2]) {
         let arms = BOTH.map(|i| Self::arm(state, self.corner(i)));
         let [pushed, stopped] = hold.unwrap_or_default().map(|point| Self::arm(state, point));

@@ -1,4 +1,4 @@
-//! When something happens to the block, and what: the rules of docs/model.md.
+//! Events of the block and their effects: the rules of docs/model.md.
 
 use rocking_block::block::Block;
 
@@ -9,16 +9,16 @@ use super::{BOTH, Happened, Rule, Run, State, What};
 enum Watched {
     Reaction(usize),
     Gap(usize),
-    /// The corner that is held would lift.
+    /// The held corner would lift.
     Held(usize),
-    /// Full contact would not lift the corner that is held.
+    /// In full contact the held corner would not lift.
     Unloaded(usize),
-    /// What slides would be pressed on if it gripped.
+    /// The sliding corner would be under pressure if it gripped.
     Slide,
 }
 
 impl Run<'_> {
-    /// Goes on to a time, step by step, and applies the first event of each step.
+    /// Advances to a time, step by step, and applies the first event of each step.
     pub fn advance(&mut self, until: f64) {
         let Block { omega_v, xi_v, p, .. } = self.block;
         let longest =
@@ -38,7 +38,7 @@ impl Run<'_> {
                 None => {
                     self.state = end;
                     self.time = if size == remaining { until } else { self.time + size };
-                    // What touches moves with its support.
+                    // Touching corners move with their supports.
                     for i in BOTH.into_iter().filter(|&i| self.touching[i] && self.held != Some(i)) {
                         self.state[6 + i] = self.height(&self.state, i)[0];
                     }
@@ -71,7 +71,7 @@ impl Run<'_> {
         }
     }
 
-    /// What rounding leaves of a zero: 1e-13 of what the terms that enter are made of.
+    /// Round-off around zero: 1e-13 of the magnitude of the terms.
     fn rounding(&self, watched: Watched) -> f64 {
         match watched {
             Watched::Gap(_) => 1e-13 * self.block.static_deflection().max(self.block.b),
@@ -81,8 +81,8 @@ impl Run<'_> {
         }
     }
 
-    /// When a watched function falls through zero in a step, in seconds after its beginning. One that begins at zero has to
-    /// rise first, if only for a moment.
+    /// Returns the time in a step (s after its start) at which a watched function falls through zero. A function that starts at
+    /// zero must rise first, if only briefly.
     fn fall(&self, watched: Watched, size: f64, end: &State) -> Option<f64> {
         let rounding = self.rounding(watched);
         let after = |elapsed: f64| self.value(watched, self.time + elapsed, &self.step(elapsed));
@@ -104,7 +104,7 @@ impl Run<'_> {
         Some(low)
     }
 
-    /// Where a function that falls at first and rises in the end is lowest in a step.
+    /// Returns the minimum in a step of a function that falls at first and rises at the end.
     fn dip(&self, watched: Watched, size: f64, end: &State) -> Option<f64> {
         let slopes = [(self.time, &self.state), (self.time + size, end)].map(|(time, state)| match watched {
             Watched::Reaction(i) => {
@@ -145,7 +145,7 @@ impl Run<'_> {
                     self.lift(i);
                     What::LiftOff(i)
                 } else if before == [true; 2] {
-                    // It bears nothing, and stays.
+                    // It bears no load, and stays on its support.
                     self.held = matches!(watched, Watched::Reaction(_)).then_some(i);
                     if self.held.is_some() {
                         return;
@@ -185,7 +185,7 @@ impl Run<'_> {
         if self.touching == [false; 2] {
             self.foot = None;
         } else if both && self.foot.is_some() {
-            // From here on the other corner is held, in its distance from the middle, with v̇ and θ̇ as they are.
+            // From here on the other corner is held, at its distance from the middle, with unchanged v̇ and θ̇.
             self.state = self.held_by(&self.state, self.touching);
             self.put_on_foot();
         }
@@ -196,7 +196,7 @@ impl Run<'_> {
         self.state[0] = foot + foothold.x - Self::arm(&self.state, foothold).x;
     }
 
-    /// A corner comes down; `exact` takes the rates that it gives.
+    /// Lands a corner; `exact` receives the rates prescribed by the landing.
     fn land(&mut self, i: usize, exact: &mut [Option<f64>; 2]) {
         let other = 1 - i;
         let before = self.touching;
@@ -260,7 +260,7 @@ impl Run<'_> {
         let (mut state, impulses) = self.strike(&self.state, Some([corner, corner]), rates);
         if rate >= 0.0 || impulses[i] < 0.0 {
             self.used.insert(Rule::NoPull);
-            // No support pulls: the horizontal impulse alone, and what rate the corner has from it.
+            // No support pulls: apply the horizontal impulse alone, and take the corner's rate from it.
             let (thrown, _) = self.strike(&self.state, Some([corner, corner]), [None; 2]);
             rates[i] = Some(self.or_rest(i, self.height(&thrown, i)[1]));
             (state, _) = self.strike(&self.state, Some([corner, corner]), rates);
@@ -274,14 +274,14 @@ impl Run<'_> {
         self.or_rest(i, if rate < 0.0 { self.block.epsilon * rate } else { rate })
     }
 
-    /// The support's rate where a flight would rise less than ten times what rounding leaves of a gap.
+    /// Returns the support's rate if a flight would rise less than ten times the round-off of a gap.
     fn or_rest(&self, i: usize, rate: f64) -> f64 {
         let top = self.top_rate(&self.state, i);
         let rise = (rate - top).powi(2) / (2.0 * self.block.gravity);
         if rate > top && rise < 10.0 * self.rounding(Watched::Gap(i)) { top } else { rate }
     }
 
-    /// What touches is held where it is.
+    /// Holds the touching corners at their present position.
     fn take_hold(&mut self) {
         let foothold = self.foothold(self.touching);
         self.foot = Some(self.state[0] + Self::arm(&self.state, foothold).x - foothold.x);
@@ -293,13 +293,13 @@ impl Run<'_> {
         self.take_hold();
     }
 
-    /// Of the corners that touch, those go whose supports would have to pull, now or within what the clock resolves.
-    /// `exact` are rates that are known better than from the state.
+    /// Releases the touching corners whose supports would have to pull, now or within the resolution of the clock. `exact` are
+    /// rates known more accurately than from the state.
     fn settle(&mut self, landed: [bool; 2], exact: [Option<f64>; 2]) {
         let gravity = self.block.gravity;
         self.held = None;
         let resolution = 4.0 * f64::EPSILON * self.time.max(1.0 / self.block.omega_v);
-        // What has just landed is as high as its support, which the difference of greater numbers would miss.
+        // A corner that has just landed is exactly as high as its support; a difference of larger numbers would lose that.
         let mut exact = BOTH.map(|i| {
             let [height, rate] = self.height(&self.state, i);
             if landed[i] { [self.state[6 + i], exact[i].unwrap_or(rate)] } else { [height, rate] }
