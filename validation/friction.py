@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What friction changes: the runs of a typical sweep without a limit, and with friction of 0.3, 0.5 and 0.7.
+"""Effect of friction: the runs of a typical sweep without a limit, and with friction of 0.3, 0.5 and 0.7.
 
     python validation/friction.py [--runs 200] [--json]
 
 Blocks of alpha 0.1 to 0.35 rad and p 1 to 5 rad/s on supports of eta 20 to 100 and xi_v 0.05 to 0.4, drawn with a fixed seed,
-under the two records of the project at 1 to 6 times their strength; those that leave full contact count. Needs the Python
-package `rocking_block` and NumPy.
+under the two records of the project at 1 to 6 times their strength; only blocks that leave full contact count. Needs the
+Python package `rocking_block` and NumPy.
 """
 
 import argparse
@@ -21,7 +21,7 @@ LEVELS = (0.3, 0.5, 0.7)
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=200, help="blocks that are drawn (default: %(default)s)")
+    parser.add_argument("--runs", type=int, default=200, help="number of blocks drawn (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     arguments = parser.parse_args()
     generator = np.random.default_rng(1)
@@ -54,7 +54,7 @@ def main():
             "peaks of rotation that change by more than 10 %": int((changes > 0.1).sum()),
             "blocks that slide by more than 1 mm": int((slips > 1e-3).sum()),
             "greatest slip (m)": round(float(slips.max()), 3),
-            "least alpha (rad) whose outcome or peak changes so": round(
+            "smallest alpha (rad) with such a change of outcome or peak": round(
                 min((row["alpha"] for row in rows if row[level][0] or row[level][1] > 0.1), default=float("nan")), 2
             ),
         }

@@ -40,7 +40,7 @@ def housner(half_width, half_height):
 def on_supports(height, frequency, damping):
     """Returns the ratio of angular velocities after and before the first impact on supports.
 
-    They are taken before the landing, and when the other corner lifts. `frequency` (rad/s) is that of a block of 0.5 m.
+    They are those just before the landing and when the other corner lifts. `frequency` (rad/s) is that of a block of 0.5 m.
     """
     half_height = height / 2
     alpha, radius = math.atan2(HALF_WIDTH, half_height), math.hypot(HALF_WIDTH, half_height)
@@ -125,21 +125,21 @@ def main():
         "floor: by the other trials of the group": rms(others - ratios),
         "spread within groups": spread,
         "ratios above 1": int((ratios > 1).sum()),
-        "ratios above 1 expected of that spread about the means of the groups": expected,
-        "ratios above 1 expected of that spread about Housner's": by_chance,
+        "ratios above 1 expected from that spread about the means of the groups": expected,
+        "ratios above 1 expected from that spread about Housner's": by_chance,
     }
     if arguments.json:
         return print(json.dumps(results))
     print(f"{results['trials']} first impacts in {results['groups']} groups; measured less Housner's ratio: "
           f"{results['Housner, mean error']:+.4f} on average")
-    print("root mean square error on groups that were not fitted: mean of all divisions into halves (least, greatest)")
+    print("root mean square error on unfitted groups: mean of all divisions into halves (least, greatest)")
     for name, value in results["RMSE on groups that were not fitted"].items():
         low, high = results["of single divisions"][name]
         print(f"  {name:22}{value:.4f}  ({low:.4f}, {high:.4f})")
     print(f"  {'floor':22}{results['floor: by the other trials of the group']:.4f}  by the other trials of the group")
     for name, value in results["fitted to all"].items():
         print(f"{name}, fitted to all: {value if isinstance(value, tuple) else round(float(value), 4)}")
-    print(f"ratios above 1: {results['ratios above 1']}; a normal scatter of {spread:.3f} (that within the groups) about the "
+    print(f"ratios above 1: {results['ratios above 1']}; a normal scatter of {spread:.3f} (as within the groups) about the "
           f"groups' means gives {expected:.1f}, about Housner's ratios {by_chance:.1f}")
     return None
 

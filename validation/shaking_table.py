@@ -7,10 +7,10 @@
 A folder holds `tests.csv`, `motions.npz` and `rocks.json`. Fits use the first folder only and are judged on the second; tests
 without a motion are left out. Needs the Python package `rocking_block` and NumPy.
 
-The rule for the geometry was stated before any outcome was examined, the others were not:
+The rule for the geometry was stated before any outcome was examined; the others were stated later:
 
-- Geometry: the rectangular block with the rock's height of the centre of mass, moment of inertia, and energy barrier of its
-  weakest way over: alpha = sqrt(2 U/h). The naive rule, the critical tilt in the direction of shaking, is shown for
+- Geometry: the rectangular block with the rock's height of the centre of mass, moment of inertia, and lowest energy barrier
+  against overturning: alpha = sqrt(2 U/h). The naive rule, the critical tilt in the direction of shaking, is shown for
   comparison.
 - Model: Housner's block on a rigid base, with his restitution, in the plane of shaking, without sliding.
 - Unit of prediction: an ensemble. The table's motion is scaled by the midpoints of equally likely parts of a lognormal
@@ -32,7 +32,7 @@ import rocking_block as rb
 GRAVITY = 9.81
 SPREAD = 0.10
 ALPHAS = np.geomspace(0.08, 0.26, 12)
-# Spread of the slenderness in an ensemble over it.
+# Spread of an ensemble over the slenderness.
 SPREADS = (0.05, 0.1, 0.2, 0.3, 0.4)
 ROCKS = {"SP1": "sp1", "SP2": "sp2"}
 
@@ -278,7 +278,7 @@ def show(results):
             print(f"    {predicted:6.2f} {frequency:6.2f} {count:6d}")
         test = found["McNemar"]
         print(
-            f"  McNemar against {test['against']}: {test['only ours right']} tests only the model tells right, "
+            f"  McNemar against {test['against']}: {test['only ours right']} tests only the model predicts, "
             f"{test['only other right']} only the other (p = {test['p']:.2f})"
         )
 
@@ -321,7 +321,7 @@ def draw(results, path):
         predicted, frequency, count = map(np.array, zip(*found["reliability"]))
         bars = np.abs(wilson(frequency, count) - frequency)
         axes[1].errorbar(predicted, frequency, bars, fmt=marker + "-", color=colour, capsize=3, label=f"{rock}, fitted")
-    axes[0].set(xlabel="false alarms (1)", ylabel="overturnings told (1)", title="ROC", xlim=(0, 1), ylim=(0, 1.02))
+    axes[0].set(xlabel="false alarms (1)", ylabel="overturnings predicted (1)", title="ROC", xlim=(0, 1), ylim=(0, 1.02))
     axes[1].plot([0, 1], [0, 1], color="0.6", linewidth=1)
     axes[1].set(xlabel="predicted probability (1)", ylabel="overturned (1)", title="Reliability, 95 % bars")
     axes[1].set(xlim=(0, 1), ylim=(-0.02, 1.02))
@@ -332,8 +332,8 @@ def draw(results, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fit", required=True, metavar="FOLDER", help="what is fitted, is fitted to these tests")
-    parser.add_argument("--test", metavar="FOLDER", help="the tests on which everything is judged")
+    parser.add_argument("--fit", required=True, metavar="FOLDER", help="tests for the fits")
+    parser.add_argument("--test", metavar="FOLDER", help="tests for the judgement")
     parser.add_argument("--cross-validate", choices=["motions", "tests"], nargs="+", help="halves of --fit instead of --test")
     parser.add_argument("--samples", type=int, default=9, help="runs of an ensemble (default: %(default)s)")
     parser.add_argument("--plot", metavar="FILE", help="ROC and reliability as a picture (needs matplotlib)")
@@ -363,7 +363,7 @@ def main():
         return print(json.dumps(results | {"fitted and judged on the same tests": same}))
     print(f"fitted to {len(fit.rows)} tests, judged on {len(test.rows)} ({test.left_out} without a motion left out)")
     if same:
-        print("the same tests: what is fitted was fitted to what it is judged on")
+        print("fitted and judged on the same tests")
     show(results)
     return None
 

@@ -176,7 +176,7 @@ def main():
     results = {rock: judge_all(folder, rock, arguments.samples) for rock in ROCKS}
     if arguments.json:
         return print(json.dumps(results))
-    print(f"means over {2 * DIVISIONS} halves of the motions that were not fitted; better: share of halves in which the log")
+    print(f"means over {2 * DIVISIONS} unfitted halves of the motions; better: share of halves in which the log")
     print("score is above that of the first variant")
     for rock, found in results.items():
         print(f"\n{rock}")
