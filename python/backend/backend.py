@@ -1,6 +1,6 @@
-"""PEP 517: makes the project's FMUs, puts them into the package, and leaves the rest to maturin.
+"""PEP 517 backend: builds the project's FMUs, copies them into the package, and leaves the rest to maturin.
 
-With ROCKING_BLOCK_FMU and ROCKING_BLOCK_FMI3 in the environment these files, of FMI 2.0 and of FMI 3.0, are taken instead, which
+The environment variables ROCKING_BLOCK_FMU and ROCKING_BLOCK_FMI3 name existing FMUs of FMI 2.0 and 3.0 to copy instead, which
 may hold binaries for other platforms too.
 """
 
@@ -22,7 +22,7 @@ from maturin import (  # noqa: F401 - hooks
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PROJECT = PACKAGE.parent
-# Their names, and the variables that say where others are.
+# Names of the FMUs, and the variables that name existing ones.
 FMUS = {"RockingBlock.fmu": "ROCKING_BLOCK_FMU", "RockingBlock-fmi3.fmu": "ROCKING_BLOCK_FMI3"}
 
 
@@ -44,8 +44,8 @@ def place_fmus():
 
 
 def make_fmus() -> Path:
-    """The folder in which they are."""
-    # The build script of the project packs the FMUs beside what cargo was asked for.
+    """Builds the FMUs; returns their folder."""
+    # The project's build script packs the FMUs into the folder of the build's results.
     cargo = os.environ.get("CARGO", "cargo")
     subprocess.run([cargo, "build", "--release", "--locked", "--package", "rocking-block", "--lib", "--no-default-features", "--features", "fmu"], cwd=PROJECT, check=True)
     metadata = [cargo, "metadata", "--format-version=1", "--no-deps", "--locked"]

@@ -1,4 +1,4 @@
-"""The Functional Mock-up Units that come with the package."""
+"""The Functional Mock-up Units included in the package."""
 
 from pathlib import Path
 

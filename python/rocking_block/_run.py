@@ -236,12 +236,12 @@ class Run:
 
     @property
     def slip(self) -> Floats:
-        """Where the foot is beside its place at the start [m], positive to the right; only of blocks with friction."""
+        """Displacement of the foot from its position at the start [m], positive to the right; only for blocks with friction."""
         return self._of_friction("slip")
 
     @property
     def slip_rate(self) -> Floats:
-        """Rate at which the foot slides [m/s]; only of blocks with friction."""
+        """Velocity at which the foot slides [m/s]; only for blocks with friction."""
         return self._of_friction("slip_rate")
 
     def _of_friction(self, name: str) -> Floats:

@@ -109,8 +109,8 @@ def spectrum(
     friction_demand : float, optional
         Coefficient of friction [1]: adds the column `friction_demand>0.5` (for 0.5), the longest uninterrupted time [s]
         for which |H|/(N_L + N_R) exceeds it, checked every millisecond. It shows whether a block would slide, unlike
-        `peak.friction_demand`, which is unbounded when the reactions vanish for an instant. Whether and how far it slides, a run
-        with `friction` tells.
+        `peak.friction_demand`, which is unbounded when the reactions vanish for an instant. To find how far it slides, run it with
+        `friction`.
     threads : int, optional
         Number of threads; by default one per core. It changes no bit.
     progress : bool, optional

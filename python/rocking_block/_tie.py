@@ -15,19 +15,19 @@ class Tie:
     Parameters
     ----------
     block_x, block_z : float
-        Where it is fixed to the block [m].
+        Its end on the block [m].
     ground_x, ground_z : float
-        Where it is fixed to the ground [m].
+        Its end on the ground [m].
     stiffness : float
         Stiffness k [N/m], > 0.
     pretension : float
-        Tension over its length at rest [N].
+        Tension at its length at rest [N].
     slack : float
-        Stretch from its length at rest at which it begins to pull, if it has no pretension [m].
+        Stretch beyond its length at rest before it pulls, without pretension [m].
     damping : float
         Damping c [N s/m].
     strength : float
-        Tension at which it breaks for good [N]; 0 for a tie that does not break.
+        Tension at which it breaks for good [N]; 0 for an unbreakable tie.
 
     Examples
     --------

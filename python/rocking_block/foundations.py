@@ -61,11 +61,11 @@ class Support:
     Attributes
     ----------
     K : float
-        Stiffness, half the vertical one of the foundation [N/m].
+        Stiffness, half the vertical stiffness of the foundation [N/m].
     C : float
-        Damping, half the vertical one [N s/m]; nan if the source does not state it.
+        Damping, half the vertical damping [N s/m]; nan if the source does not state it.
     K_rocking : float
-        Stiffness with which two supports would have the rocking stiffness of the foundation [N/m].
+        Support stiffness that would give the rocking stiffness of the foundation [N/m].
     """
 
     K: float
@@ -129,7 +129,7 @@ def pad(diameter: float, shape_factor: float, shear_modulus: float, bulk_modulus
 
 
 def soil(width: float, length: float, *, shear_wave_velocity: float, density: float, poisson: float) -> Support:
-    """Returns the supports that a rigid footing on the surface of a half-space of soil amounts to.
+    """Returns the supports equivalent to a rigid footing on the surface of a half-space of soil.
 
     Static stiffnesses and the radiation damping of the vertical motion after Pais & Kausel (1988), for full contact.
 

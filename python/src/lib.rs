@@ -1,5 +1,5 @@
-//! The engine of the Python package `rocking_block`: conversions between NumPy and the crate `rocking-block`, and nothing
-//! else. Names, defaults and documentation are those of the Python modules beside it; `_engine.pyi` has the types.
+//! The engine of the Python package `rocking_block`, with conversions between NumPy and the crate `rocking-block` only.
+//! Names, defaults and documentation are those of the Python modules beside it; `_engine.pyi` has the types.
 //!
 //! | module | in → out |
 //! | --- | --- |

@@ -37,7 +37,7 @@ type Outcomes<'py> = (Bound<'py, PyDict>, Vec<(String, &'static str)>, Option<St
 /// Headings, columns, and the reason of the first failed run.
 type Table<'py> = (Vec<String>, Vec<Bound<'py, PyAny>>, Option<String>);
 
-/// Yields rows of several runs each, in order; the thread unwinds when nobody waits for them any more.
+/// Yields rows of several runs each, in order; the thread unwinds once they are abandoned.
 fn rows<T: Send>(
     pool: &ThreadPool,
     count: u64,
@@ -194,12 +194,12 @@ pub fn sweep<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Table<'py>> {
-    // Line numbers help with a file; nobody has seen the text of a dictionary.
-    let told = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
+    // Line numbers help with a file only: the text made from a dictionary is never shown.
+    let without_line = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
     let name_shown = name.unwrap_or("the study");
     let (file, content) = (name_shown.to_string(), text.to_string());
     // With many combinations it takes a while to check that all make valid blocks.
-    let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(told)?;
+    let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(without_line)?;
     if let Some(on_separation) = on_separation {
         let choices = [OnSeparation::Terminate, OnSeparation::Fly];
         if study.parameters.iter().any(|swept| swept.parameter.metadata.variable == Variable::OnSeparation) {

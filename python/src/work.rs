@@ -21,7 +21,7 @@ pub struct Progress {
     abandoned: AtomicBool,
 }
 
-/// The payload with which a thread unwinds when nobody waits for its work any more.
+/// Panic payload that unwinds a thread whose work was abandoned.
 struct Abandoned;
 
 impl Progress {
@@ -31,12 +31,12 @@ impl Progress {
         self.done.fetch_max(done, Ordering::Relaxed);
     }
 
-    /// Returns true if nobody waits for the result any more.
+    /// Returns true if the caller has stopped waiting for the result.
     pub fn is_abandoned(&self) -> bool {
         self.abandoned.load(Ordering::Relaxed)
     }
 
-    /// Ends the thread if nobody waits for its result any more. It unwinds without a panic message.
+    /// Unwinds the thread, without a panic message, if the caller has stopped waiting for its result.
     pub fn end_if_abandoned(&self) {
         if self.is_abandoned() {
             resume_unwind(Box::new(Abandoned));

@@ -1,4 +1,4 @@
-"""Where the program and the records are, and how the program's tables are read."""
+"""Paths of the program and the records, and a reader of the program's tables."""
 
 import json
 import os
@@ -23,7 +23,7 @@ def pytest_configure(config):
 
 @pytest.fixture(scope="session")
 def rocking(tmp_path_factory):
-    """Runs the program with some options and gives the columns of the table that it writes, as text."""
+    """Runs the program with some options; returns the columns of its table as text."""
     program = Path(os.environ.get("ROCKING", ROOT / "target/release/rocking"))
     assert program.exists(), f"{program} is missing: cargo build --release makes it"
 
@@ -62,12 +62,12 @@ def record(path):
 
 
 def numbers(column):
-    """Numbers of the program's table; nothing stands for nan."""
+    """Returns numbers of the program's table; an empty field is nan."""
     return np.array([float(field) if field else np.nan for field in column])
 
 
 def same(values, column):
-    """Whether two columns are the same bits, but for the sign of nan."""
+    """Returns true if two columns have the same bits, except for the sign of nan."""
     return np.array_equal(np.asarray(values, dtype=float), numbers(column), equal_nan=True)
 
 

@@ -151,7 +151,7 @@ def test_a_sweep_is_that_of_the_program(rocking, path, tmp_path):
 
 
 def test_columns_have_one_name_and_words_one_spelling(path):
-    """A study of the parameters of blocks has the columns of outcomes, besides those that outcomes derive."""
+    """A study of block parameters has the columns of `outcomes`, except those that `outcomes` derives."""
     parameters = {"alpha": [0.2], "p": [2.0], "eta": [50], "xi_v": [0.1], "epsilon": [0.1], "foundation": ["viscoelastic"]}
     made = rb.sweep({"study": {"design": "grid"}, "parameters": parameters, "records": [{"horizontal": path, "vertical": path}]})
     outcomes = rb.outcomes(rb.blocks(alpha=0.2, p=[2.0], eta=50, xi_v=0.1, epsilon=0.1), path, vertical=path)
@@ -243,7 +243,7 @@ def test_both_units_of_the_package_give_the_same_bits():
 
 @pytest.mark.parametrize("end", ["on_separation", "on_overturning"])
 def test_a_block_that_is_held_is_that_of_the_fmu(end):
-    """A choice is Hold = 2; from the end of the motion on nothing moves, up to the duration that was asked for."""
+    """With Hold = 2 the block stays still from the end of its motion to the requested duration."""
     step = 2.0**-6
     rigid = end == "on_overturning"
     parameters = {"alpha": 0.15, "p": 2.0, "foundation": "rigid"} if rigid else {"alpha": 0.25, "p": 2.0, "eta": 80.0, "epsilon": 0.8}

@@ -10,7 +10,7 @@ import rocking_block as rb
 
 
 def planted(rows=300, median=0.6, beta=0.4, seed=5):
-    """A table of runs whose blocks overturn by the chance of a lognormal curve; ten runs a record."""
+    """Returns a table of runs that overturn with the probability of a lognormal curve; ten runs per record."""
     random = np.random.default_rng(seed)
     pgv = np.exp(random.normal(np.log(median), 0.6, rows))
     overturned = np.log(pgv / median) / beta + random.normal(size=rows) > 0
@@ -60,7 +60,7 @@ def test_a_frame_does_as_well():
 
 
 def test_a_measure_and_outcomes_are_enough():
-    """For overturning; the peaks of a table tell only the efficiency besides."""
+    """Tests overturning; the peaks of a table affect only the efficiency."""
     table = planted()
     own = {"PGV": table["PGV"].tolist(), "outcome": [word.capitalize() for word in table["outcome"]]}
     fit, whole = rb.fragility(own, "PGV", "Overturned"), rb.fragility(table, "PGV")
@@ -87,7 +87,7 @@ def test_rows_that_do_not_tell_are_left_out_and_counted():
 
 
 def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
-    """Of single runs and of ensembles, with intervals of both kinds."""
+    """Tests single runs and ensembles, with both kinds of intervals."""
     study = {
         "study": {"design": "grid", "scales": [0.5, 1.0, 2.0, 4.0], "ensemble": {"scale": 0.2, "samples": 8, "limits": [0.5]}},
         "parameters": {"dimensionless": {"alpha": [0.12, 0.2], "p": {"from": 1.5, "to": 4.0, "count": 4}}},
@@ -106,7 +106,7 @@ def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
             found = [curve[name] for name in ("median", "beta", "intercept", "slope", "AUC", "Brier", "efficiency")]
             assert [fit.median, fit.beta, *fit.coefficients, fit.auc, fit.brier, fit.efficiency] == found
             assert list(fit.standard_errors) == curve["standard_errors"]
-            # Two records may bound nothing, for which the program's JSON has null.
+            # Two records may leave an interval unbounded, which is null in the program's JSON.
             found = [[0.0 if low is None else low, np.inf if high is None else high]
                      for low, high in (curve["median_interval"], curve["beta_interval"])]
             assert [list(fit.median_ci), list(fit.beta_ci)] == found

@@ -77,7 +77,7 @@ def test_pandas_takes_a_table():
 
 @pytest.fixture
 def figure():
-    """A current figure, as a notebook's cell or plt.figure() has it."""
+    """A current figure, as made by a notebook's cell or plt.figure()."""
     return plt.figure(figsize=(6, 5))
 
 

@@ -209,7 +209,7 @@ def test_a_block_flies_by_default_everywhere():
 
 
 def test_supports_that_let_the_block_fall_over_are_warned_of():
-    """At the least η the block leans at rest in any position; a hundredth above it stands, and below it falls."""
+    """At the smallest η the block rests at any tilt; one per cent above it stands, and below it falls."""
     least = np.sqrt(4 / 3 * np.cos(0.25)) / np.sin(0.25)
     assert rb.Block(eta=1.01 * least, xi_v=0.5).run(theta=1e-3, duration=30.0).peak.theta < 2e-3
     with pytest.warns(UserWarning, match="falls over by itself on supports of eta = 4.548.* expected eta > 4.594.* K > "):

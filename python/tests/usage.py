@@ -1,4 +1,4 @@
-"""How the package is used, for type checkers."""
+"""Typical uses of the package, for type checkers."""
 
 import numpy as np
 import numpy.typing as npt
