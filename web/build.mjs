@@ -14,8 +14,8 @@ const [wasm, version, output] = process.argv.slice(2);
 const read = (path) => readFileSync(join(here, path), "utf8");
 
 /**
- * Keeps what the page calls. The drawing library brings bindings to web pages, with exports of their own, that drawing to SVG
- * never calls. No pass touches the instructions that remain: they give the bits of the program.
+ * Keeps only the functions that the page calls. The drawing library brings bindings to web pages, with their own exports, which
+ * drawing to SVG never uses. No pass touches the remaining instructions: they give the bits of the program.
  */
 function reduced(bytes) {
   const module = binaryen.readBinary(bytes);

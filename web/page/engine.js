@@ -66,7 +66,7 @@ export class Engine {
   }
 }
 
-/** Makes the rows of a study in pieces on several engines; `piece` receives the rows as they come, until `signal` is aborted. */
+/** Makes the rows of a study in pieces on several engines; `piece` receives the rows as they are made, until `signal` is aborted. */
 export async function study(engines, prepare, signal, piece, progress) {
   const prepared = await Promise.all(engines.map((engine) => engine.call(prepare)));
   const { reply } = prepared[0];

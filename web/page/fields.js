@@ -9,7 +9,7 @@ const inStiffness = all(on("shape", "size"), on("supports", "stiffness"));
 const inRatios = (state) => !inStiffness(state);
 const hasVertical = all(record, on("vertical", "file"));
 
-/** Settings of a file that does not say everything itself. */
+/** Settings for information missing from a file. */
 const settings = (prefix, slot, when) => [
   { id: `${prefix}unit`, label: "Unit", kind: "choice", value: "", group: slot, when, options: [
     ["", "as the file says"], ["g", "g"], ["m/s2", "m/s²"], ["cm/s2", "cm/s²"]] },
@@ -92,7 +92,7 @@ export const FIELDS = [
   { id: "on_separation", label: "When the block leaves the ground", kind: "segments", value: "fly", group: "run",
     options: [["fly", "it flies"], ["terminate", "end the run"]] },
   { id: "duration", label: "Duration", unit: "s", value: "", hint: "until it is decided", group: "run" },
-  { id: "step", label: "Time between rows", unit: "s", value: "", hint: "as the record", group: "run" },
+  { id: "step", label: "Time between rows", unit: "s", value: "", hint: "the record's", group: "run" },
   { id: "tolerance", label: "Relative tolerance", unit: "1", value: "1e-8", group: "run" },
 
   { id: "p_min", label: "Smallest p (largest block)", unit: "rad/s", value: "0.5", group: "spectrum" },
@@ -122,7 +122,7 @@ export function fromHash(hash) {
   return state;
 }
 
-/** The address of a state: only what differs from the defaults, and what is in use. */
+/** The address of a state: only the values that differ from the defaults and are in use. */
 export function toHash(state) {
   const parts = new URLSearchParams();
   for (const { id, when } of STATE) {

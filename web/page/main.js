@@ -153,7 +153,7 @@ function offerSurfaces(pairs) {
   showFields();
 }
 
-/** The pair last chosen, as long as its value stands. */
+/** The pair last chosen, until its value is changed. */
 const chosenPairs = {};
 const pairOf = ({ surfaces }) => (chosenPairs[surfaces]?.startsWith(`${state[surfaces]}|`) ? chosenPairs[surfaces] : "");
 
@@ -269,11 +269,11 @@ function receive({ reply, buffer }, begin) {
   const { t } = series;
   const slider = $("time");
   [slider.min, slider.max] = [t[0], t[t.length - 1]];
-  // The block is shown at its greatest tilt, unless it is being played.
+  // The block is shown at its greatest tilt unless the motion is playing.
   if (!playing) setTime(clockTouched ? Math.min(time, t[t.length - 1]) : timeOfPeak(run));
   else setTime(Math.min(time, t[t.length - 1]));
   showOutcome(reply);
-  // The plots draw themselves when this function has ended; the tests read these.
+  // The plots are drawn after this function returns; the tests read these values.
   setTimeout(() => {
     const { dataset } = document.documentElement;
     dataset.latency = (performance.now() - begin).toFixed(1);
@@ -318,7 +318,7 @@ function showOutcome(reply) {
     ["Impacts, lift-offs", `${reply.impacts}, ${reply.liftoffs}`],
     ["Lifts off a rigid base beyond", `${block.lift_off} g`],
   ];
-  rows.splice(4, 0, block.friction > 0 ? ["Greatest slip of the foot", `${peak.slip} mm`] : ["Friction it needs, |H|/N", Number(peak.friction_demand) > 10 ? "more than 10" : peak.friction_demand]);
+  rows.splice(4, 0, block.friction > 0 ? ["Greatest slip of the foot", `${peak.slip} mm`] : ["Friction demand |H|/N", Number(peak.friction_demand) > 10 ? "more than 10" : peak.friction_demand]);
   peak.tension.forEach((tension, i) => rows.push([`Greatest tension of tie ${i + 1}`, `${tension} N`]));
   const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
   list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));

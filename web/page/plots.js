@@ -130,7 +130,7 @@ export class Histories {
     regimes.axes[1] = { ...regimes.axes[1], label: null, size: 72, splits: () => rows.map(([regime]) => regime),
       values: (u, splits) => splits.map((value) => rows.find(([regime]) => regime === value)?.[1] ?? ""), grid: { show: false }, ticks: { show: false } };
     regimes.hooks = { draw: [(u) => this.#drawRegimes(u)] };
-    const slip = base("slip (mm)", 130, "Place of the foot beside its place at the start, over time");
+    const slip = base("slip (mm)", 130, "Displacement of the foot from its position at the start, over time");
     slip.scales.y = { range: symmetric };
     slip.series = [{}, line("slip", "--ink")];
     const tension = base("T/(M g)", 130, "Tensions of the ties over the weight, over time");
@@ -185,7 +185,7 @@ export class Histories {
 
   #movePlayhead(plot) {
     const { min, max } = plot.scales.x;
-    // A plot has no scale before it is drawn first.
+    // A plot has no scale before it is first drawn.
     if (!plot.head || min == null || this.time === undefined) return;
     plot.head.hidden = this.time < min || this.time > max;
     plot.head.style.transform = `translateX(${plot.valToPos(this.time, "x")}px)`;

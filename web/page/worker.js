@@ -3,7 +3,7 @@
 let engine = null;
 
 /**
- * Starts the engine. The drawing library names functions of web pages that are never called here; without them the module
+ * Starts the engine. The drawing library imports functions of web pages that are never called here; without them the module
  * would not start.
  */
 export function start(module) {

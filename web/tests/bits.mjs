@@ -1,6 +1,6 @@
 // The engine of the page gives the bytes of the program: node --test web/tests/bits.mjs
 //
-// Both are told the same in their own ways: the page's fields in one, the command line that the page shows in the other.
+// Both get the same input in their own form: the page's fields, and the command line that the page shows.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -84,7 +84,7 @@ test("dropped files, one of them vertical, give the bytes of the program", () =>
     assert.ok(run.ok, JSON.stringify(run.errors));
     const changes = { "history.csv": "-", [files.record]: `records/${files.record}`, [files.vertical]: `records/${files.vertical}` };
     assert.ok(ask({ op: "csv" }).bytes.equals(rocking(run.command, changes)), run.command);
-    // A table without a unit: the message stands beside the unit, and the unit resolves it.
+    // A table without a unit: the message appears beside the unit, and the unit resolves it.
     const rows = Array.from({ length: 600 }, (_, i) => `${(i / 100).toFixed(2)},${(3 * Math.sin(i / 10)).toFixed(4)}`).join("\n");
     const path = join(folder, "my record's.csv");
     writeFileSync(path, `t,a\n${rows}\n`);
@@ -103,7 +103,7 @@ test("dropped files, one of them vertical, give the bytes of the program", () =>
   }
 });
 
-// A guy that goes slack and breaks.
+// A tie that goes slack and breaks.
 const TIE = { tie: "one", tie_1_stiffness: "3e4", tie_1_slack: "0.01", tie_1_strength: "4e3", shape: "ratios", alpha: "0.2", p: "2" };
 const TIES = { ...TIE, tie: "two", tie_2_stiffness: "5e4", tie_2_ground_x: "-2" };
 // A body as measured: its centre of mass is low, and its inertia known.
@@ -161,7 +161,7 @@ test("wrong input is refused beside its field", () => {
   assert.match(refused({ foundation: "rigid", friction: "1.5" })[0], /^friction: .*jam/);
   assert.deepEqual(refused({ excitation: "file", record_name: "lost.at2" }), ["record: no file yet; expected lost.at2"]);
   assert.match(refused({ step: "1e-9" })[0], /^step: .*expected at most/);
-  // The engine goes on.
+  // The engine continues to work.
   assert.ok(ask({ op: "run", fields: { ...DEFAULTS, width: "0,6" } }).ok);
 });
 

@@ -43,7 +43,7 @@ test("the page runs in Firefox and gives the bytes of the program", async (t) =>
     await page.setViewport({ width: 1360, height: 900 });
     await page.goto(`${pathToFileURL(join(root, "target/web/rocking.html"))}#scale=3&friction=0.3&foundation=rigid`);
     await page.waitForFunction("Number(document.documentElement.dataset.runs ?? 0) >= 1");
-    // The table as it would be saved.
+    // The table in the form in which it is saved.
     const table = await page.evaluate(async () => {
       const saved = new Promise((resolve) => {
         const make = URL.createObjectURL;

@@ -1,6 +1,6 @@
-// How much longer runs take in WebAssembly than in the program: node web/tests/ratio.mjs [ROUNDS]
+// CPU time of runs in WebAssembly over that in the program: node web/tests/ratio.mjs [ROUNDS]
 //
-// Both make the same spectrum, one run after the other on one thread and without lanes, in turns. The least time of each counts.
+// Both make the same spectrum, one run after the other on one thread and without lanes, in turn. The shortest time of each counts.
 
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";

@@ -1,6 +1,6 @@
-"""The page in headless Chromium, opened from its file: what a visitor does, and what the page answers.
+"""The page in headless Chromium, opened from its file: actions of a visitor and the page's responses.
 
-Skipped where there is no Chromium; ROCKING_BLOCK_SKIPPED then names the file of skipped tests. Screenshots go to
+Skipped without Chromium; ROCKING_BLOCK_SKIPPED then names the file of skipped tests. Screenshots go to
 target/web/screenshots.
 """
 
@@ -142,7 +142,7 @@ def test_wrong_input_is_answered_beside_its_field_and_kept(visit):
     assert page.input_value("#height") == "tall"
     expect(page.locator("#stale")).to_be_visible()
     assert page.inner_text("#numbers") == before
-    # A field out of sight is brought into sight.
+    # A hidden field is brought into view.
     page.click("text=Eccentricity, centre of mass, mass, gravity")
     page.fill("#eccentricity", "3")
     page.fill("#height", "2.4")
@@ -168,7 +168,7 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     assert "--record 0111a.smc" in page.inner_text("#command")
     command = page.inner_text("#command").replace("0111a.smc", "records/0111a.smc")
     assert downloaded(page, "#save-csv") == program(command, "history.csv")
-    # Without a unit the message stands beside the unit, which is in sight.
+    # Without a unit the message appears beside the unit, which is visible.
     table = tmp_path / "sway.csv"
     table.write_text("t,a\n" + "".join(f"{i / 100},{3 if i // 40 % 2 else -3}\n" for i in range(400)))
     page.set_input_files("#record", table)
@@ -178,7 +178,7 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     expect(page.locator("#unit-error")).to_be_hidden()
     ran(page, 3)
     assert "sway.csv" in page.inner_text("#numbers")
-    # A picture is no accelerogram.
+    # A picture is not an accelerogram.
     page.set_input_files("#record", ROOT / "docs/sketch.png")
     expect(page.locator("#record-error")).to_contain_text("sketch.png")
 
@@ -194,7 +194,7 @@ def test_surfaces_and_ties_are_chosen_and_shown(visit):
     ran(page, before + 1)
     assert page.input_value("#friction") == "0.635"
     assert "--friction 0.635" in page.inner_text("#command")
-    # Another value than that of the pair is the user's own.
+    # Any other value than the pair's is the user's own.
     fill(page, "friction", "0.2")
     assert page.input_value("#surfaces_friction") == ""
     assert page.locator("#plots .uplot").count() == plots + 1

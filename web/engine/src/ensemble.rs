@@ -81,7 +81,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         strengths: Strengths::Scales(if is_pulse { vec![1.0] } else { strengths.clone() }),
         ensemble: Some(ensemble),
         measures: of_record.into_iter().chain(Measure::OF_BLOCK).collect(),
-        // Where the study does not name it; this one does.
+        // The default, replaced by the study's own value.
         on_separation: OnSeparation::Fly,
         tolerance: Settings::OF_STUDIES,
         duration: inputs.run.duration,

@@ -1,6 +1,6 @@
 //! Bytes in the memory of WebAssembly ↔ requests and replies.
 //!
-//! The host asks for room with [`rocking_input`], writes a request there, and calls [`rocking_call`]. The reply then stands at
+//! The host asks for room with [`rocking_input`], writes a request there, and calls [`rocking_call`]. The reply is then at
 //! [`rocking_output`]. Both are four bytes with the length of the JSON (little endian), the JSON, and further bytes.
 
 use std::cell::RefCell;
@@ -46,7 +46,7 @@ pub extern "C" fn rocking_call() -> usize {
     })
 }
 
-/// Returns the address of the reply, which stands until the next call.
+/// Returns the address of the reply, which is valid until the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn rocking_output() -> *const u8 {
     EXCHANGE.with_borrow(|exchange| exchange.output.as_ptr())

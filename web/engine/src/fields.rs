@@ -6,7 +6,7 @@ use std::str::FromStr;
 use rocking_block::words::Words;
 use serde::Serialize;
 
-/// A message, and the field that it stands beside.
+/// A message, and the field beside which it appears.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldError {
     /// Name of the field.
@@ -16,7 +16,7 @@ pub struct FieldError {
 }
 
 impl FieldError {
-    /// A message beside a field.
+    /// Creates a message beside a field.
     pub fn new(field: impl Into<String>, message: impl Into<String>) -> FieldError {
         FieldError { field: field.into(), message: message.into() }
     }
@@ -84,7 +84,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// A value with a parser of its own, or nothing from an empty field.
+    /// A value with its own parser, or nothing from an empty field.
     pub fn parsed<T: FromStr<Err: ToString>>(&mut self, field: &str) -> Option<T> {
         let text = self.text(field);
         if text.is_empty() {

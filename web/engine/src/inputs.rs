@@ -26,11 +26,11 @@ pub struct Inputs {
     pub parameters: Parameters,
     /// Height of the body (m): twice that of its centre of mass, unless both are given.
     pub body_height: f64,
-    /// What moves the block.
+    /// Excitation of the block.
     pub excitation: Excitation,
     /// Time between rows, if the user chose one (s).
     pub step: Option<f64>,
-    /// The excitation in words, as the program's pictures have it.
+    /// The excitation in words, as in the program's pictures.
     pub description: String,
     /// Doubts about the block and its records, a line each.
     pub warnings: Vec<String>,
@@ -176,7 +176,7 @@ fn release(fields: &mut Fields) -> (f64, f64) {
 struct Sizes {
     width: f64,
     body_height: f64,
-    /// Height of the centre of mass, if it is not half of the body's (m).
+    /// Height of the centre of mass (m), if it is not half the body's.
     center_height: Option<f64>,
     inertia: Option<f64>,
 }
@@ -230,7 +230,7 @@ fn supports_in_ratios(fields: &mut Fields, foundation: Foundation) -> (f64, f64)
             fields.number("eta", |x| x > 0.0, "a ratio > 0"),
             fields.number("xi_v", |x| x >= 0.0, "a ratio of at least 0"),
         ),
-        // The rigid base reads neither; these are the defaults of the program.
+        // The rigid base uses neither; these are the defaults of the program.
         Foundation::Rigid => (40.0, 0.1),
     }
 }

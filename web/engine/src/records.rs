@@ -97,7 +97,7 @@ pub fn settings(fields: &Fields, direction: Direction) -> Settings {
         .collect()
 }
 
-/// Reads a dropped file; an error stands beside the setting that resolves it, or beside the file.
+/// Reads a dropped file; an error appears beside the setting that resolves it, or beside the file.
 fn read(fields: &mut Fields, direction: Direction, file: Option<&DroppedFile>, gravity: f64) -> Option<Record> {
     let Some(DroppedFile { name, bytes }) = file else {
         let expected = fields.text(match direction {
