@@ -1,4 +1,4 @@
-/* Stands in for a system DLL that wine has only since 9.0. Rust takes the seeds of hash maps from it; any bytes will do. */
+/* Replaces a system DLL that wine lacks before 9.0. Rust takes the seeds of hash maps from it; any bytes will do. */
 #include <string.h>
 
 __declspec(dllexport) int ProcessPrng(unsigned char *data, size_t count) { return memset(data, 7, count) != NULL; }

@@ -1,4 +1,4 @@
-"""The reference cases that need no record -> commands for host.c; what it prints -> checked against the trajectories.
+"""The reference cases without a record -> commands for host.c; its output -> a check against the trajectories.
 
 cases.py commands MODEL_DESCRIPTION > COMMANDS
 cases.py check PRINTED MODEL_DESCRIPTION
@@ -18,7 +18,7 @@ from pathlib import Path
 REFERENCE = Path(__file__).parent.parent / "reference"
 TOLERANCE = 1e-10
 BOUND = 1e-7
-# The statuses of fmi2DoStep: a run that ends early is told with fmi2Discard.
+# Statuses of fmi2DoStep: a run that ends early returns fmi2Discard.
 STATUS = {"completed": 0, "separated": 2, "overturned": 2}
 
 
@@ -63,7 +63,7 @@ def parameters(case):
     }
 
 
-# What host.c and host3.c call a type.
+# Names of the types in host.c and host3.c.
 KINDS = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}
 KINDS |= {"Float64": "real", "Int32": "integer", "UInt64": "size", "Enumeration": "choice"}
 
@@ -107,7 +107,7 @@ def commands(path):
     if fmi3:
         return
 
-    # Ground motions and loads that change in every step, which no case above has. Nothing to compare with but the
+    # Ground motions and loads that change in every step, unlike in the cases above. They are compared only with the
     # other targets. FMI 3.0 has no input derivatives.
     def ramps(i):
         for j, name in enumerate(("a_gx", "a_gz", "F_x", "F_z", "M_y")):
@@ -139,7 +139,7 @@ def check(path, description):
     for case in cases():
         name = case["name"]
         if name not in ended:
-            sys.exit(f"error: {path}: {name} has not come to its end")
+            sys.exit(f"error: {path}: {name} does not reach its end")
         status, time = ended[name]
         if status != STATUS[case["end"]] or abs(time - min(case["t_final"], case["t_end"])) > 1e-6:
             expected = f"{case['end']} at {case['t_final']} s"
@@ -155,7 +155,7 @@ def check(path, description):
 
 
 def same(one, other):
-    """What both versions print: not the states, and of the log nothing, where the end of a run stands in other words."""
+    """Compares the outputs of both versions, except for states and logs, which differ in form."""
 
     def lines(path):
         text = Path(path).read_text(encoding="utf-8").split("case ramps\n")[0]
@@ -164,7 +164,7 @@ def same(one, other):
     one, other = lines(one), lines(other)
     ends = sum(line.startswith("end ") for line in one)
     if ends != len(cases()):
-        sys.exit(f"error: {ends} cases of FMI 2.0 have come to their ends; expected {len(cases())}")
+        sys.exit(f"error: {ends} cases of FMI 2.0 reach their ends; expected {len(cases())}")
     if one != other:
         place = next((i for i, (a, b) in enumerate(zip(one, other)) if a != b), min(len(one), len(other)))
         sys.exit(f"error: FMI 3.0 gives other bits than FMI 2.0 from line {place + 1} on, of {len(one)} and {len(other)}")

@@ -131,7 +131,7 @@ typedef struct {
     size_t count;
 } List;
 
-/* All that is read after each step; those of `outputs` have derivatives with respect to time and to `inputs`. */
+/* The variables read after each step; those of `outputs` have derivatives with respect to time and to `inputs`. */
 static List reals, integers, booleans, outputs, inputs;
 
 static void append(List *list, const char *reference)
@@ -189,7 +189,7 @@ static void print_derivatives(Component fmu)
     }
 }
 
-/* Prints a saved state's bytes, and goes on from a copy made of them. */
+/* Prints a saved state's bytes, and continues from a copy made of them. */
 static void save_and_restore(Component fmu)
 {
     State state = NULL, copy = NULL;

@@ -113,7 +113,7 @@ typedef struct {
     size_t count;
 } List;
 
-/* All that is read after each step; those of `outputs` have derivatives with respect to time and to `inputs`. Integers are in the
+/* The variables read after each step; those of `outputs` have derivatives with respect to time and to `inputs`. Integers are in the
    order of FMI 2.0, those of which are choices are of another type here. */
 static List reals, integers, booleans, outputs, inputs;
 static bool is_choice[MOST];

@@ -1,4 +1,4 @@
-"""Where the FMU, the reference trajectories and the records are."""
+"""Paths of the FMU, the reference trajectories and the records."""
 
 import os
 from pathlib import Path

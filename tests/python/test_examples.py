@@ -1,5 +1,5 @@
-"""The examples: the claims of their pages on energy, convergence and outcomes hold. An example is skipped if one of its
-packages is missing."""
+"""Tests the claims of the examples' pages on energy, convergence and outcomes. An example is skipped if one of its packages is
+missing."""
 
 import csv
 import importlib.util
@@ -61,7 +61,7 @@ def test_the_frame_comes_back_to_the_last_bit(frame):
         first = push(opened)
         opened.slave.setFMUstate(state)
         assert np.array_equal(push(opened), first)
-        # The columns yield: the shear that comes with a drift differs by more than rounding between the ways there and back.
+        # The columns yield: the shear at the same drift differs between loading and unloading by more than rounding.
         opened.slave.setFMUstate(state)
         opened.slave.freeFMUstate(state)
         assert np.array_equal(push(opened), first)
@@ -149,7 +149,7 @@ def test_the_bridge_runs_the_same_everywhere(bridge_parts, tmp_path, package, ma
         # The towers rock, and the compared outputs include the deck's loads.
         assert expected[f"{tower}.energy.impacts"][-1] > 100
     for name, values in expected.items():
-        # The masters count time in another way, so that the last digits differ, and impacts magnify that.
+        # The masters add up time in different ways; the last digits differ, and impacts amplify that.
         assert np.abs(result[name] - values).max() < 1e-9 * np.abs(values).max()
 
 
@@ -178,7 +178,7 @@ def test_the_same_block_in_every_master(fmu, master):
 
     expected, theta = one_line.with_fmpy(), one_line.MASTERS[master]()
     assert len(expected) == len(theta) == 1000
-    # It rocks: the rotation changes its sign, and the impacts leave less and less of it.
+    # It rocks: the rotation changes sign and decreases with each impact.
     assert expected.min() < -0.05 and abs(expected[-1]) < 0.05
     assert np.abs(theta - expected).max() < 1e-12
 
@@ -195,7 +195,7 @@ def test_an_example_leaves_its_page_alone(fmu, tmp_path, monkeypatch):
     one_line.main()
     assert page.read_bytes() == before
     assert [path.name for path in tmp_path.iterdir()] == ["one_line.png"]
-    # With --update, the page's picture is the one that is written.
+    # With --update, the page's picture is written.
     monkeypatch.setattr(one_line, "HERE", tmp_path)
     monkeypatch.setattr(sys, "argv", ["one_line.py", "--update"])
     one_line.main()
@@ -234,7 +234,7 @@ def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
         theta = one_line.MASTERS[master]()
         assert len(theta) == (7 if outcome == "ends" else 1000)
         assert abs(theta[-1] - 0.26700625) < 1e-7
-    # With Hold the run goes on everywhere; masters that leave Enumerations out know Integers.
+    # With Hold the run continues in all masters; those without Enumerations read Integers.
     monkeypatch.setattr(one_line, "START", SEPARATING | {"on_separation": 2})
     theta = one_line.MASTERS[master]()
     assert len(theta) == 1000 and abs(theta[-1] - 0.26700625) < 1e-7
@@ -267,13 +267,13 @@ def loma_prieta():
 
     times, record = read_record()
     dt = times[1]
-    # As the record's header has it: 200 samples a second, 7183 of them, -222.5 cm/s2 at 7.55 s.
+    # From the record's header: 7183 samples at 200 per second, -222.5 cm/s2 at 7.55 s.
     assert (dt, len(record)) == (0.005, 7183) and np.array_equal(times, dt * np.arange(7183))
     assert abs(record.min() + 2.2252) < 1e-9 and times[np.abs(record).argmax()] == pytest.approx(7.55)
     return dt, 2 * record[:3000]
 
 
-# Slendernesses [rad], and the least and the greatest p [rad/s] and how many: few blocks that rock, fly and fall over.
+# Slendernesses [rad]; smallest p, largest p [rad/s] and their number: a few blocks that rock, fly and fall over.
 GRID = (0.15, 0.3), (0.8, 3.2, 5)
 
 

@@ -1,4 +1,4 @@
-"""The FMU of FMI 3.0 as fmpy sees it: checks, Event Mode and early return, arrays, intermediate update, Model Exchange."""
+"""The FMU of FMI 3.0 in fmpy: checks, Event Mode and early return, arrays, intermediate update, Model Exchange."""
 
 import ctypes
 import json
@@ -66,7 +66,7 @@ def test_the_description_is_that_of_fmi_2(fmu, fmu3):
         same = variables.pop(variable.name)
         attributes = ("valueReference", "causality", "variability", "start")
         assert [getattr(variable, name) for name in attributes] == [getattr(same, name) for name in attributes]
-        # Integers with choices in their descriptions there are enumerations here.
+        # Integers with choices in their descriptions in FMI 2.0 are enumerations here.
         choice = variable.type == "Integer" and same.type == "Enumeration"
         assert choice or types[variable.type] == same.type and variable.description == same.description
     assert {variable.causality for variable in variables.values()} == {
@@ -76,7 +76,7 @@ def test_the_description_is_that_of_fmi_2(fmu, fmu3):
         "local",
     }
     names = {unknown.variable.name: {v.name for v in unknown.dependencies} for unknown in two.outputs}
-    # Time is no variable of FMI 2.0, and parameters are no knowns of its outputs.
+    # FMI 2.0 has no variable for time, and its outputs do not depend on parameters.
     later = {unknown.variable.name: {v.name for v in unknown.dependencies} for unknown in three.outputs}
     only = {"time"} | {variable.name for variable in three.modelVariables if variable.causality == "parameter"}
     assert names == {name: dependencies - only for name, dependencies in later.items()}
@@ -85,7 +85,7 @@ def test_the_description_is_that_of_fmi_2(fmu, fmu3):
 
 
 def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
-    """At given states, as Model Exchange of FMI 2.0 sets them; what was since the start is left out."""
+    """Compares given states, set as in Model Exchange of FMI 2.0, without the quantities that accumulate from the start."""
     declared = {u.variable.name: {v.name for v in u.dependencies} for u in read_model_description(fmu3).outputs}
     description, folder = read_model_description(fmu), extract(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
@@ -139,7 +139,7 @@ def test_outputs_change_with_declared_parameters_alone(fmu, fmu3):
         for name, variable in variables.items():
             if variable.causality != "parameter" or variable.type != "Real" or name.startswith(("record", "initial")):
                 continue
-            # Without its ends a tie cannot be.
+            # A tie needs its ends.
             if name.startswith("tie_") and "tie_1.stiffness" not in base:
                 continue
             value = base.get(name, float(variable.start))
@@ -214,11 +214,11 @@ def test_references_are_met(fmu3, reference, name, interface):
             output=["theta"],
             **how,
         )
-    # Rows of events stand between those of the communication points.
+    # Rows of events lie between those of the communication points.
     times = expected["t"][expected["t"] <= result["time"][-1] + 1e-9]
     rows = np.searchsorted(result["time"], times - 1e-9)
     error = np.abs(result["theta"][rows] - expected["theta"][: len(times)]).max() / case["alpha"]
-    # As tests/python/test_fmu.py and test_model_exchange.py have it of FMI 2.0.
+    # The same as for FMI 2.0 in tests/python/test_fmu.py and test_model_exchange.py.
     assert error < (1e-7 if interface == "CoSimulation" else 1e-6), error
 
 
@@ -259,10 +259,10 @@ def test_inputs_inside_a_step(fmu3):
     assert len(asked) == 200 and np.allclose(np.diff(asked), 0.005)
     with instance(fmu3) as (block, references):
         for i in range(2000):
-            # Held at the middle of half a millisecond: second order, as linear interpolation is.
+            # Held at its value in the middle of half a millisecond: of second order, like linear interpolation.
             block.setFloat64([references["a_gx"]], [ground((i + 0.5) / 2000)])
             block.doStep(i / 2000, (i + 1) / 2000 - i / 2000)
         expected = block.getFloat64([references["theta"]])[0]
     assert abs(expected) > 1e-3
-    # Linear in between, the input is off by at most 3·36·(5 ms)²/8 = 3e-4 m/s²; a part of that of 3 m/s².
+    # Linear in between, the input is off by at most 3·36·(5 ms)²/8 = 3e-4 m/s², a ten-thousandth of its 3 m/s².
     assert abs(theta - expected) < 1e-3 * abs(expected)

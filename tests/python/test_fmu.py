@@ -167,7 +167,7 @@ def test_directional_and_output_derivatives(fmu):
 
 
 def test_the_example_of_the_page(fmu, capsys):
-    """Runs the Python of docs/importing.md as it stands, on the FMU under test."""
+    """Runs the Python of docs/importing.md unchanged, on the FMU under test."""
     text = (ROOT / "docs/importing.md").read_text()
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "fmpy" in code]
     code = code.replace("target/release/RockingBlock.fmu", fmu)
@@ -180,7 +180,7 @@ def test_the_example_of_the_page(fmu, capsys):
 
 
 def test_a_record_inside_is_one_option_of_the_command_line(fmu, tmp_path):
-    """The README's command, with the record that the project holds, in a folder with a blank and a sign in its name."""
+    """Runs the README's command with the project's record, in a folder with a blank and a sign in its name."""
     folder = tmp_path / "strong motion 100 %"
     folder.mkdir()
     record = folder / "größer.smc"

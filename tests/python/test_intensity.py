@@ -67,7 +67,7 @@ def test_eqsig_finds_the_same_peaks_and_sums(measured):
     near(content["PGD"], signal.pgd)
     near(content["PGV/PGA"], signal.pgv / signal.pga)
     near(content["CAV"], im.calc_cav(signal)[-1])
-    # Of a square of straight lines it misses a multiple of the step's square, which two steps give.
+    # For the square of a linear function its error is a multiple of the step's square, known from two steps.
     coarse = im.calc_arias_intensity(eqsig.AccSignal(acceleration, content["dt"]))[-1]
     dense = im.calc_arias_intensity(signal)
     near(content["Arias"], dense[-1] + (dense[-1] - coarse) / (parts**2 - 1), 1e-12)

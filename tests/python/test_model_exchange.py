@@ -1,4 +1,4 @@
-"""Model Exchange: reference trajectories and random pulses by CVode, which knows nothing of blocks."""
+"""Model Exchange: reference trajectories and random pulses, integrated by CVode."""
 
 import json
 import random
@@ -65,8 +65,8 @@ def solved(fmu, case, outputs, tolerance=1e-10):
 
 
 def lasting(times, regimes, end):
-    """The sequence of regimes that last longer than 1e-4 s. Rocking on the rigid base dies out in ever shorter ones; which of
-    these are told apart depends on the solver."""
+    """Returns the regimes that last longer than 1e-4 s. Rocking on the rigid base dies out in ever shorter ones, and the solver
+    decides how many of those are separated."""
     durations = np.diff([*times, end])
     sequence = [int(regime) for regime, duration in zip(regimes, durations) if duration > 1e-4]
     return [regime for i, regime in enumerate(sequence) if i == 0 or regime != sequence[i - 1]]
@@ -80,7 +80,7 @@ def test_cvode_follows_the_reference(fmu, name):
     ended = case["end"] != "completed"
     last = case["t_final"] if ended else np.inf
     both = expected["t"][expected["t"] <= last]
-    # fmpy puts out rows at events, too: the last of those at one time is the one after the event.
+    # fmpy outputs rows at events too; the last of several at one time is the one after the event.
     at = np.searchsorted(result["time"], both + 1e-9, side="right") - 1
     assert np.abs(result["time"][at] - both).max() < 1e-9
     error = np.abs(result["theta"][at] - expected["theta"][: len(both)]).max() / case["alpha"]
@@ -94,7 +94,7 @@ def test_cvode_follows_the_reference(fmu, name):
 
 
 def random_case(seed, mode):
-    """A block under a pulse, and how long it is followed."""
+    """A block under a pulse, and the duration of its run."""
     draw = random.Random(seed)
     alpha, p = draw.uniform(0.1, 0.35), draw.uniform(1, 4)
     period = 2 * np.pi / p * draw.uniform(0.1, 0.8)

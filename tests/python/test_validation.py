@@ -1,4 +1,4 @@
-"""The scripts of validation/ on the data, where these are at hand."""
+"""The scripts of validation/ on their data; skipped where the data are missing."""
 
 import csv
 import json
@@ -25,7 +25,7 @@ def data(name):
 
 
 def documented(row):
-    """Accuracy, AUC and Brier score of both rocks in the first table of docs/validation.md, as they are printed there."""
+    """Returns accuracy, AUC and Brier score of both rocks as printed in the first table of docs/validation.md."""
     lines = (ROOT / "docs/validation.md").read_text().splitlines()
     line = next(line for line in lines if line.startswith("| ") and row in line)
     numbers = [cell.strip(" *") for cell in line.split("|")[2:-1]]
@@ -52,7 +52,7 @@ def test_without_a_fit_the_rocks_are_told_as_documented():
 
 @pytest.mark.check
 def test_what_is_fitted_to_some_tests_holds_for_others(tmp_path):
-    """A third of the tests with motions is fitted, another one judged, by the command as documented, with few samples."""
+    """Runs the documented command with few samples, fitted to a third of the tests with motions and judged on another third."""
     source = data("shaking_table")
     with open(source / "tests.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["motion_present"] == "1"]
