@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Excitation, Forcing, Inputs};
 use crate::simulation::Simulation;
-use crate::system::forces::energy;
+use crate::system::forces::{self, energy};
 
 /// Energy sums since the start, per unit mass (m²/s²).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,14 @@ pub struct EnergySums {
     pub impacts: f64,
     /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
     pub constraint: f64,
+}
+
+impl EnergySums {
+    /// Adds the works that [dissipative](forces::dissipated) forces have taken.
+    pub(super) fn add(&mut self, [friction, ties]: [f64; forces::DISSIPATIVE]) {
+        self.friction += friction;
+        self.ties += ties;
+    }
 }
 
 /// Energies at one time (J), and their sums since the start.
@@ -85,7 +93,7 @@ impl Simulation {
             let (kinetic, potential) =
                 energy(block, now.regime, &now.forcing.ties, &now.with_rates(Forcing::default()));
             let [input, dashpots] = now.instant.powers(block, now.regime, now.forcing);
-            let (friction, ties) = (now.friction_power(), now.tie_power());
+            let [friction, ties] = now.dissipated();
             let [kinetic, potential, input, dashpots, friction, ties] =
                 [kinetic.eps, potential.eps, input, dashpots, friction, ties].map(|part| part * block.mass);
             let total = kinetic + potential;

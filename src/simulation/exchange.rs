@@ -168,8 +168,8 @@ impl Simulation {
         let now = self.now(block, &excitation);
         let x = &now.instant;
         let [input, dashpots] = x.powers(block, now.regime, now.forcing);
-        let [input, dashpots, friction, ties] =
-            [input, dashpots, now.friction_power(), now.tie_power()].map(|power| power * block.mass);
+        let [friction, ties] = now.dissipated();
+        let [input, dashpots, friction, ties] = [input, dashpots, friction, ties].map(|power| power * block.mass);
         [x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot, input, dashpots, friction, ties]
     }
 

@@ -16,8 +16,8 @@ use crate::simulation::peaks::{Channels, Peaks, greater};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, Surface};
-use crate::system::instant::Pose;
-use crate::system::instant::{Powers, State};
+use crate::system::forces;
+use crate::system::instant::{Pose, Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 
 /// A piece of time in which the excitation is smooth, and the treatment of events in it.
@@ -214,8 +214,7 @@ impl Simulation {
                 self.take_in_slip(&here, &there);
             }
             if N > 4 {
-                self.sums.friction += beyond[6];
-                self.sums.ties += beyond[7];
+                self.sums.add([beyond[6], beyond[7]]);
                 self.take_in_tensions(&here, &there, &mut inside);
             } else {
                 work[0] += here.footing.free_work(&there.footing);
@@ -418,7 +417,7 @@ impl Simulation {
         let all =
             [rocking * allowed, allowed, vertical * upright, upright, p * across, across, work_weight, work_weight];
         let weights = State::from(std::array::from_fn(|i| all[i]));
-        let tied = if law.is_extended() { self.fastest_of_ties() } else { 0.0 };
+        let tied = if law.is_extended() { forces::fastest(&self.system.block) } else { 0.0 };
         let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(tied);
         Limits {
             weights,
@@ -426,19 +425,6 @@ impl Simulation {
             longest,
             short_share: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_SHARE },
         }
-    }
-
-    /// A bound on the circular frequencies and rates of decay that ties give the block (rad/s): that of a free block.
-    fn fastest_of_ties(&self) -> f64 {
-        let Block { mass, i0, h, eccentricity, ref ties, .. } = self.system.block;
-        let (mut stiffness, mut damping) = (0.0, 0.0);
-        for tie in ties.all() {
-            let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);
-            let mobility = (1.0 + (x * x + z * z) / i0) / mass;
-            stiffness += tie.stiffness * mobility;
-            damping += tie.damping * mobility;
-        }
-        stiffness.sqrt().max(damping)
     }
 
     /// Takes in how far the foot slides in a step.

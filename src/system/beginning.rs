@@ -11,10 +11,9 @@ use crate::system::System;
 use crate::system::events::Path;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
-use crate::system::forces::tie;
+use crate::system::forces;
 use crate::system::impact::Velocities;
-use crate::system::instant::Pose;
-use crate::system::instant::{Footing, State};
+use crate::system::instant::{Footing, Place, Pose, State};
 
 /// Where the block is at the beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -86,7 +85,7 @@ impl<T: Elementary> Placement<T> {
             None => (turn[upper] - free[upper], turn_dot[upper]),
         };
         let middle = match vertical {
-            None if !block.ties.is_empty() => balanced(block, [sin, cos], middle),
+            None if forces::act_at_rest(block) => balanced(block, [sin, cos], middle),
             _ => middle,
         };
         let (v, v_dot) = (middle - sunk, middle_dot - sunk_dot);
@@ -141,8 +140,7 @@ fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T
 fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f64 {
     let (place, pushes) = stands(block, [sin, cos], T::from(middle));
     let supports: f64 = pushes.iter().filter(|push| push.value() > 0.0).map(|_| block.stiffness.value()).sum();
-    let ties: f64 = block.ties.all().iter().map(|tie| tie::static_stiffness(block, tie, &place)).sum();
-    -(supports + ties)
+    -(supports + forces::static_stiffness(block, &place))
 }
 
 /// The force (N) by which the supports push more than the weight and the ties pull, with the middle of the base at this height.
@@ -153,19 +151,16 @@ fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
     for push in pushes {
         sum = sum + T::select_less(0.0, push.value(), push * block.stiffness, zero);
     }
-    for tie in block.ties.all() {
-        sum = sum - tie::static_pull(block, tie, &place)[1];
-    }
-    sum
+    forces::less_static_pull(block, &place, sum)
 }
 
 /// The place of a block that stands at this height, and how far its supports are pressed down (m).
-fn stands<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (tie::Place<T>, [T; 2]) {
+fn stands<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> (Place<T>, [T; 2]) {
     let zero = T::from(0.0);
     let pushes = Corner::each(|corner| block.free_height(corner) - middle - block.half_base(corner) * sin);
     let touching = pushes.map(|push| push.value() > 0.0);
     let foot = Regime::of_touching(touching).foot().unwrap_or(Foot::Middle);
     let (versine, offset) = (sin * sin / (cos + 1.0), block.offset_from(foot));
     let center = [sin * block.h - versine * offset, middle - versine * block.h - sin * block.eccentricity];
-    (tie::Place { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] }, pushes)
+    (Place { sin_cos: [sin, cos], theta_dot: zero, center, velocity: [zero; 2] }, pushes)
 }

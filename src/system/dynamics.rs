@@ -11,8 +11,8 @@ use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
-use crate::system::forces::{friction, support, tie};
-use crate::system::instant::{Footing, Held, Instant};
+use crate::system::forces::{self, friction, support};
+use crate::system::instant::{Footing, Held, Instant, Place};
 
 /// The equations of motion at one instant.
 ///
@@ -132,7 +132,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     fn on(&self, foot: Foot, foundation: Foundation, forcing: Forcing<T>) -> Instant<T> {
         let lever = self.block.lever(foot, self.sin, self.cos);
         let centripetal = lever.q * (self.theta_dot * self.theta_dot);
-        let forcing = self.with_ties(Some(foot), forcing);
+        let forcing = self.with_forces(Some(foot), forcing);
         match (foundation, foot) {
             (Foundation::Viscoelastic, _) => {
                 let (reaction, lift, mut moment) = self.supports(foot);
@@ -228,7 +228,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     fn in_flight(&self, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, w, w_dot, sin, cos, .. } = *self;
         let zero = T::from(0.0);
-        let forcing = self.with_ties(None, forcing);
+        let forcing = self.with_forces(None, forcing);
         let theta_ddot = forcing.moment * T::from(P::from(1.0) / block.i0);
         let v_ddot = -forcing.z - block.gravity;
         let (h, e) = (block.h, block.eccentricity);
@@ -250,7 +250,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         let Posture { block, theta_dot, sin, cos, .. } = self;
         let (offset, middle) = (block.half_base(corner), Foot::Middle);
         (self.w, self.w_dot) = (top - sin * offset, top_dot - cos * theta_dot * offset);
-        let forcing = self.with_ties(Some(middle), forcing);
+        let forcing = self.with_forces(Some(middle), forcing);
         let other = corner.other();
         let n = support::reaction(block, other, self.height(other, middle), self.rate(other, middle));
         let v_ddot = n - block.gravity - forcing.z;
@@ -314,11 +314,11 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         }
     }
 
-    /// The forcing with the pull of the ties; no foot stands in flight.
+    /// The forcing with the forces between block and ground; no foot stands in flight.
     #[inline(always)]
-    fn with_ties(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
+    fn with_forces(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
         // A copy, so that the rest stays in registers.
-        if tie::pulls(&forcing.ties) { pulled(*self, foot, forcing) } else { forcing }
+        if forces::act(&forcing) { pulled(*self, foot, forcing) } else { forcing }
     }
 
     /// Height of a corner above its place at rest (m).
@@ -356,7 +356,7 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
     }
 }
 
-/// The forcing with the pull of the ties. A function of its own, which the equations without ties do not contain.
+/// The forcing with the forces between block and ground. A function of its own, so that the equations without them stay small.
 #[inline(never)]
 fn pulled<P: Scalar, T: Beside<P>>(posture: Posture<P, T>, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
     let Posture { block, theta_dot, w, w_dot, sin, cos, footing, .. } = posture;
@@ -371,8 +371,8 @@ fn pulled<P: Scalar, T: Beside<P>>(posture: Posture<P, T>, foot: Option<Foot>, f
         Some(_) => (w - versine * block.h - sin * offset, w_dot - x * theta_dot),
         None => (w, w_dot),
     };
-    let place = tie::Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] };
-    tie::added_to(block, forcing, &place)
+    let place = Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] };
+    forces::added_to(block, forcing, &place)
 }
 
 /// A force at one corner, none at the other.

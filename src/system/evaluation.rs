@@ -8,7 +8,7 @@ use crate::numerics::scalar::Beside;
 use crate::numerics::{Equations, Rate, Real, State};
 use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
 
-use crate::system::forces::{energy, friction, tie};
+use crate::system::forces::{self, energy, tie};
 use crate::system::instant::{Footing, Held, Instant, Pose};
 use crate::system::law::{AnyLaw, Law};
 
@@ -51,8 +51,8 @@ pub struct Motion<'a, L = AnyLaw, const N: usize = 4> {
 }
 
 /// The number of quantities that are integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and from the beginning of a step
-/// the works that friction and the dashpots of the ties take.
-pub const EXTENDED: usize = 8;
+/// the works that [dissipative](forces::dissipated) forces take.
+pub const EXTENDED: usize = 6 + forces::DISSIPATIVE;
 
 impl<'a> Motion<'a> {
     /// The motion of a block from a pose on.
@@ -114,7 +114,8 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
             };
         }
         let x = &at.instant;
-        let beyond = [x.u_dot, x.u_ddot, at.friction_power(), at.tie_power()];
+        let [friction, ties] = at.dissipated();
+        let beyond = [x.u_dot, x.u_ddot, friction, ties];
         Rate {
             state: State::from(std::array::from_fn(|i| if i < 4 { at.rate.state[i] } else { beyond[i - 4] })),
             quadratures: at.rate.quadratures,
@@ -351,13 +352,8 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Power per mass (m²/s³) that friction takes.
-    pub fn friction_power(&self) -> f64 {
-        friction::power(self.instant.horizontal, self.instant.slip_rate)
-    }
-
-    /// Power per mass (m²/s³) that the dashpots of the ties take.
-    pub fn tie_power(&self) -> f64 {
-        tie::power(self.block, &self.forcing.ties, &self.instant)
+    /// Powers per mass (m²/s³) that friction and the dashpots of the ties take.
+    pub fn dissipated(&self) -> [f64; forces::DISSIPATIVE] {
+        forces::dissipated(self.block, &self.forcing.ties, &self.instant)
     }
 }

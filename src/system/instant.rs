@@ -6,7 +6,7 @@ use crate::block::{Block, Contacts, Corner, TieStates};
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::Real;
+use crate::numerics::scalar::{Real, Scalar};
 
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State<R = f64, const N: usize = 4> = numerics::State<R, N>;
@@ -51,6 +51,28 @@ pub struct Instant<T> {
     pub horizontal: T,
     /// Velocity of the foot (m/s), positive to the right: zero where it grips, and in flight.
     pub slip_rate: T,
+}
+
+/// Place and motion of the block, from which forces between block and ground follow.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<T> {
+    /// Sine and cosine of θ.
+    pub sin_cos: [T; 2],
+    /// θ̇ (rad/s).
+    pub theta_dot: T,
+    /// Place of the centre of mass beside that at rest, `[u, v]` (m).
+    pub center: [T; 2],
+    /// Its velocity relative to the ground (m/s).
+    pub velocity: [T; 2],
+}
+
+impl<T: Scalar> Place<T> {
+    /// The place of a block in motion.
+    #[inline(always)]
+    pub fn of(x: &Instant<T>) -> Place<T> {
+        let (sin, cos) = x.theta.sin_cos();
+        Place { sin_cos: [sin, cos], theta_dot: x.theta_dot, center: [x.u, x.v], velocity: [x.u_dot, x.v_dot] }
+    }
 }
 
 /// The horizontal hold of the block.

@@ -7,7 +7,7 @@ use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
 use crate::system::forces::tie;
-use crate::system::instant::Instant;
+use crate::system::instant::{Instant, Place};
 
 /// The stretch of a tie (m).
 #[inline(never)]
@@ -72,7 +72,7 @@ impl Change<'_> {
             if *state == TieState::Broken || *state == TieState::Slack {
                 continue;
             }
-            let tension = tie::taut_tension(tie, &tie::stretch(block, tie, &tie::Place::of(x)));
+            let tension = tie::taut_tension(tie, &tie::stretch(block, tie, &Place::of(x)));
             let rounding = rounding_of_tension(block, i);
             if tie.damping > 0.0 && tension.abs() > rounding {
                 *state = if tension > 0.0 { TieState::Taut } else { TieState::Limp };
@@ -87,7 +87,7 @@ impl Change<'_> {
     pub(in crate::system) fn begin_ties(&mut self) {
         let (block, x) = (&self.system.block, &self.now().instant);
         for (i, tie) in block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0) {
-            let stretch = tie::stretch(block, tie, &tie::Place::of(x));
+            let stretch = tie::stretch(block, tie, &Place::of(x));
             let stretched = stretch.length > rounding_of_stretch(block, i);
             self.pose.ties[i] = if stretched { TieState::Taut } else { TieState::Slack };
         }

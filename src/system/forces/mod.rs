@@ -8,8 +8,9 @@
 //! | [`friction`] | vertical reaction under a foot that slides → its horizontal reaction, its power |
 //! | [`tie`] | place of the block → tension; its energy, its power |
 //!
-//! A force that follows from the excitation alone, or from the state, adds to the [`Forcing`] of an instant or stands beside
-//! the supports in [`super::dynamics`]; its energy and its power are added here.
+//! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). Any force between block
+//! and ground is one more line of the functions here: the equations, the energies, the step sizes and the beginning know no
+//! single force.
 
 pub mod friction;
 pub mod load;
@@ -20,7 +21,7 @@ pub mod weight;
 use crate::block::{Block, Regime, TieStates};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{Beside, Elementary, Scalar};
-use crate::system::instant::Instant;
+use crate::system::instant::{Instant, Place};
 
 impl<T: Scalar> Instant<T> {
     /// Powers of the excitation and of the dashpots (m²/s³); the second is positive when they take energy.
@@ -31,6 +32,46 @@ impl<T: Scalar> Instant<T> {
     {
         [load::power(self, forcing), support::power(block, regime, self.corner_dot)]
     }
+}
+
+/// Whether a force between block and ground acts.
+#[inline(always)]
+pub fn act<T>(forcing: &Forcing<T>) -> bool {
+    tie::pulls(&forcing.ties)
+}
+
+/// The forcing with the forces between block and ground.
+pub fn added_to<P: Scalar, T: Beside<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
+    tie::added_to(block, forcing, place)
+}
+
+/// The number of forces that take energy besides the dashpots of the supports.
+pub const DISSIPATIVE: usize = 2;
+
+/// Powers per mass (m²/s³) that friction and the dashpots of the ties take.
+#[inline(always)]
+pub fn dissipated<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; DISSIPATIVE] {
+    [friction::power(x.horizontal, x.slip_rate), tie::power(block, ties, x)]
+}
+
+/// A bound on the circular frequencies and rates of decay that the forces between block and ground give (rad/s).
+pub fn fastest(block: &Block) -> f64 {
+    tie::fastest(block)
+}
+
+/// Whether a force between block and ground acts on a block at rest.
+pub fn act_at_rest<T>(block: &Block<T>) -> bool {
+    !block.ties.is_empty()
+}
+
+/// Returns a vertical force on the block at rest (N, positive up) less the pull of the forces between block and ground.
+pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, force: T) -> T {
+    tie::less_static_pull(block, place, force)
+}
+
+/// Vertical stiffness (N/m) of the forces between block and ground at rest.
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f64 {
+    tie::static_stiffness(block, place)
 }
 
 /// Potential energy of weight, supports and ties in these states (m²/s²), zero at rest without ties.

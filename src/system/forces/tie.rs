@@ -8,29 +8,7 @@ use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
-use crate::system::instant::Instant;
-
-/// Place and motion of the block.
-#[derive(Clone, Copy, Debug)]
-pub struct Place<T> {
-    /// Sine and cosine of θ.
-    pub sin_cos: [T; 2],
-    /// θ̇ (rad/s).
-    pub theta_dot: T,
-    /// Place of the centre of mass beside that at rest, `[u, v]` (m).
-    pub center: [T; 2],
-    /// Its velocity relative to the ground (m/s).
-    pub velocity: [T; 2],
-}
-
-impl<T: Scalar> Place<T> {
-    /// The place of a block in motion.
-    #[inline(always)]
-    pub fn of(x: &Instant<T>) -> Place<T> {
-        let (sin, cos) = x.theta.sin_cos();
-        Place { sin_cos: [sin, cos], theta_dot: x.theta_dot, center: [x.u, x.v], velocity: [x.u_dot, x.v_dot] }
-    }
-}
+use crate::system::instant::{Instant, Place};
 
 /// A tie that is stretched.
 #[derive(Clone, Copy, Debug)]
@@ -103,18 +81,23 @@ pub fn pulls(states: &TieStates) -> bool {
     states.contains(&TieState::Taut)
 }
 
-/// Pull of a tie at rest on the block, to the left and downwards (N).
-pub fn static_pull<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> [T; 2] {
-    if tie.stiffness.value() == 0.0 {
-        return [T::from(0.0); 2];
+/// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
+pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, mut force: T) -> T {
+    for tie in block.ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
+        let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, place);
+        let tension = T::select_less(0.0, length.value(), length * tie.stiffness, T::from(0.0));
+        force = force - tension * z;
     }
-    let Stretch { length, along: [x, z, _], .. } = stretch(block, tie, place);
-    let tension = T::select_less(0.0, length.value(), length * tie.stiffness, T::from(0.0));
-    [tension * x, tension * z]
+    force
+}
+
+/// Vertical stiffness (N/m) of the ties at rest.
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f64 {
+    block.ties.all().iter().map(|tie| stiffness_at_rest(block, tie, place)).sum()
 }
 
 /// Vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> f64 {
+fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> f64 {
     let stiffness = tie.stiffness.value();
     if stiffness == 0.0 {
         return 0.0;
@@ -194,4 +177,17 @@ where
 {
     let Dual { re, eps } = taut_tension(tie, &stretch(block, tie, &Place::of(x)));
     Sample { value: re, rate: eps }
+}
+
+/// A bound on the circular frequencies and rates of decay that ties give the block (rad/s): that of a free block.
+pub fn fastest(block: &Block) -> f64 {
+    let Block { mass, i0, h, eccentricity, ref ties, .. } = *block;
+    let (mut stiffness, mut damping) = (0.0, 0.0);
+    for tie in ties.all() {
+        let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);
+        let mobility = (1.0 + (x * x + z * z) / i0) / mass;
+        stiffness += tie.stiffness * mobility;
+        damping += tie.damping * mobility;
+    }
+    stiffness.sqrt().max(damping)
 }
