@@ -1,4 +1,4 @@
-//! Initial values and parameters as dual numbers → exact derivatives of all that is put out at the beginning.
+//! Initial values and parameters as dual numbers → exact derivatives of all outputs at the beginning.
 
 use crate::block::Foundation;
 use crate::block::contact::Regime;
@@ -14,9 +14,9 @@ use crate::system::instant::{Footing, Instant};
 
 /// Derivatives of all outputs at the beginning in a direction of parameters and initial values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AtBeginning {
+pub struct InitialDerivatives {
     /// Motion, reactions and corners.
-    pub seen: Observation<f64>,
+    pub observed: Observation<f64>,
     /// Energies; their sums since the start are zero.
     pub energies: Energies,
     /// Greatest values, which are those of the beginning.
@@ -29,7 +29,7 @@ impl Simulation {
     ///
     /// The regimes are those through which the block goes: where one of them begins or ends, the derivative is that of the
     /// side on which the block is.
-    pub fn initial_sensitivity(&self, initial: &Initial, inputs: &Inputs, start: &Start<Dual64>) -> AtBeginning {
+    pub fn initial_sensitivity(&self, initial: &Initial, inputs: &Inputs, start: &Start<Dual64>) -> InitialDerivatives {
         let excitation = self.excitation(inputs);
         let InitialSensitivity { mut begins, mut goes_on, support_heights } =
             self.system.initial_sensitivity(initial, self.pose.time, &excitation, start);
@@ -43,7 +43,7 @@ impl Simulation {
         let (kinetic, potential) = energy(&start.block, begins.0, &start.forcing.ties, &begins.1);
         let [kinetic, potential] = [kinetic, potential].map(|part| (part * start.block.mass).eps);
         let energies = Energies { total: kinetic + potential, kinetic, potential, ..Energies::default() };
-        AtBeginning { seen: seen.map(|x| x.eps), energies, peaks }
+        InitialDerivatives { observed: seen.map(|x| x.eps), energies, peaks }
     }
 }
 

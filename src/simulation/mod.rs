@@ -26,7 +26,7 @@ pub use crate::system::beginning::Initial;
 pub use crate::system::initial_sensitivity::Start;
 pub use energies::{Energies, EnergySums};
 use exchange::ExchangePiece;
-pub use initial_sensitivity::AtBeginning;
+pub use initial_sensitivity::InitialDerivatives;
 
 /// Choices at complete separation, by the numbers of the FMU's `on_separation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

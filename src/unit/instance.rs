@@ -15,11 +15,11 @@ use crate::block::Block;
 use crate::excitation::Inputs;
 use crate::ground::Ground;
 use crate::simulation::exchange::States;
-use crate::simulation::outputs::Observation;
-use crate::simulation::{Energies, Progress, Settings, Simulation, SimulationError};
+use crate::simulation::{Progress, Settings, Simulation, SimulationError};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
+use crate::unit::outputs::Seen;
 use crate::unit::substep::Substep;
 use crate::unit::values::{PerInput, Values};
 use crate::unit::variables::Input;
@@ -67,9 +67,9 @@ pub struct Unit {
     states: States,
     /// Model Exchange: the inputs at the end of the last completed step.
     last_inputs: PerInput,
-    /// Cached observation at the present time.
+    /// Cached observation and energies at the present time.
     #[serde(skip)]
-    observed: Option<(Observation<f64>, Energies)>,
+    observed: Seen,
 }
 
 /// Largest error of a master's clock, relative to the greater of step and time.
@@ -100,7 +100,7 @@ impl Unit {
             ground: None,
             states: States::default(),
             last_inputs: PerInput::default(),
-            observed: None,
+            observed: Seen::default(),
         }
     }
 
@@ -260,7 +260,7 @@ impl Unit {
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
             return Err(Fault::new("there is no block yet"));
         };
-        *observed = None;
+        *observed = Seen::default();
         let (progress, stopped) = loop {
             let (sum, stop) = with_ground(inputs, ground, simulation.time());
             *acting = sum;
@@ -292,7 +292,7 @@ impl Unit {
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let Unit { phase, simulation, inputs: acting, observed, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
-        *observed = None;
+        *observed = Seen::default();
         simulation.settle(acting, observer).map_err(|error| {
             *phase = Phase::Error;
             Fault::new(error.to_string())
@@ -321,7 +321,7 @@ impl Unit {
             if let Some(simulation) = &mut self.simulation {
                 simulation.change_inputs(&self.inputs);
             }
-            self.observed = None;
+            self.observed = Seen::default();
         } else {
             self.forget();
         }
@@ -349,7 +349,7 @@ impl Unit {
     /// Drops the preview after a change of values.
     fn forget(&mut self) {
         self.simulation = None;
-        self.observed = None;
+        self.observed = Seen::default();
     }
 
     /// Returns the block in motion and its inputs; before initialization ends, a preview from the present values.

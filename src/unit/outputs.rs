@@ -1,10 +1,12 @@
 //! Outputs of modelDescription.xml → the sources of their values and derivatives.
 
+use std::cell::OnceCell;
+
 use crate::block::TieState;
 use crate::excitation::Inputs;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
-use crate::simulation::{self, AtBeginning, Ending, Energies, Simulation};
+use crate::simulation::{self, Ending, Energies, InitialDerivatives, Simulation};
 use crate::unit::variables::Output;
 
 /// Returns the index of an output among the continuous states, if it is one.
@@ -40,13 +42,15 @@ pub enum Source {
     PeakTension(usize),
     /// Whether the foot slides.
     Slides,
+    /// The regime.
+    Regime,
     /// A value that changes only at events.
-    Discrete(fn(&Observation<f64>, &Simulation) -> f64),
+    Discrete(fn(&Simulation) -> f64),
 }
 
 /// Returns the source of an output.
 pub fn source(output: Output) -> Source {
-    use Source::{Discrete, Energy, Observed, Peak, PeakSlip, PeakTension, Slides, Slip};
+    use Source::{Discrete, Energy, Observed, Peak, PeakSlip, PeakTension, Regime, Slides, Slip};
     match output {
         Output::Theta => Observed(|at| at.theta),
         Output::ThetaDot => Observed(|at| at.theta_dot),
@@ -93,15 +97,15 @@ pub fn source(output: Output) -> Source {
         Output::PeakTie2Tension => PeakTension(1),
         Output::Slip => Slip(|slip| slip.now, |rate| rate),
         Output::SlipTotal => Slip(|slip| slip.total, f64::abs),
-        Output::Regime => Discrete(|at, _| f64::from(at.regime.number())),
-        Output::EventsLastTime => Discrete(|_, simulation| simulation.last_event()),
-        Output::EventsImpacts => Discrete(|_, simulation| f64::from(simulation.counts().impacts)),
-        Output::EventsLiftoffs => Discrete(|_, simulation| f64::from(simulation.counts().liftoffs)),
+        Output::Regime => Regime,
+        Output::EventsLastTime => Discrete(|simulation| simulation.last_event()),
+        Output::EventsImpacts => Discrete(|simulation| f64::from(simulation.counts().impacts)),
+        Output::EventsLiftoffs => Discrete(|simulation| f64::from(simulation.counts().liftoffs)),
         Output::Slides => Slides,
-        Output::Tie1Broken => Discrete(|_, simulation| flag(simulation.ties()[0] == TieState::Broken)),
-        Output::Tie2Broken => Discrete(|_, simulation| flag(simulation.ties()[1] == TieState::Broken)),
-        Output::Separated => Discrete(|_, simulation| ended_by(simulation, Ending::is_separation)),
-        Output::Overturned => Discrete(|_, simulation| ended_by(simulation, Ending::is_overturning)),
+        Output::Tie1Broken => Discrete(|simulation| flag(simulation.ties()[0] == TieState::Broken)),
+        Output::Tie2Broken => Discrete(|simulation| flag(simulation.ties()[1] == TieState::Broken)),
+        Output::Separated => Discrete(|simulation| ended_by(simulation, Ending::is_separation)),
+        Output::Overturned => Discrete(|simulation| ended_by(simulation, Ending::is_overturning)),
     }
 }
 
@@ -112,6 +116,13 @@ fn ended_by(simulation: &Simulation, is: fn(Ending) -> bool) -> f64 {
 /// Returns 1 for true and 0 for false.
 fn flag(is: bool) -> f64 {
     f64::from(u8::from(is))
+}
+
+/// The observation and the energies of the present time, once an output has asked for them.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    observed: OnceCell<Observation<f64>>,
+    energies: OnceCell<Energies>,
 }
 
 /// Values and rates of change at the present time.
@@ -131,23 +142,19 @@ pub struct Rates {
 }
 
 impl Source {
-    /// Returns the value.
-    pub fn value(
-        &self,
-        observed: &Observation<f64>,
-        energies: &Energies,
-        simulation: &Simulation,
-        inputs: &Inputs,
-    ) -> f64 {
+    /// Returns the value. Only an output that needs them has the equations or the energies evaluated, at most once per instant.
+    pub fn value(&self, seen: &Seen, simulation: &Simulation, inputs: &Inputs) -> f64 {
+        let observed = || seen.observed.get_or_init(|| simulation.observe(inputs));
         match self {
-            Source::Observed(of) => of(observed),
-            Source::Energy(of) => of(energies),
+            Source::Observed(of) => of(observed()),
+            Source::Energy(of) => of(seen.energies.get_or_init(|| simulation.energies())),
+            Source::Regime => f64::from(observed().regime.number()),
             Source::Peak(channel) => simulation.peaks().of(*channel),
             Source::Slip(of, _) => of(&simulation.slip()),
             Source::PeakSlip => simulation.peaks().slip,
             Source::PeakTension(tie) => simulation.peaks().tension[*tie],
             Source::Slides => flag(simulation.slides_under(inputs)),
-            Source::Discrete(of) => of(observed, simulation),
+            Source::Discrete(of) => of(simulation),
         }
     }
 
@@ -166,18 +173,18 @@ impl Source {
                 rate_of_peak(peaks.slip, slip.now.abs(), outward)
             }
             Source::PeakTension(tie) => rate_of_peak(peaks.tension[*tie], observed.tension[*tie], rates.tension[*tie]),
-            Source::Slides | Source::Discrete(_) => 0.0,
+            Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }
 
     /// Returns the derivative at the beginning, in a direction of start values, parameters and inputs.
-    pub fn at_beginning(&self, along: &AtBeginning) -> f64 {
+    pub fn initial_derivative(&self, along: &InitialDerivatives) -> f64 {
         match self {
-            Source::Observed(of) => of(&along.seen),
+            Source::Observed(of) => of(&along.observed),
             Source::Energy(of) => of(&along.energies),
             Source::Peak(channel) => along.peaks.of(*channel),
             Source::PeakTension(tie) => along.peaks.tension[*tie],
-            Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Discrete(_) => 0.0,
+            Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }
 
@@ -189,7 +196,12 @@ impl Source {
             Source::Observed(of) => of(sensitivities),
             Source::Energy(of) => of(energies),
             Source::Slip(of, _) => of(slip),
-            Source::Peak(_) | Source::PeakSlip | Source::PeakTension(_) | Source::Slides | Source::Discrete(_) => 0.0,
+            Source::Peak(_)
+            | Source::PeakSlip
+            | Source::PeakTension(_)
+            | Source::Slides
+            | Source::Regime
+            | Source::Discrete(_) => 0.0,
         }
     }
 }

@@ -292,9 +292,10 @@ impl Lane {
     }
 }
 
-/// Takes the next step, all of this kind, of each run of a group of at most one per lane. Returns a bit for each run that goes on;
-/// the others take the step alone.
-pub fn step_together(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
+/// Takes the next step, of this kind, of each run of a group of at most one run per lane.
+///
+/// Returns a bit for each run that has stepped; the others must take the step alone.
+pub fn step_group(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
     let stepped = kernel::step(width, kind.regime, kind.short, group);
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
@@ -339,7 +340,7 @@ mod tests {
         for in_lane in [false, true] {
             let next = group[0].next_step();
             let Next::Together(kind) = next else { panic!("{next:?}") };
-            let went = Width::widest().map(|width| step_together(width, kind, &mut group));
+            let went = Width::widest().map(|width| step_group(width, kind, &mut group));
             assert!(went.is_none_or(|went| went == u32::from(in_lane)), "{went:?}");
             if went != Some(1) {
                 group[0].step_alone(&mut |_| ()).unwrap();

@@ -102,16 +102,10 @@ impl Unit {
                 if let Some(value) = self.state_output(output) {
                     return Ok(value);
                 }
-                let (observed, energies) = match self.observed {
-                    Some(observed) => observed,
-                    None => {
-                        let (simulation, inputs) = self.preview()?;
-                        let observed = (simulation.observe(&inputs), simulation.energies());
-                        *self.observed.insert(observed)
-                    }
-                };
-                let (simulation, inputs) = self.preview()?;
-                Ok(source(output).value(&observed, &energies, simulation, &inputs))
+                self.preview()?;
+                let Unit { simulation, inputs, observed, .. } = self;
+                let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
+                Ok(source(output).value(observed, simulation, inputs))
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::ground::{Ground, Varied};
 use crate::numerics::dual::Dual64;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
-use crate::simulation::{AtBeginning, Energies, Simulation, Slip, Start};
+use crate::simulation::{Energies, InitialDerivatives, Simulation, Slip, Start};
 use crate::unit::derived::{DerivedSource, derived};
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
@@ -111,11 +111,11 @@ enum Derivatives {
     /// Derivatives of outputs, at the present time.
     Now(Observation<f64>, Energies, Slip),
     /// Derivatives of outputs and calculated parameters, in Initialization Mode.
-    AtBeginning(Box<Beginning>),
+    Initial(Box<Beginning>),
 }
 
 struct Beginning {
-    along: AtBeginning,
+    along: InitialDerivatives,
     block: Block<Dual64>,
     /// Component of the start time.
     time: f64,
@@ -129,9 +129,9 @@ impl Derivatives {
             Derivatives::Now(observed, energies, slip) => {
                 Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies, slip))
             }
-            Derivatives::AtBeginning(beginning) => match unknown(reference)? {
+            Derivatives::Initial(beginning) => match unknown(reference)? {
                 Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
-                Unknown::Output(output) => Ok(source(output).at_beginning(&beginning.along)),
+                Unknown::Output(output) => Ok(source(output).initial_derivative(&beginning.along)),
                 Unknown::Derived(DerivedSource::Block(of)) => Ok(of(&beginning.block).eps),
                 Unknown::Derived(DerivedSource::Ground(of)) => Ok(beginning.ground[of as usize]),
             },
@@ -174,7 +174,7 @@ impl Unit {
         let derivatives = if self.phase == Phase::InitializationMode {
             let mut along = Direction { time, ..Direction::default() };
             knowns.iter().zip(direction).try_for_each(|(&reference, &component)| along.add(reference, component))?;
-            self.derivatives_at_beginning(unknowns, &along)?
+            self.derivatives_initial_derivative(unknowns, &along)?
         } else {
             self.derivatives_now(unknowns, knowns, direction, time)?
         };
@@ -187,7 +187,7 @@ impl Unit {
         unknowns: &'a [u32],
         direction: &Direction,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
-        let derivatives = self.derivatives_at_beginning(unknowns, direction)?;
+        let derivatives = self.derivatives_initial_derivative(unknowns, direction)?;
         Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
     }
 
@@ -225,7 +225,11 @@ impl Unit {
         Ok(Derivatives::Now(observed, energies, slip))
     }
 
-    fn derivatives_at_beginning(&mut self, unknowns: &[u32], direction: &Direction) -> Result<Derivatives, Fault> {
+    fn derivatives_initial_derivative(
+        &mut self,
+        unknowns: &[u32],
+        direction: &Direction,
+    ) -> Result<Derivatives, Fault> {
         let mut of_ground = false;
         for &reference in unknowns {
             of_ground |= matches!(unknown(reference)?, Unknown::Derived(DerivedSource::Ground(_)));
@@ -273,7 +277,7 @@ impl Unit {
         } else {
             [0.0; 3]
         };
-        Ok(Derivatives::AtBeginning(Box::new(Beginning { along, block, time: direction.time, ground })))
+        Ok(Derivatives::Initial(Box::new(Beginning { along, block, time: direction.time, ground })))
     }
 
     /// Returns the records without scale if the scale is zero and the direction contains it.

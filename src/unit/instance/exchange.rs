@@ -5,7 +5,7 @@ use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::instance::{Interface, Unit, with_ground};
 use crate::unit::life_cycle::Phase;
-use crate::unit::outputs::state;
+use crate::unit::outputs::{Seen, state};
 use crate::unit::values::inputs;
 use crate::unit::variables::Output;
 
@@ -38,7 +38,7 @@ impl Unit {
         };
         let time = simulation.time();
         let (sum, end) = with_ground(&self.values.inputs(time, &self.rates), ground, time);
-        (self.inputs, self.observed) = (sum, None);
+        (self.inputs, self.observed) = (sum, Seen::default());
         let before = simulation.clone();
         simulation.pass_events(&self.inputs, end, observer).map_err(|error| {
             // Transitions that lead nowhere may leave numbers that are not finite.
@@ -92,7 +92,7 @@ impl Unit {
         if let Some(simulation) = &mut self.simulation {
             simulation.set_states(time, &states);
         }
-        self.observed = None;
+        self.observed = Seen::default();
     }
 
     /// Returns the continuous states, as set or as the last event left them.
@@ -152,7 +152,7 @@ impl Unit {
             };
             simulation.complete_step(&over);
             self.last_inputs = now;
-            self.observed = None;
+            self.observed = Seen::default();
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::run::outcome::{Flights, Outcome};
 use crate::run::{Run, Schedule};
 use rocking_block::numerics::wide::Width;
 use rocking_block::simulation::SimulationError;
-use rocking_block::simulation::lanes::{Kind, Lane, Next, step_together};
+use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
 
 /// Active runs per lane, enough for a full group of some kind at nearly every step.
 const RUNS_PER_LANE: usize = 8;
@@ -166,7 +166,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         let Some((number, waiting)) = self.waiting.iter_mut().enumerate().max_by_key(most) else { return false };
         let (lanes, count) = (self.width.lanes(), waiting.len().min(self.width.lanes()));
         group.extend(waiting.drain(..count));
-        let taken = if count > 1 { step_together(self.width, Kind::numbered(number), group) } else { 0 };
+        let taken = if count > 1 { step_group(self.width, Kind::numbered(number), group) } else { 0 };
         if count > 1 {
             self.lane_use.in_lanes += u64::from(taken.count_ones());
             self.lane_use.idle += (lanes - count) as u64;

@@ -8,7 +8,7 @@ use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
-use rocking_block::simulation::lanes::{Kind, Lane, Next, step_together};
+use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_records::ReadOptions;
 use rocking_studies::run::Run;
@@ -99,7 +99,7 @@ fn through(width: Width, lanes: &mut [Option<Box<Lane>>]) -> u64 {
         };
         let numbers = &waiting[..waiting.len().min(width.lanes())];
         let mut group: Vec<Box<Lane>> = numbers.iter().map(|&number| lanes[number].take().unwrap()).collect();
-        let went = step_together(width, Kind::numbered(kind), &mut group);
+        let went = step_group(width, Kind::numbered(kind), &mut group);
         taken += u64::from(went.count_ones());
         for (place, (mut lane, &number)) in group.into_iter().zip(numbers).enumerate() {
             if went >> place & 1 == 0 {
