@@ -1,4 +1,4 @@
-//! The block: parameters → all that the equations need, checked; its geometry; its foundation; the contacts of its corners.
+//! The block: checked parameters, geometry, foundation, contacts of the corners, ties.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -104,7 +104,7 @@ impl Block {
         Ok(Block { ties: Ties::of(ties), ..self })
     }
 
-    /// Each parameter may be fine and their product still overflow or vanish.
+    /// Refuses derived quantities that overflow or vanish although each parameter is valid.
     fn checked(mut self) -> Result<Block, BlockError> {
         for (name, value) in [
             ("R0", self.r0),
@@ -152,8 +152,8 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Whether it is more than the paper's block: uneven, tied, or with a limit of friction. Then its horizontal place is kept through changes
-    /// of the foot.
+    /// Whether it is more than the paper's block: uneven, tied, or with a limit of friction. Then its horizontal place is kept
+    /// through changes of the foot.
     pub fn is_extended(&self) -> bool {
         self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.ties.is_empty()
     }
@@ -252,8 +252,8 @@ impl<T: Elementary> Block<T> {
         self.static_deflection() * (self.share[corner.index()] * 2.0)
     }
 
-    /// Slenderness angle of a corner (rad): the rotation at which the centre of mass stands over it. `arctan((b ± e_x)/h)`, with + on L;
-    /// α without eccentricity.
+    /// Slenderness angle of a corner (rad): the rotation at which the centre of mass stands over it. `arctan((b ± e_x)/h)`, with
+    /// + on L; α without eccentricity.
     pub fn alpha_of(&self, corner: Corner) -> T {
         if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
     }
@@ -273,8 +273,8 @@ impl<T: Elementary> Block<T> {
         T::select_less(right.value(), left.value(), right, left)
     }
 
-    /// Housner's restitution e that ε amounts to at a landing on `corner` (1): eq. (6), and for an eccentric centre of mass the angular
-    /// momentum about that corner.
+    /// Housner's restitution e that ε amounts to at a landing on `corner` (1): eq. (6), and for an eccentric centre of mass the
+    /// angular momentum about that corner.
     pub fn housner_restitution(&self, corner: Corner) -> T {
         let Block { gamma, epsilon, eccentricity, b, r0, .. } = *self;
         let cos = (self.alpha * 2.0).cos();
@@ -285,8 +285,8 @@ impl<T: Elementary> Block<T> {
         momentum / (gamma + 1.0 + (cross + square) * uneven)
     }
 
-    /// The least coefficient of friction at which a corner that slides along a rigid base may jam (1): `2 √(k (k + 1))` with k = I0/(M R²)
-    /// and the distance R of the centre of mass from the farther corner.
+    /// The least coefficient of friction at which a corner that slides along a rigid base may jam (1): `2 √(k (k + 1))` with k =
+    /// I0/(M R²) and the distance R of the centre of mass from the farther corner.
     pub fn jamming_friction(&self) -> T {
         let across = self.b + T::select_less(self.eccentricity.value(), 0.0, -self.eccentricity, self.eccentricity);
         let k = self.i0 / (across * across + self.h * self.h);

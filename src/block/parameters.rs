@@ -45,7 +45,7 @@ pub struct Common<T = f64> {
     pub gravity: T,
     /// Supports or rigid base.
     pub foundation: Foundation,
-    /// On the rigid base, the e that acts over Housner's e of ε (1), at least 0; not read on supports.
+    /// Ratio of the actual restitution e on the rigid base to Housner's e of ε (1), at least 0; not read on supports.
     pub restitution_factor: T,
     /// Distance e_x of the centre of mass from the middle of the base (m), positive to the right; `|e_x| < b`.
     pub eccentricity: T,
@@ -81,7 +81,7 @@ pub enum BlockError {
         /// The valid values.
         expected: &'static str,
     },
-    /// A factor with which impacts on the rigid base would make energy.
+    /// A factor with which impacts on the rigid base would create energy.
     #[error(
         "restitution_factor = {factor} makes e = {housner} into {}; expected at most 1 after an impact on the rigid base",
         factor * housner
@@ -110,7 +110,8 @@ pub enum BlockError {
         /// The greatest number of ties of a block.
         most: usize,
     },
-    /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or two.
+    /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or
+    /// two.
     #[error(
         "friction = {friction} lets a corner jam on the rigid base, which leaves no single motion; expected less than {limit}, or 0 \
          for no limit"

@@ -87,7 +87,7 @@ impl<T: Elementary> Tie<T> {
 }
 
 impl Tie {
-    /// Refuses a tie that cannot be. Errors name the parameter.
+    /// Refuses an impossible tie. Errors name the parameter.
     pub fn check(&self) -> Result<(), BlockError> {
         let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *self;
         for (name, value) in [
@@ -125,7 +125,7 @@ pub enum TieState {
     Slack,
     /// It pulls.
     Taut,
-    /// It is stretched and shortens faster than its dashpot lets its spring follow.
+    /// It is stretched, but shortens so fast that dashpot and spring together would push.
     Limp,
     /// It broke.
     Broken,

@@ -13,15 +13,15 @@ pub struct EnergySums {
     pub initial: f64,
     /// Work of the ground motion and the loads.
     pub input: f64,
-    /// Energy that the dashpots took.
+    /// Energy taken by the dashpots of the supports.
     pub dashpots: f64,
-    /// Energy that sliding took.
+    /// Energy taken by friction.
     pub friction: f64,
-    /// Energy that the dashpots of the ties took, and that was in the springs of those that broke.
+    /// Energy taken by the dashpots of the ties, and lost from the springs of those that broke.
     pub ties: f64,
-    /// Energy that went at changes of regime (negative if some came).
+    /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
-    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
+    /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
     pub constraint: f64,
 }
 
@@ -40,19 +40,19 @@ pub struct Energies {
     pub total: f64,
     /// Kinetic energy relative to the ground.
     pub kinetic: f64,
-    /// Energy of the weight and of the springs that are touched.
+    /// Energy of the weight and of the springs under the touching corners.
     pub potential: f64,
     /// Work of the ground motion and the loads.
     pub input: f64,
-    /// Energy that the dashpots took.
+    /// Energy taken by the dashpots of the supports.
     pub dashpots: f64,
-    /// Energy that sliding took.
+    /// Energy taken by friction.
     pub friction: f64,
-    /// Energy that the dashpots of the ties took, and that was in the springs of those that broke.
+    /// Energy taken by the dashpots of the ties, and lost from the springs of those that broke.
     pub ties: f64,
-    /// Energy that went at changes of regime (negative if some came).
+    /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
-    /// Energy that came with changes of the horizontal constraint at lift-off; in `impacts`, with the other sign.
+    /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
     pub constraint: f64,
     /// The balance: `total − initial − input + dashpots + friction + ties + impacts`, round-off and integration error.
     pub residual: f64,

@@ -1,8 +1,8 @@
 //! The block stepped from outside: its continuous states, their derivatives, event indicators, and the effects of events.
 //!
-//! The equations, surfaces and transitions are those of [`Simulation::advance`]; who steps has only to find where an
-//! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated, too, so that
-//! inputs may be any functions of time.
+//! The equations, surfaces and transitions are those of [`Simulation::advance`]; the importer's solver only has to find where an
+//! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated as well, so that inputs
+//! may be any functions of time.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,37 +23,37 @@ use crate::system::instant::Pose;
 use crate::system::instant::{Footing, Held, Powers, State};
 use crate::system::law::{AnyLaw, Law};
 
-/// How many continuous states there are.
+/// The number of continuous states.
 pub const STATES: usize = 10;
 
-/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, energy that the dashpots, friction and the dashpots of the
-/// ties took (J).
+/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, and the energies taken by the dashpots, by
+/// friction and by the dashpots of the ties (J).
 ///
-/// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these states
-/// are integrated along, and the motion does not depend on them. Each event sets them to the values that follow.
+/// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these
+/// states are integrated, but the motion does not depend on them. Each event sets them to the values that follow.
 pub type States = [f64; STATES];
 
 /// The number of ties of a block that is stepped from outside.
 pub const TIES: usize = 2;
 
-/// How many event indicators there are: of the corners L and R, of the quarter turn, of a foot that slides without friction or a
-/// corner that is held, two of friction, and two of each tie.
+/// The number of event indicators: one for each corner, one for the quarter turn, one for a foot that slides without friction or a
+/// corner that is held, two for friction, and two for each tie.
 pub const INDICATORS: usize = 6 + 2 * TIES;
 
-/// How far below the rigid base a corner is when its landing is found, as a part of R0: far less than the last of the
-/// impacts, with 1e-9 p, rises.
+/// Depth of a corner below the rigid base when its landing is found, as a fraction of R0: far less than the height of the last
+/// bounce, which begins with 1e-9 p.
 const SMALLEST_GAP: f64 = 1e-20;
 
-/// How fast an indicator changes at most, as a multiple of p times its rounding, that an event left without a rate.
+/// Largest rate of an indicator that an event left without a rate, as a multiple of p times its rounding.
 const NO_RATE: f64 = 1e3;
 
 /// The indicator in place of a function that is not watched at present.
 const IDLE: f64 = 1.0;
 
-/// How far after an event the next one is foreseen, as a multiple of 1/p.
+/// Longest time after an event for which the next one is foreseen, as a multiple of 1/p.
 ///
-/// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative tolerance
-/// of 1e-6 has a hundred times that to resolve where the block takes longer.
+/// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative
+/// tolerance of 1e-6 has a hundred times that to resolve where the block takes longer.
 const FORESIGHT: f64 = 0.05;
 
 /// The tolerance of steps to a foreseen event.
@@ -76,7 +76,7 @@ struct Foreseen {
 /// The present smooth piece of a motion that is stepped from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct ExchangePiece {
-    /// Time from which the excitation is seen (s): at its end it is still that of the piece.
+    /// Beginning of the piece (s); at its end the excitation is still that of the piece.
     since: f64,
     /// Rounding that is added to each indicator: a motion that begins on a surface has not fallen through it.
     offsets: [f64; INDICATORS],
@@ -101,13 +101,13 @@ impl ExchangePiece {
 }
 
 impl Simulation {
-    /// From here on the block is stepped from outside.
+    /// Lets the block be stepped from outside from here on.
     pub fn begin_exchange(&mut self) {
         let (since, offsets) = (self.pose.time, [IDLE; INDICATORS]);
         self.piece = Some(ExchangePiece { since, offsets, last: None, foreseen: None });
     }
 
-    /// Time from which the present smooth piece of the excitation is seen (s).
+    /// Beginning of the present smooth piece of the excitation (s).
     pub fn piece_time(&self) -> f64 {
         self.piece.map_or(self.pose.time, |piece| piece.since)
     }
@@ -127,8 +127,8 @@ impl Simulation {
         [x.theta, theta_dot, x.v, v_dot, x.u, u_dot, works[0], works[1], works[2], works[3]]
     }
 
-    /// Puts the block where these states say, at `time` (s), on the same contacts. A block that is held keeps the rates, and
-    /// with them the energies, of the end of its run.
+    /// Sets the continuous states at `time` (s); the contacts stay. A block that is held keeps the rates, and with them the
+    /// energies, of the end of its run.
     pub fn set_states(&mut self, time: f64, states: &States) {
         let [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots, friction, ties] = *states;
         let (block, regime) = (*self.block(), self.regime());
@@ -196,8 +196,8 @@ impl Simulation {
         std::array::from_fn(|_| all.next().flatten())
     }
 
-    /// What becomes of the block where it is: a new smooth piece of the excitation begins, and what has fallen through a
-    /// surface passes into the motion after it. Events are reported to `observer`. The inputs act at least until `until` (s).
+    /// Begins a new smooth piece of the excitation, applies the events of all surfaces that the motion has fallen through, and
+    /// reports them to `observer`. The inputs act at least until `until` (s).
     pub fn pass_events(
         &mut self,
         inputs: &Inputs,
@@ -279,8 +279,7 @@ impl Simulation {
         self.piece.and_then(|piece| piece.last).map_or(self.pose.time, |last| last.time)
     }
 
-    /// Includes the peaks of a step that was made from outside since the last one, under `inputs` that are linear in time over
-    /// it.
+    /// Includes the peaks of the step since the last call, over which `inputs` are linear in time.
     ///
     /// The motion between its ends is the polynomial that has their displacements, rates and accelerations.
     pub fn complete_step(&mut self, inputs: &Inputs) {
@@ -309,7 +308,7 @@ impl Simulation {
         }
     }
 
-    /// Takes the peaks of a step from outside in, from the pose at its beginning on.
+    /// Includes the peaks of a step from the pose `last` to `there`.
     fn take_in_step<const N: usize>(&mut self, motion: Motion<impl Law, N>, last: &Pose, there: &Evaluation) {
         let here = motion.at(last.time, motion.state_at(last));
         let ends = [&here, there].map(|at| (motion.state_of(at), motion.rate_of(at)));
@@ -322,9 +321,8 @@ impl Simulation {
         self.take_in_tensions(&here, there, &mut inside);
     }
 
-    /// What a user sees, the energies, and the derivatives of the states, each with its exact derivative in the direction
-    /// whose components are `states`, the values of `inputs` and `time`, on which the pulse and supports that creep depend by
-    /// themselves.
+    /// The observation and the energies with their exact derivatives in the direction whose components are `states`, the values of
+    /// `inputs`, and `time`, on which the pulse and creeping supports depend directly.
     pub fn directional(
         &self,
         at: &Inputs,
@@ -374,8 +372,8 @@ impl Simulation {
         if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }
     }
 
-    /// The rounding of each indicator, twice; where an event left a surface without a rate, but beyond it by the importer's tolerance,
-    /// also the way back.
+    /// The rounding of each indicator, twice; where an event left a surface without a rate, but beyond it by the importer's
+    /// tolerance, also the way back.
     fn offsets(&self, now: &Evaluation) -> [f64; INDICATORS] {
         self.all_surfaces().map(|surface| {
             let Some(surface) = surface else { return IDLE };
@@ -407,7 +405,7 @@ impl Simulation {
     }
 }
 
-/// Sizes that the states typically have, for error control: nothing of them is zero.
+/// Typical magnitudes of the states for error control, none of them zero.
 pub fn nominals(block: &Block) -> States {
     let Block { alpha, p, r0, mass, gravity, omega_v, foundation, .. } = *block;
     let (vertical, rate) = match foundation {

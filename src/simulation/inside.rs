@@ -9,15 +9,15 @@ use crate::system::events::{Surface, watched, watched_beyond};
 use crate::system::instant::State;
 use crate::system::law::Law;
 
-/// The most that a block in flight may turn in a step (rad). Its rotation is a polynomial of time, of which no step makes an error
-/// that would keep it short, while the heights of its corners swing with the angle.
+/// The largest rotation of a block in flight within a step (rad). Its rotation is a polynomial of time, which every step follows
+/// without error, so the error never limits the step; but the heights of its corners follow the sine of the angle.
 pub(super) const MOST_TURN: f64 = 1.0;
 
-/// The most that it may turn in a step whose ends tell whether a corner came down inside (rad): a height is a cubic then, but for
-/// `turn⁴/384` R0 at most.
+/// The largest rotation in a step (rad) whose ends alone tell whether a corner came down inside: the height is then a cubic up
+/// to `turn⁴/384` R0.
 pub(super) const SMALL_TURN: f64 = 0.1;
 
-/// At most how far a block turns in a step of `size` (s), if it flies; zero if it stands (rad).
+/// A bound on the rotation (rad) of a flying block in a step of `size` (s); zero if the block stands.
 ///
 /// Its angular acceleration is linear in time in flight. So its rate is a parabola, whose control polygon bounds it.
 #[inline(always)]
@@ -62,12 +62,12 @@ fn may_hold_event_beyond(law: impl Law, here: &Evaluation, there: &Evaluation) -
 /// A fall through a surface between two instants.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fall {
-    /// When, in seconds after the first of them.
+    /// Its time, in seconds after the first of them.
     pub(super) elapsed: f64,
     /// The surface.
     pub(super) surface: Surface,
-    /// Whether it begins at zero and seems to fall at once, where a law has just begun that lets it rise: it does so for a time
-    /// that is too short for the step.
+    /// Whether the function begins at zero and seems to fall at once although the law that has just begun lets it rise: it rises
+    /// for a time that is too short for this step.
     pub(super) rise_unseen: bool,
 }
 
@@ -132,9 +132,9 @@ fn first_event_beyond<L: Law, const N: usize>(
 
 /// The motion between the ends of a step.
 pub(super) enum Between<'s, const N: usize = 4> {
-    /// As it is known.
+    /// A dense output that is known.
     Known(DenseOutput<N>),
-    /// As it will be known from the dense output of a step with this rate at its end, when it is first asked for.
+    /// The dense output of a step with this rate at its end, computed when it is first asked for.
     Within(&'s Step<f64, N>, Rate<f64, N>),
 }
 
@@ -142,7 +142,7 @@ pub(super) enum Between<'s, const N: usize = 4> {
 pub(super) struct Inside<'s, 'a, L, const N: usize = 4> {
     pub(super) motion: Motion<'a, L, N>,
     pub(super) between: Between<'s, N>,
-    /// Evaluations of the right-hand side that the dense output took.
+    /// Evaluations of the right-hand side for the dense output.
     pub(super) evaluations: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The loop: step → locate the first event → apply it there → settle the regime → go on.
+//! The loop: step → locate the first event → apply it → decide the regime → continue.
 
 mod energies;
 pub mod exchange;
@@ -50,7 +50,7 @@ pub enum OnOverturning {
     Hold = 2,
 }
 
-/// How to run.
+/// Settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Relative tolerance of the integrator, 1e-14…1e-1: error allowed in a step, as an equivalent velocity in units of
@@ -63,11 +63,10 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The least and the greatest tolerance that is followed; one outside is taken as the nearer of them.
+    /// The smallest and the largest tolerance; one outside is replaced by the nearer of the two.
     pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
 
-    /// The tolerance of studies, whose runs tell whether a block overturns and how far it tilts: docs/performance.md has what that
-    /// changes.
+    /// The tolerance of studies, which need only the outcome and the peak rotation; docs/performance.md gives its effect.
     pub const OF_STUDIES: f64 = 1e-6;
 
     /// Whether a user may ask for this tolerance.
@@ -99,8 +98,8 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// How the run of a block ends, of slenderness α (rad) on the side to which it tilts, that leaves its last support at the rotation θ (rad) and the
-    /// rate θ̇ (rad/s). How often this takes a block for overturned that would have come back is in docs/model.md.
+    /// The ending of a run in which the block leaves its last support at the rotation θ (rad) and the rate θ̇ (rad/s); `alpha`
+    /// (rad) is the slenderness angle of the side to which it tilts. docs/model.md gives the rate of misjudged runs.
     pub fn at_separation(alpha: f64, theta: f64, theta_dot: f64) -> Ending {
         if theta.abs() >= alpha && theta * theta_dot > 0.0 { Ending::Toppled } else { Ending::Separated }
     }
@@ -132,12 +131,12 @@ impl std::fmt::Display for Ending {
     }
 }
 
-/// How far [`Simulation::advance`] came.
+/// The result of [`Simulation::advance`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// The time that was asked for.
+    /// The requested time was reached.
     Reached,
-    /// The run ended before, at this time (s).
+    /// The run ended earlier, at this time (s).
     Ended(Ending, f64),
 }
 
@@ -160,19 +159,19 @@ pub enum SimulationError {
         /// Time of the last good state (s).
         time: f64,
     },
-    /// The motion takes more steps than any call in good faith.
+    /// The motion takes more steps than any reasonable call.
     #[error(
         "stopped at t = {time} s after {steps} steps towards t = {until} s: the motion is too fast for a step so long"
     )]
     TooManySteps {
         /// Time that was reached (s).
         time: f64,
-        /// Time that was asked for, or that of a kink of the excitation before it (s).
+        /// Requested time (s), or an earlier kink of the excitation.
         until: f64,
-        /// Steps that were taken.
+        /// Number of steps taken.
         steps: u64,
     },
-    /// The regime changed again and again without time going on.
+    /// The regime changed again and again at one time.
     #[error("{count} events in the same instant t = {time} s leave no regime that lasts")]
     NoRegime {
         /// Time (s).
@@ -197,23 +196,23 @@ pub struct Counts {
     pub evaluations: u64,
 }
 
-/// How far the foot has slid since the start.
+/// The slip of the foot since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slip {
-    /// Where the foot is now beside its place at the start (m), positive to the right.
+    /// Displacement of the foot from its place at the start (m), positive to the right.
     pub now: f64,
-    /// Its whole way (m).
+    /// Length of its path (m).
     pub total: f64,
 }
 
-/// A block in motion. A plain value: a copy goes on exactly as the original does.
+/// A block in motion. It is a plain value: a copy continues exactly as the original does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
     system: System,
     settings: Settings,
     pulse: Pulse,
     pose: Pose,
-    /// Where the block is stepped from outside, the present piece of its motion.
+    /// The present piece of a motion that is stepped from outside.
     piece: Option<ExchangePiece>,
     control: StepControl,
     ending: Option<(Ending, f64)>,
@@ -223,15 +222,15 @@ pub struct Simulation {
     counts: Counts,
     last_event: f64,
     events_in_this_instant: u32,
-    /// An event that the motion has come to and that has not been applied.
+    /// An event that the motion has reached and that has not been applied.
     pending: Option<Pending>,
 }
 
-/// An event before anything comes of it.
+/// An event that has not been applied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Pending {
     surface: Surface,
-    /// Where the smooth piece of the excitation began that leads there (s): one that ends at the event counts as acting.
+    /// Beginning of the smooth piece of the excitation that leads to the event (s); a piece that ends at the event still acts.
     piece: f64,
 }
 
@@ -240,7 +239,7 @@ struct Pending {
 enum AtEvent {
     /// It is applied.
     Apply,
-    /// The motion stops there, unless the event ends the run or is not later than this time (s).
+    /// The motion stops at the event, unless it ends the run or is not later than this time (s).
     StopAfter(f64),
 }
 
@@ -288,11 +287,11 @@ impl Simulation {
         simulation
     }
 
-    /// Goes on to `until` (s), which is not before the present time, under inputs that are linear in time, and reports
-    /// each event to `observer` as it happens.
+    /// Advances to `until` (s), which is not before the present time, under inputs that are linear in time, and reports each event
+    /// to `observer` as it happens.
     ///
-    /// Stops at the end of the run if that comes first; from then on it goes no further, or, where the end is held,
-    /// only time does. No memory is allocated. On an error the state is that of the last good step.
+    /// Stops at the end of the run if that comes first. After the end nothing advances, or only time does if the block is held. No
+    /// memory is allocated. On an error the state is that of the last good step.
     pub fn advance(
         &mut self,
         until: f64,
@@ -303,8 +302,10 @@ impl Simulation {
         self.pieces(until, inputs, AtEvent::Apply, observer)
     }
 
-    /// As [`Simulation::advance`], but stops at the first event later than `after` (s), before anything has come of it: `None`. [`Simulation::settle`] makes of it what [`Simulation::advance`] would have, and whoever goes on after
-    /// that under the same inputs comes to the same bits. An event that ends the run does so.
+    /// As [`Simulation::advance`], but stops at the first event later than `after` (s) without applying it, and returns `None`.
+    ///
+    /// [`Simulation::settle`] then applies it; continuing under the same inputs gives the bits of an uninterrupted run. An event
+    /// that ends the run is applied.
     pub fn advance_to_event(
         &mut self,
         until: f64,
@@ -331,7 +332,7 @@ impl Simulation {
         self.pending.is_some()
     }
 
-    /// Whether nothing moves, and nothing will under these inputs.
+    /// Whether the block is at rest and stays so under these inputs.
     pub fn rests(&self, inputs: &Inputs) -> bool {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let lasts = excitation.is_constant() && self.pulse.next_kink(self.pose.time).is_none();
@@ -364,7 +365,7 @@ impl Simulation {
         }
     }
 
-    /// Whether the motion is to stop at `now`, where it has come to a surface, before the event is applied.
+    /// Whether the motion stops at `now`, where it has reached a surface, before the event is applied.
     fn stops(&self, at_event: AtEvent, surface: Surface, now: &Evaluation) -> bool {
         let AtEvent::StopAfter(time) = at_event else { return false };
         if now.time <= time {
@@ -388,8 +389,8 @@ impl Simulation {
         !ends
     }
 
-    /// Whether a state that came from outside can be resumed: all numbers finite, and the tolerance one that
-    /// is followed. The block is checked by the caller, who knows its parameters.
+    /// Whether a state from outside can be resumed: all numbers are finite, and the tolerance is within its limits. The caller, who
+    /// knows the parameters, checks the block.
     pub fn is_valid(&self) -> bool {
         let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
         let sums = [sums.initial, sums.input, sums.dashpots, sums.friction, sums.ties, sums.impacts, sums.constraint];
@@ -407,7 +408,7 @@ impl Simulation {
             && sums.into_iter().chain(others).all(f64::is_finite)
     }
 
-    /// Sets the clock without any motion, to take up the rounding of a master's clock.
+    /// Sets the clock without motion, to adopt the rounding of a master's clock.
     pub fn set_time(&mut self, time: f64) {
         self.pose.time = time;
     }
@@ -422,8 +423,8 @@ impl Simulation {
         &self.pose.state
     }
 
-    /// Present regime. Under inputs that have just changed, a block on the rigid base may lift in this very instant:
-    /// [`Simulation::observe`] shows it as it goes on.
+    /// Present regime. After a jump of the inputs a block on the rigid base may lift in this instant;
+    /// [`Simulation::observe`] shows the regime after it.
     pub fn regime(&self) -> Regime {
         self.pose.contacts.regime()
     }
@@ -433,7 +434,7 @@ impl Simulation {
         &self.system.block
     }
 
-    /// Why and when the run ended, if it did.
+    /// The reason and the time of the end of the run, if it ended.
     pub fn ending(&self) -> Option<(Ending, f64)> {
         self.ending
     }
@@ -443,12 +444,12 @@ impl Simulation {
         self.counts
     }
 
-    /// Greatest values since the start, as of the present time.
+    /// Greatest values since the start.
     pub fn peaks(&self) -> Peaks {
         self.peaks
     }
 
-    /// How far the foot has slid since the start.
+    /// The slip of the foot since the start.
     pub fn slip(&self) -> Slip {
         let Slip { now, total } = self.slip;
         // A solver outside may be within a step.
@@ -465,8 +466,8 @@ impl Simulation {
         Motion::from_pose(self.block(), pose, &Excitation::none()).at(pose.time, pose.state).foot_place()
     }
 
-    /// Whether the foot slides now. Under inputs that have just changed it may begin to slide in this very instant:
-    /// [`Simulation::slides_under`] tells that.
+    /// Whether the foot slides now. After a jump of the inputs it may begin to slide in this instant, which
+    /// [`Simulation::slides_under`] tells.
     pub fn slides(&self) -> bool {
         !self.pose.footing.grips() && self.regime() != Regime::Separated && !self.is_frozen()
     }
@@ -491,7 +492,7 @@ impl Simulation {
         Motion::from_pose(block, &self.pose, excitation).at(self.pose.time, self.pose.state)
     }
 
-    /// Applies the event at `now`, when the motion has fallen through a surface, and returns the block as it goes on.
+    /// Applies the event at `now`, where the motion has fallen through `surface`, and returns the block right after it.
     fn apply<'a>(
         &mut self,
         surface: Surface,

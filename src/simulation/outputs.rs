@@ -1,4 +1,4 @@
-//! State, regime and excitation of an instant → the observed quantities, with exact derivatives where asked for.
+//! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
 use crate::block::ties::MOST_TIES;
 use crate::block::{Block, Corner, Regime};
@@ -56,13 +56,13 @@ pub struct Observation<T> {
     pub tension: [T; MOST_TIES],
     /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
     pub power: [T; 2],
-    /// Power that sliding takes (W).
+    /// Power taken by friction (W).
     pub friction_power: T,
-    /// Power that the dashpots of the ties take (W).
+    /// Power taken by the dashpots of the ties (W).
     pub tie_power: T,
 }
 
-/// The observation that belongs to the equations of motion at an instant; `support_heights` are the heights of the supports.
+/// Returns the observation of an instant; `support_heights` are the heights of the supports.
 #[inline(always)]
 pub fn observe<P: Scalar, T: Beside<P>>(
     block: &Block<P>,
@@ -124,7 +124,7 @@ fn friction_demand<T: Scalar>(regime: Regime, horizontal: T, vertical: T) -> T {
 }
 
 impl<T: Scalar> Observation<T> {
-    /// The same of each number.
+    /// Applies `f` to each number.
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> Observation<U> {
         Observation {
             regime: self.regime,
@@ -151,12 +151,12 @@ impl<T: Scalar> Observation<T> {
         }
     }
 
-    /// The block held where it is: no rates, accelerations and reactions, and nothing that could change them.
+    /// The observation of a block that is held: no rates, accelerations and reactions, and all derivatives zero.
     pub fn frozen(&self) -> Observation<T> {
         self.map(|x| T::constant(x.value())).without_motion()
     }
 
-    /// The block held where it is: no rates, accelerations and reactions.
+    /// The observation of a block that is held: no rates, accelerations and reactions.
     pub fn without_motion(&self) -> Observation<T> {
         let zero = T::from(0.0);
         Observation {
@@ -184,7 +184,7 @@ impl<R: Real> Evaluation<'_, R>
 where
     Dual<R>: Beside<R>,
 {
-    /// The observed quantities with, in the dual parts, their exact rates of change along the motion.
+    /// The observed quantities with their exact rates of change along the motion in the dual parts.
     #[inline(always)]
     pub fn observe_rates(&self) -> Observation<Dual<R>> {
         let support_heights = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
@@ -200,8 +200,8 @@ impl Evaluation<'_> {
         observe(self.block, self.regime, &self.instant, self.support_heights.map(|top| top.value), self.forcing)
     }
 
-    /// The observed quantities with, in the dual parts, their exact derivatives with respect to the forcing in a direction, and to `time`,
-    /// with which supports creep.
+    /// The observed quantities with their exact derivatives in the dual parts: with respect to the forcing in a direction, and to
+    /// `time`, with which supports creep.
     pub fn observe_direction(&self, direction: Forcing<f64>, time: f64) -> Observation<Dual64> {
         let state = [self.state[0], self.state[1], self.state[2], self.state[3]].map(Dual64::from);
         let footing = self.footing.map(Dual64::from);
@@ -213,7 +213,7 @@ impl Evaluation<'_> {
 }
 
 impl Simulation {
-    /// Whether the run ended and is held there: nothing moves and no support bears any more.
+    /// Whether the run has ended and the block is held: nothing moves, and no support bears it.
     pub fn is_frozen(&self) -> bool {
         match self.ending {
             None => false,
@@ -222,27 +222,27 @@ impl Simulation {
         }
     }
 
-    /// The observed quantities under these inputs, as the block goes on from here: on the rigid base a corner that would have
-    /// to be pulled has lifted. The next step counts its event.
+    /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has
+    /// lifted. The next step counts that event.
     pub fn observe(&self, inputs: &Inputs) -> Observation<f64> {
         let seen = self.shown(inputs, |now| now.observe());
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// Whether the foot slides under these inputs, as the block goes on from here. The next step counts the event.
+    /// Whether the foot slides right after these inputs have begun to act. The next step counts the event.
     pub fn slides_under(&self, inputs: &Inputs) -> bool {
         let slides = |now: &Evaluation| !now.footing.grips() && now.regime != Regime::Separated;
         !self.is_frozen() && self.shown(inputs, slides)
     }
 
-    /// The same as [`Simulation::observe`] with, in the dual parts, the exact rates of change along the motion while the inputs go on.
+    /// [`Simulation::observe`] with the exact rates of change along the motion in the dual parts.
     pub fn observe_rates(&self, inputs: &Inputs) -> Observation<Dual64> {
         let seen = self.shown(inputs, |now| now.observe_rates());
         if self.is_frozen() { seen.frozen() } else { seen }
     }
 
-    /// The same with, in the dual parts, the exact derivatives with respect to the inputs and to time in the direction whose
-    /// components are the values of `direction` and `time`: at this instant, so with state and regime as they are.
+    /// [`Simulation::observe`] with exact derivatives in the dual parts, in the direction whose components are the values of
+    /// `direction` and `time`. State and regime are kept.
     pub fn observe_direction(&self, inputs: &Inputs, direction: &Inputs, time: f64) -> Observation<Dual64> {
         let time = if self.ending.is_some() { 0.0 } else { time };
         let direction = self.direction(direction, time);
@@ -258,7 +258,7 @@ impl Simulation {
         Forcing { x: given.x + time * pulse.rate_at(self.pose.time).x, ..given }
     }
 
-    /// Looks at the block as it goes on from here under these inputs.
+    /// Passes the block right after these inputs have begun to act to `look`.
     pub(super) fn shown<R>(&self, inputs: &Inputs, look: impl FnOnce(&Evaluation) -> R) -> R {
         let (Simulation { system, pose, .. }, block) = (self, self.block());
         let excitation = self.excitation(inputs);

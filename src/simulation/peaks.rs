@@ -1,4 +1,4 @@
-//! Observations with their rates at the ends of a step → the greatest values since the start, from inside the step too.
+//! Observations with their rates at the ends of a step → the greatest values since the start, also inside the step.
 
 use std::ops::Neg;
 
@@ -26,7 +26,7 @@ pub struct Peaks {
     pub uplift: f64,
     /// Of the friction demand (1).
     pub friction_demand: f64,
-    /// Of the way from the start by which the foot has slid (m).
+    /// Of the displacement of the foot from the start (m).
     pub slip: f64,
     /// Of the tensions of the ties (N).
     pub tension: [f64; MOST_TIES],
@@ -63,7 +63,7 @@ pub struct Channels<R = f64> {
 }
 
 impl<R: Copy + Neg<Output = R>> Channels<R> {
-    /// All values that may be a peak, those with a sign in both directions.
+    /// All values that may be a peak; signed quantities in both directions.
     #[inline(always)]
     pub fn candidates(&self) -> [(Channel, Sample<R>); 9] {
         let Channels { theta, reaction, horizontal, uplift, friction_demand } = *self;
@@ -81,8 +81,7 @@ impl<R: Copy + Neg<Output = R>> Channels<R> {
     }
 }
 
-/// A body for the place of each of the [`Channels::candidates`], one after the other, so that no question is asked at run time
-/// about which it is.
+/// Repeats a body for each of the [`Channels::candidates`], so that no branch at run time decides which one it is.
 macro_rules! each_candidate {
     (|$i:ident| $body:expr) => {
         each_candidate!(@ $i $body; 0 1 2 3 4 5 6 7 8)
@@ -120,7 +119,7 @@ impl Peaks {
         *peak = greater(*peak, value);
     }
 
-    /// Takes in the values at one instant.
+    /// Includes the values at one instant.
     #[inline(always)]
     pub fn include(&mut self, channels: &Channels) {
         each_candidate!(|i| {
@@ -140,8 +139,8 @@ impl Peaks {
         may
     }
 
-    /// Takes in a step of `duration` between two instants; `inside` gives the values at a time after
-    /// the first, and is asked only where a peak may be.
+    /// Includes a step of `duration` between two instants. `inside` gives the values at a time after the first one and is called
+    /// only if a peak may be inside.
     #[inline(always)]
     pub fn include_step(
         &mut self,
@@ -173,8 +172,8 @@ impl Peaks {
 }
 
 impl Channels {
-    /// The peaks of a motion that begins with these values, and in place of their rates derivatives in a direction: how the peaks
-    /// change in that direction. Where several values are greatest, or all are zero, it is the one that grows most that matters.
+    /// The derivatives of the peaks of a motion that begins with these values, whose rates are derivatives in a direction. If
+    /// several values are greatest, or all are zero, the one that grows most counts.
     pub fn peak_sensitivity(&self) -> Peaks {
         // Both reactions of a block at rest are the same number up to rounding.
         const SAME: f64 = 1.0 - 1e-13;
@@ -196,7 +195,7 @@ impl Channels {
     }
 }
 
-/// The greater value; of 0 and −0 the first, where `f64::max` takes one or the other by processor and compiler.
+/// The greater value; of 0 and −0 the first one. `f64::max` may return either, depending on processor and compiler.
 pub fn greater(first: f64, second: f64) -> f64 {
     if second > first { second } else { first }
 }
@@ -228,8 +227,8 @@ where
         channels(&self.observe_rates())
     }
 
-    /// The same without those that take dual numbers to get their rates: zeros stand for H and the friction demand, and on
-    /// the rigid base for the rates of the reactions.
+    /// The same without rates that need dual numbers: zeros stand for H and the friction demand, and on the rigid base for the
+    /// rates of the reactions.
     #[inline(always)]
     pub fn cheap_channels(&self) -> Channels<R> {
         Channels {

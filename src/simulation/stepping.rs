@@ -28,10 +28,10 @@ struct SmoothPiece<'a> {
     since: f64,
     /// Where steps end (s).
     stop: f64,
-    /// Where it ends (s), which only a block at rest reaches if that is later.
+    /// Its end (s); if it is later than `stop`, only a block at rest reaches it.
     end: f64,
     at_event: AtEvent,
-    /// Whether a single step is taken, or all to the end.
+    /// Whether a single step is taken, or all steps to the end.
     single: bool,
 }
 
@@ -40,7 +40,7 @@ struct SmoothPiece<'a> {
 pub(super) struct StepStart {
     /// Whether the smooth piece begins here.
     pub(super) of_piece: bool,
-    /// Whether a short step from here, and from here only, has made too great an error already.
+    /// Whether a short step from exactly here has already made too great an error.
     pub(super) short_failed: bool,
 }
 
@@ -57,11 +57,11 @@ pub(super) struct Limits<const N: usize = 4> {
     pub(super) short_share: f64,
 }
 
-/// Steps that a call may take. A call in good faith takes far fewer; one with this many ends in seconds.
+/// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
 pub(super) const MOST_STEPS: u64 = 2_000_000;
 
-/// A bound on the way of a call, over [`MOST_STEPS`] divided by the fastest circular frequency: far more than the longest step, and little
-/// enough that the clock resolves the motion.
+/// A bound on the time that a call advances, relative to [`MOST_STEPS`] divided by the fastest circular frequency: far more than
+/// the longest step, and little enough that the clock resolves the motion.
 const OUT_OF_REACH: f64 = 1e3;
 
 /// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
@@ -73,11 +73,11 @@ const SHORTEST_RISE: f64 = 1e-10;
 /// The part of a step that the clock resolves where a shorter one is tried.
 const LEAST_SHORTENED: f64 = 1e-2;
 
-/// Where stops come often, as under a record, the errors of more steps add up than the motion needs. So a short step may make
-/// a tenth of the error of others, in the motion and in the works, where the tolerance is not a loose one.
+/// Frequent stops, as under a record, add up the errors of more steps than the motion needs. So a short step may make only a tenth
+/// of the error of others, in the motion and in the works, unless the tolerance is loose.
 const SHORT_SHARE: f64 = 0.1;
 
-/// The least loose tolerance: from it on a short step may make the whole error.
+/// The smallest loose tolerance: from it on a short step may make the whole error.
 const LOOSE: f64 = 1e-6;
 
 impl Simulation {
@@ -103,8 +103,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// A stop to which the steps of a call do not lead, in place of one so far away that the clock would not resolve the motion
-    /// on the way: by then the block rests, or the call fails.
+    /// Replaces a stop so far away that the clock would not resolve the motion by one that no call reaches: by then the block
+    /// rests, or the call has failed.
     fn within_reach(&self, stop: f64) -> f64 {
         let Block { omega_v, p, .. } = *self.block();
         let beyond = self.pose.time + OUT_OF_REACH * MOST_STEPS as f64 / omega_v.max(p);
@@ -143,7 +143,7 @@ impl Simulation {
         }
     }
 
-    /// The same under a law by which N quantities are integrated.
+    /// The same under a law that integrates N quantities.
     #[inline(never)]
     fn steps_under<const N: usize>(
         &mut self,
@@ -237,7 +237,7 @@ impl Simulation {
         }
     }
 
-    /// Applies an event, or leaves it pending where the motion is to stop.
+    /// Applies an event, or leaves it pending if the motion stops there.
     fn apply_or_stop(
         &mut self,
         surface: Surface,
@@ -252,7 +252,7 @@ impl Simulation {
         self.apply(surface, now, observer).map(|_| ())
     }
 
-    /// A block at rest stays so while the excitation does not change; the rest of its motion is dropped.
+    /// Ends the motion of a block at rest under an excitation that does not change; motion below round-off is dropped.
     fn rest(&mut self, stop: f64) {
         self.pose.time = stop;
         self.pose.state[1] = 0.0;
@@ -260,7 +260,7 @@ impl Simulation {
         self.events_in_this_instant = 0;
     }
 
-    /// Takes a step from the budget of a call. None can lead to a time near which the clock does not resolve the motion.
+    /// Takes a step from the budget of a call, or fails if none is left or the clock does not resolve the motion.
     fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
         let time = self.pose.time;
         if *budget == 0 || !is_resolved(piece.stop - time, longest) {
@@ -270,7 +270,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes an instant that the motion has come to the present one; `work` was done on the way, per unit mass.
+    /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.
     #[inline]
     fn go_to(&mut self, there: &Evaluation, work: Powers) {
         self.sums.input += work[0];
@@ -282,7 +282,7 @@ impl Simulation {
         self.pose = Pose { time, state, footing, ..self.pose };
     }
 
-    /// Goes to `stop` by a short step if that is close enough and nothing happens on the way; whether it went.
+    /// Takes a short step to `stop` if that is near enough and nothing happens on the way; returns whether it did.
     #[inline(always)]
     fn short_step<'a, L: Law, const N: usize>(
         &mut self,
@@ -336,7 +336,7 @@ impl Simulation {
         true
     }
 
-    /// A step within the tolerance, from `here` towards `stop`, and the instant it leads to.
+    /// A step within the tolerance, from `here` towards `stop`, and the instant at its end.
     #[inline(always)]
     fn accepted_step<'a, L: Law, const N: usize>(
         &mut self,
@@ -381,16 +381,15 @@ impl Simulation {
 
     /// Limits of a step.
     ///
-    /// An error counts as the velocity it amounts to: a displacement times the circular frequency of its motion, a
-    /// vertical one over R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
+    /// An error counts as an equivalent velocity: a displacement times the circular frequency of its motion, a vertical one
+    /// divided by R0. Allowed is the tolerance times the velocity of rocking, α p; of the vertical velocity also
     /// not more than a change of a reaction by some 5 tolerances of the weight, which is less on stiff supports. A step
     /// is at most a third of the shortest period, so that it holds at most one extremum.
     #[inline(always)]
     pub(super) fn limits<const N: usize>(&self, law: impl Law, pulse_frequency: f64) -> Limits<N> {
         let Block { alpha, p, b, h, i0, r0, omega_v, xi_v, gravity, eccentricity, friction, .. } = self.system.block;
         const OF_WEIGHT: f64 = 10.0;
-        // A foot that slides lets the block turn about its centre of mass.
-        // Friction of a foot that slides turns the block too.
+        // A block whose foot slides turns about its centre of mass, and friction adds to the moment.
         let arm = b + eccentricity.abs() + if law.grips() { 0.0 } else { friction * h };
         let turning = if law.grips() { arm * arm / (i0 + h * h) } else { arm * arm / i0 };
         let (rocking, vertical) = match (law.foundation(), law.regime()) {
@@ -427,7 +426,7 @@ impl Simulation {
         }
     }
 
-    /// Takes in how far the foot slides in a step.
+    /// Includes the slip of the foot in a step.
     pub(super) fn take_in_slip(&mut self, here: &Evaluation, there: &Evaluation) {
         if self.slides() {
             let way = there.foot_place() - here.foot_place();
@@ -437,7 +436,7 @@ impl Simulation {
         }
     }
 
-    /// Takes in the tensions of a step.
+    /// Includes the tensions of a step in the peaks.
     pub(super) fn take_in_tensions<L: Law, const N: usize>(
         &mut self,
         here: &Evaluation,
@@ -453,7 +452,7 @@ impl Simulation {
         }
     }
 
-    /// Takes the step's peaks in.
+    /// Includes the peaks of a step.
     #[inline(always)]
     pub(super) fn update_peaks<L: Law, const N: usize>(
         &mut self,

@@ -15,7 +15,7 @@ use crate::system::forces;
 use crate::system::impact::Velocities;
 use crate::system::instant::{Footing, Place, Pose, State};
 
-/// Where the block is at the beginning.
+/// Initial values of the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Initial<T = f64> {
     /// Rotation θ (rad), positive to the right, |θ| < π/2.
@@ -65,7 +65,7 @@ impl System {
 }
 
 impl<T: Elementary> Placement<T> {
-    /// Where a block on supports is at the beginning.
+    /// The placement of a block on supports at the beginning.
     pub(super) fn on_supports(block: &Block<T>, initial: &Initial<T>) -> Placement<T> {
         let h = block.h;
         let Initial { theta, theta_dot, vertical } = *initial;
@@ -73,7 +73,7 @@ impl<T: Elementary> Placement<T> {
         let free = Corner::each(|corner| block.free_height(corner));
         let turn = Corner::each(|corner| block.half_base(corner) * sin);
         let turn_dot = Corner::each(|corner| block.half_base(corner) * cos * theta_dot);
-        // From the middle of the base to the centre of mass: by how much it has come down, and across.
+        // Descent of the centre of mass against the middle of the base.
         let e = block.eccentricity;
         let (sunk, sunk_dot) = (h * sin * sin / (cos + 1.0) + e * sin, h * sin * theta_dot + e * cos * theta_dot);
         let upper = if turn[0].value() > 0.0 { 0 } else { 1 };
@@ -81,7 +81,7 @@ impl<T: Elementary> Placement<T> {
         let (middle, middle_dot) = match vertical {
             Some((v, v_dot)) => (v + sunk, v_dot + sunk_dot),
             None if turn[upper].value() <= free[upper].value() => (T::from(0.0), T::from(0.0)),
-            // On the lower corner alone, which sinks under the whole weight by the share that the other one bore, and does not move.
+            // On the lower corner alone, which bears the whole weight and does not move.
             None => (turn[upper] - free[upper], turn_dot[upper]),
         };
         let middle = match vertical {
@@ -107,8 +107,8 @@ pub(super) fn beginning_on_rigid_base(initial: &Initial, time: f64) -> Pose {
     }
 }
 
-/// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of the ties, near `middle`, where
-/// they bear the weight alone. The rotation, of this sine and cosine, stays.
+/// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of the ties, near `middle`,
+/// where they bear the weight alone. The rotation, of this sine and cosine, stays.
 fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
     const DOUBLINGS: u32 = 60;
     const HALVINGS: u32 = 200;

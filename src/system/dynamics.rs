@@ -5,7 +5,7 @@
 //! difference of `v` and `R0 [cos α − cos(α ± θ)]`, which cancels, is never formed.
 //!
 //! A foot that grips, a rigid base and a corner that is held are constraints: each adds the inertia of the centre of mass that it
-//! moves, or says how the block turns. Forces and energies are per unit of the block's mass.
+//! moves, or determines its rotation. Forces and energies are per unit of the block's mass.
 
 use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
@@ -61,8 +61,8 @@ pub fn instant_held<P: Scalar, T: Beside<P>>(
     Posture::new(block, [theta, theta_dot, zero, zero], footing).held(held, forcing)
 }
 
-/// The part that `pick` takes of the equations of motion at an instant `x` with, in the dual parts, the exact rates of change along
-/// the motion while the forcing changes as its dual parts say.
+/// The part that `pick` takes of the equations of motion at an instant `x`, with the exact rates of change along the motion in the
+/// dual parts. The dual parts of the forcing are its rates.
 #[inline(always)]
 pub fn instant_with_rates<R: Real, T>(
     block: &Block<R>,
@@ -183,10 +183,10 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         (reaction, reaction * self.block.lever(Foot::Corner(corner), self.sin, self.cos).x)
     }
 
-    /// θ̈ from the moments about the centre of mass: of the vertical reactions, of the loads, and of H, which acts Q below.
+    /// θ̈ from the moments of the vertical reactions, of the loads and of H about the centre of mass; H acts Q below it.
     ///
-    /// A foot that grips moves the centre of mass by `ü = Q θ̈ − X θ̇²`, one that cannot sink by `v̈ = −X θ̈ − Q θ̇²`; their reactions are H
-    /// and N. The arm of the latter is `unyielding`.
+    /// A foot that grips moves the centre of mass by `ü = Q θ̈ − X θ̇²`, one that cannot sink by `v̈ = −X θ̈ − Q θ̇²`; their
+    /// reactions are H and N. The arm of the latter is `unyielding`.
     #[inline(always)]
     fn turning(&self, Lever { x, q }: Lever<T>, vertical: T, unyielding: Option<T>, forcing: Forcing<T>) -> T {
         let (mut moment, mut inertia) = (vertical, T::from(self.block.i0));
@@ -200,8 +200,8 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         (moment + forcing.moment) / inertia
     }
 
-    /// On the rigid base without motion: the reactions that keep the block at rest. The corner whose reaction would
-    /// have to pull lifts, which is `|a_gx| > (g + a_gz) tan α`.
+    /// The reactions that keep a block at rest on the rigid base. A corner whose reaction would have to pull lifts, which is the
+    /// case for `|a_gx| > (g + a_gz) tan α`.
     #[inline(always)]
     fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
         let &Posture { block, footing, .. } = self;
@@ -244,8 +244,9 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
         Instant { w_dot, w_ddot: v_ddot, v: w, v_dot: w_dot, slip_rate: zero, ..x }
     }
 
-    /// Both corners touch, and one of them is held on its support, which moves by itself. So the other one's reaction says how
-    /// the centre of mass moves, and both together how the block turns; the middle of the base holds it horizontally.
+    /// Both corners touch, and one of them is held on its support, whose motion is given. The reaction of the other one
+    /// accelerates the centre of mass; both motions together determine the rotation. The middle of the base holds the block
+    /// horizontally.
     fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, sin, cos, .. } = self;
         let (offset, middle) = (block.half_base(corner), Foot::Middle);

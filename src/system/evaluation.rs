@@ -50,8 +50,8 @@ pub struct Motion<'a, L = AnyLaw, const N: usize = 4> {
     contacts: Contacts,
 }
 
-/// The number of quantities that are integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and from the beginning of a step
-/// the works that [dissipative](forces::dissipated) forces take.
+/// The number of quantities that are integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
+/// [dissipative](forces::dissipated) forces since the beginning of the step.
 pub const EXTENDED: usize = 6 + forces::DISSIPATIVE;
 
 impl<'a> Motion<'a> {
@@ -63,7 +63,7 @@ impl<'a> Motion<'a> {
 }
 
 impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
-    /// The same where the law of the pose is known already.
+    /// The same under the law of the pose, if it is already known.
     #[inline(always)]
     pub fn under(law: L, block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a, L, N> {
         let Pose { time, contacts, footing, .. } = *pose;
@@ -76,7 +76,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
         self.law
     }
 
-    /// All that follows from a state at a time.
+    /// Evaluates a state at a time.
     #[inline(always)]
     pub fn at(&self, time: f64, state: State<f64, N>) -> Evaluation<'a> {
         let footing = self.footing_at(time, &state);
@@ -164,7 +164,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
         })
     }
 
-    /// The horizontal hold at `time`. Without any and without ties, `ü = −a_gx` is integrated in closed form.
+    /// The horizontal hold at `time`. In free motion without ties, `ü = −a_gx` is integrated in closed form.
     #[inline(always)]
     fn footing_at(&self, time: f64, state: &State<f64, N>) -> Footing<f64> {
         match self.footing {
@@ -197,7 +197,7 @@ impl<L: Law, const N: usize> Equations<f64, N> for Motion<'_, L, N> {
 }
 
 impl<L: Law, const N: usize> Motion<'_, L, N> {
-    /// All laws in one function, which is too much for each stage of a step.
+    /// One function for all laws; inlining it into each stage of a step would make steps too large.
     #[inline(never)]
     fn rate_called(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
         self.rate_inlined(time, state)
@@ -249,7 +249,7 @@ fn rate_of<R: Real>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Fo
 }
 
 impl<'a, R: Real> Evaluation<'a, R> {
-    /// All that follows from a state under a law that holds no corner.
+    /// Evaluates a state under a law that holds no corner.
     #[inline(always)]
     pub fn of(
         law: impl Law,
@@ -297,8 +297,8 @@ impl<R: Real> Evaluation<'_, R>
 where
     Dual<R>: Beside<R>,
 {
-    /// The equations of motion with, in the dual parts, their rates of change along the motion while the forcing changes at
-    /// this rate.
+    /// The equations of motion with their rates of change along the motion in the dual parts, while the forcing changes at this
+    /// rate.
     #[inline(always)]
     pub fn with_rates(&self, forcing_rate: Forcing<R>) -> Instant<Dual<R>> {
         self.with_rates_of(forcing_rate, |x| x)
@@ -317,7 +317,7 @@ where
 }
 
 impl Evaluation<'_> {
-    /// The same while the forcing changes as it does, not inlined.
+    /// The same at the actual rate of the forcing, not inlined.
     #[inline(never)]
     pub fn rates(&self) -> Instant<Dual64> {
         self.with_rates(self.forcing_rate())
@@ -336,9 +336,8 @@ impl Evaluation<'_> {
         x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
     }
 
-    /// Place of the foot beside that at the start (m), positive to the right.
+    /// Displacement of the foot from its place at the start (m), positive to the right.
     pub fn foot_place(&self) -> f64 {
-        // Not the method of f64, which is that of the platform.
         let (sin, cos) = libm::sincos(self.instant.theta);
         let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
         self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
@@ -352,7 +351,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Powers per mass (m²/s³) that friction and the dashpots of the ties take.
+    /// Powers per mass (m²/s³) taken by friction and by the dashpots of the ties.
     pub fn dissipated(&self) -> [f64; forces::DISSIPATIVE] {
         forces::dissipated(self.block, &self.forcing.ties, &self.instant)
     }

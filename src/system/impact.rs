@@ -53,8 +53,7 @@ pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_
 /// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
 /// vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept.
 ///
-/// If the rate falls to a part of itself in this, no energy is made as long as the support pushes, which is as long as v̇
-/// grows.
+/// If the rate is reduced, no energy is gained as long as the support pushes, that is, as long as v̇ grows.
 pub fn landing_with_grip(block: &Block, corner: Corner, theta: f64, before: Velocities, rate_after: f64) -> Velocities {
     let Lever { x, q } = lever(block, corner, theta);
     let Velocities { u_dot, v_dot, theta_dot } = before;
@@ -78,8 +77,8 @@ pub fn landing_without_grip(
     Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + x * impulse / block.i0 }
 }
 
-/// Velocities after the landing of `corner` with friction, which make its vertical rate `rate_after` (m/s): of all horizontal
-/// impulses within `|P_H| ≤ μ P_N` the one that leaves the foot slowest.
+/// Velocities after the landing of `corner` with friction, which make its vertical rate `rate_after` (m/s): the horizontal
+/// impulse is the one within `|P_H| ≤ μ P_N` that leaves the foot slowest.
 ///
 /// The restitution makes P_N linear in P_H, and with it the velocity of the foot.
 pub fn landing_with_friction(
@@ -118,8 +117,8 @@ fn within_friction(friction: f64, wanted: f64, constant: f64, slope: f64) -> f64
     wanted.min(bound(1.0)).max(-bound(-1.0))
 }
 
-/// Velocities after both corners land at once and grip as far as friction allows, so that their vertical rates become `rates_after` (m/s); the
-/// impulses per mass at L and R (m/s) beside them; a landing needs both to be positive or zero.
+/// Velocities after both corners land at once and grip as far as friction allows, so that their vertical rates become
+/// `rates_after` (m/s); the impulses per mass at L and R (m/s) beside them; a landing needs both to be positive or zero.
 pub fn landing_on_both(block: &Block, theta: f64, before: Velocities, rates_after: [f64; 2]) -> ([f64; 2], Velocities) {
     let (sin, cos) = libm::sincos(theta);
     let Lever { x, q } = block.lever(Foot::Middle, sin, cos);

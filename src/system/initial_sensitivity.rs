@@ -1,4 +1,4 @@
-//! The beginning in dual numbers, through the same regimes, which the values decide → its exact derivatives.
+//! The beginning in dual numbers, through the regimes that its values decide → its exact derivatives.
 
 use crate::block::{Block, Foundation};
 use crate::block::{Contact, Corner, Creep, Regime};
@@ -86,7 +86,7 @@ impl System {
     }
 }
 
-/// A block on its way through the regimes of one instant.
+/// A block that passes through the regimes of one instant.
 struct Walk<'a, T> {
     start: &'a Start<T>,
     placement: Placement<T>,
@@ -108,7 +108,7 @@ impl<'a, T: Elementary> Walk<'a, T> {
         walk
     }
 
-    /// Goes on in another regime.
+    /// Continues in another regime.
     fn enter(&mut self, regime: Regime) {
         let before = self.placement.u;
         if regime == Regime::Separated && !matches!(self.footing, Footing::Free { .. }) {

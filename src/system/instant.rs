@@ -11,7 +11,7 @@ use crate::numerics::scalar::{Real, Scalar};
 /// `[θ, θ̇, w, ẇ]` in rad, rad/s, m, m/s; θ positive clockwise (the block tilts to the right), w positive up.
 pub type State<R = f64, const N: usize = 4> = numerics::State<R, N>;
 
-/// Powers that are integrated along (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
+/// Powers that are integrated with the state (m²/s³): of the excitation, and of the dashpots (positive when they take energy).
 pub type Powers = numerics::Quadratures;
 
 /// The equations of motion, solved at one instant.
@@ -80,19 +80,19 @@ impl<T: Scalar> Place<T> {
 pub enum Footing<T> {
     /// The foot does not slide.
     Grips {
-        /// How far the block has moved to the right since the start (m), by flights and slides.
+        /// Displacement of the foot to the right since the start (m), by flights and slides.
         offset: T,
     },
-    /// Nothing: in flight, and where a support bears the block again but does not grip it yet.
+    /// None: in flight, and while a support bears the block again but does not grip it yet.
     Free {
-        /// Horizontal place of the centre of mass beside where it was at the start (m).
+        /// Horizontal displacement of the centre of mass since the start (m).
         u: T,
         /// u̇ relative to the ground (m/s).
         u_dot: T,
     },
     /// Friction: the foot slides.
     Slides {
-        /// Horizontal place of the centre of mass beside where it was at the start (m).
+        /// Horizontal displacement of the centre of mass since the start (m).
         u: T,
         /// u̇ relative to the ground (m/s).
         u_dot: T,
@@ -164,7 +164,7 @@ impl Pose {
     }
 }
 
-/// A corner that is held on its support: it goes with it, and bears nothing.
+/// A corner that is held on its support: it moves with the support and bears nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held<T> {
     /// The corner.
@@ -174,7 +174,7 @@ pub struct Held<T> {
 }
 
 impl<R: Real> Held<R> {
-    /// The support at this height, which creeps at this rate: `C ÿ = −K ẏ`.
+    /// A corner held on a support at this height that creeps at this rate: `C ÿ = −K ẏ`.
     pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>) -> Held<R> {
         Held { corner, top: [value, rate, creeping(block, rate)] }
     }
@@ -188,7 +188,8 @@ impl<R: Real> Held<R> {
     }
 }
 
-/// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing moves.
+/// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing
+/// moves.
 fn creeping<R: Real>(block: &Block<R>, rate: R) -> R {
     R::select_less(R::from(0.0), rate.abs(), -(block.creep_rate() * rate), R::from(0.0))
 }

@@ -2,7 +2,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`instant`] | state, horizontal hold, accelerations and reactions: the words that forces and equations share |
+//! | [`instant`] | state, pose, horizontal hold, accelerations and reactions: shared by forces, equations and events |
 //! | [`forces`] | the forces on the block, a file each: value, rate, energy, power |
 //! | [`dynamics`] | state, regime, forcing → the sum of forces → accelerations, reactions, energy |
 //! | [`law`] | a pose → which of these equations hold |
@@ -31,11 +31,11 @@ use crate::block::Block;
 pub struct System {
     /// The block on its foundation.
     pub block: Block,
-    /// Whether the block flies when no corner touches any more. In the paper's analysis it does not: the run ends, as soon as
-    /// the last corner bears nothing.
+    /// Whether the block flies once no corner touches. In the paper's analysis it does not: the run ends as soon as the last corner
+    /// bears nothing.
     pub flies: bool,
-    /// Slowest rocking on the rigid base that goes on after an impact, as a part of p: it comes to rest after infinitely many
-    /// impacts in finite time, which are not told apart any more below this.
+    /// Slowest rocking on the rigid base that continues after an impact, as a fraction of p. The block comes to rest after
+    /// infinitely many impacts in finite time, which below this rate are no longer distinguished.
     pub slowest: f64,
 }
 

@@ -29,9 +29,9 @@ struct Rounding<V> {
 
 /// A step in all lanes.
 pub struct Stepped {
-    /// A bit for each lane in which it was taken; the numbers of the others mean nothing.
+    /// A bit for each lane in which the step was taken; the numbers of the other lanes are meaningless.
     pub taken: u32,
-    /// Where it led.
+    /// The states at its end.
     pub state: [Array; 4],
     /// The works of the excitation and of the dashpots since the start of the run.
     pub sums: [Array; 2],
@@ -41,7 +41,7 @@ pub struct Stepped {
     pub support_heights: [Sample<Array>; 2],
     /// A bit for each lane in which a short step made too great an error.
     pub failed: u32,
-    /// Of a short step the factor by which its size may change, of another one the root of its error from which that follows.
+    /// For a short step the factor by which its size may change, otherwise the root of its error, from which that factor follows.
     pub root: Array,
     /// The longest step (s).
     pub longest: Array,
@@ -69,9 +69,9 @@ struct Together<'g, L> {
     law: L,
     /// Whether the step is a short one.
     short: bool,
-    /// In each lane; those beyond the group have its last.
+    /// The runs of the lanes; lanes beyond the group repeat its last run.
     runs: [&'g Lane; MOST_LANES],
-    /// How many there are in the group.
+    /// The number of runs in the group.
     count: usize,
 }
 
@@ -95,7 +95,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         Evaluation::of(self.law, block, excitation, *footing, time, Numbers(state), support_heights)
     }
 
-    /// Takes the peaks of a step in; the lanes in which one may be inside.
+    /// Includes the peaks of a step; returns the lanes in which a peak may be inside.
     #[inline(always)]
     fn raise_peaks(
         &self,
@@ -215,7 +215,7 @@ impl<V: Simd, L: Law> Equations<Wide<V>> for GroupMotion<'_, V, L> {
     }
 }
 
-/// Takes the ends of a step in, of quantities that share a peak; the lanes in which one may rise to a new peak inside.
+/// Includes the ends of a step of quantities that share a peak; returns the lanes in which one may rise to a new peak inside.
 #[inline(always)]
 fn raise<V: Simd, const N: usize>(peak: &mut Wide<V>, quantities: [Ends<V>; N]) -> u32 {
     let before = *peak;

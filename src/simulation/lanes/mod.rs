@@ -1,9 +1,8 @@
-//! Several runs under way → the same steps of all of them at once, one in each lane of the processor's vectors.
+//! Several runs → the same kind of step of all of them at once, one in each lane of the processor's vectors.
 //!
-//! The [`Simulation`] of each run stays as it is, and each step reads it. A step that every test passes in
-//! which nothing can happen gives the simulation the bits that it would have come to alone. Where something may happen (an
-//! event, a peak inside the step, a step that is to be repeated, rest) the lane leaves the simulation as it was, and the run
-//! takes that step alone. So do runs on the rigid base, with friction or ties, in flight, sliding, held, or under a pulse.
+//! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
+//! the simulation gets the bits of a step taken alone. Otherwise the lane leaves it unchanged, and the run takes that step alone.
+//! So do runs on the rigid base, with friction or ties, in flight, sliding, held, or under a pulse.
 
 mod bounds;
 mod kernel;
@@ -28,7 +27,7 @@ use kernel::Stepped;
 /// A reference time (s), and the ground accelerations from there on, horizontal and vertical.
 type GroundRamps = (f64, [Ramp; 2]);
 
-/// A run that is stepped beside others.
+/// A run that is stepped in a lane.
 #[derive(Clone, Debug)]
 pub struct Lane {
     /// The caller's mark of the run.
@@ -54,9 +53,9 @@ pub struct Lane {
     support_heights: (f64, [Sample; 2]),
     /// The step that comes next.
     attempt: Attempt,
-    /// Whether a short step would do but for the errors that such steps made.
+    /// Whether a short step would suffice but for the errors of earlier ones.
     grows: bool,
-    /// Whether such a step has just made too great an error here.
+    /// Whether a short step has just made too great an error here.
     short_failed: bool,
 }
 
@@ -69,7 +68,7 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// How many there are.
+    /// The number of kinds.
     pub const COUNT: usize = 6;
 
     const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];

@@ -103,7 +103,7 @@ impl Change<'_> {
         if self.pose.footing.grips() { EventKind::Grip } else { EventKind::Slip }
     }
 
-    /// The block stands from here on; its foot grips as far as friction allows.
+    /// Lets the block stand; its foot grips as far as friction allows.
     pub(super) fn stand(&mut self, placement: &mut Placement) {
         if self.system.block.friction > 0.0 {
             self.place(placement);
@@ -121,7 +121,7 @@ impl Change<'_> {
         }
     }
 
-    /// The foot of a block at its beginning stands at its place and grips.
+    /// Places the foot of a block at its beginning, where it grips.
     pub(in crate::system) fn grip_at_start(&mut self, placement: &mut Placement) {
         if self.system.block.is_extended() && self.regime() != Regime::Separated {
             let now = self.now();
@@ -129,7 +129,7 @@ impl Change<'_> {
         }
     }
 
-    /// The foot grips where it is.
+    /// Lets the foot grip where it is.
     pub(super) fn grip_here(&mut self, placement: &Placement) {
         self.pose.footing = Footing::AT_START;
         self.pose.state = placement.state(self.regime()).into();

@@ -1,4 +1,4 @@
-//! Grip: a foot that slides would be pressed on right after it gripped.
+//! Grip: a foot that slides would still be pressed on right after gripping.
 //!
 //! In flight nothing holds the block horizontally, nor does a support that bears nothing. A support that bears the block
 //! grips it as soon as it would still be pressed on right after; until then the block slides on it without friction. So no
@@ -67,7 +67,7 @@ pub fn pressure_if_gripped<T: Elementary>(block: &Block, regime: Regime, x: &Ins
 }
 
 impl Change<'_> {
-    /// The sliding foot is held from here on, where it is.
+    /// Holds the sliding foot where it is.
     pub(super) fn grip_from(&mut self, mut placement: Placement) {
         let before = self.regime();
         match self.system.block.foundation {

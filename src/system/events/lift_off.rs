@@ -47,14 +47,14 @@ where
     Sample { value: x.reaction[i], rate: support::reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]) }
 }
 
-/// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one
-/// staying as it is: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the support's top stands still and
-/// the gap opens with the rate v̇_I: infinitely fast by this measure.
+/// Acceleration (m/s²) with which the gap of a touching corner would open if it left its support now, the other one staying as it
+/// is: `v̈_I − ÿ_I` with `ẏ_I = v̇_I = corner_dot`, so `ÿ_I = −(K/C) v̇_I`. Without damping the top of the support stands still,
+/// and the gap opens with the rate v̇_I: infinitely fast by this measure.
 ///
 /// Because the horizontal constraint changes with the regime (the middle of the base is held in full contact, the
-/// corner on one corner), `v̈_I` jumps a little at lift-off. It can happen that full contact has the corner lift and
-/// that the other regime has it pressed on: neither holds, and the true motion slides along the boundary with
-/// `N_I ≈ 0`. Then the corner is held in full contact until one of the two lets it go. The last corner that touches
+/// corner on one corner), `v̈_I` jumps a little at lift-off. If full contact lifts the corner
+/// and the other regime presses it back, neither regime holds, and the true motion follows the boundary with `N_I ≈ 0`.
+/// The corner is then held in full contact until one of the two regimes lets it go. The last corner that touches
 /// slides in that case, since a support that bears nothing cannot hold it.
 pub fn gap_opening(at: &Evaluation, corner: Corner, corner_dot: f64) -> f64 {
     // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.

@@ -66,15 +66,15 @@ pub enum Surface {
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
     Speed,
-    /// What a slack tie lacks to be stretched (m).
+    /// The stretch of a slack tie, with opposite sign (m).
     Shortness(u8),
     /// The stretch of a limp tie (m).
     Stretch(u8),
     /// The tension of a taut tie (N).
     Tension(u8),
-    /// What a limp tie lacks to pull (N).
+    /// The tension that a limp tie would have if taut, with opposite sign (N).
     Limpness(u8),
-    /// The rest of the strength of a taut tie (N).
+    /// The strength of a taut tie less its tension (N).
     Strength(u8),
     /// The rest of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
@@ -101,7 +101,7 @@ pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
     [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
 }
 
-/// The further functions that are watched of a block with friction or ties: two of the foot, then two of each tie.
+/// The further surfaces of a block with friction or ties: two of the foot, then two of each tie.
 #[inline(never)]
 pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND] {
     let mut watched = [None; BEYOND];
@@ -125,7 +125,7 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
     watched
 }
 
-/// How many [`watched_beyond`] there are.
+/// The number of surfaces of [`watched_beyond`].
 pub const BEYOND: usize = 2 + 2 * MOST_TIES;
 
 impl Surface {
@@ -155,7 +155,7 @@ impl Surface {
         }
     }
 
-    /// Whether the block has what is watched: a tie of this number.
+    /// Whether the block has the watched tie, if this surface belongs to one.
     pub fn is_of(self, block: &Block) -> bool {
         match self {
             Surface::Shortness(tie)
@@ -201,7 +201,7 @@ pub struct Transition {
     pub happened: Option<EventKind>,
     /// Its share of the counters and sums of a run.
     pub counts: TransitionCounts,
-    /// The regimes through which the block came there.
+    /// The regimes that the block passed through.
     pub path: Path,
 }
 
@@ -270,12 +270,12 @@ impl System {
         Transition { pose, happened, counts, path }
     }
 
-    /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the distance
-    /// of H from the limit of friction.
+    /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the
+    /// distance of H from the limit of friction.
     pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
         if self.block.friction > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
             let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
-            // Where it slides the reactions are others.
+            // A foot that slides has other reactions.
             if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
                 return Some(surface);
             }
@@ -283,13 +283,12 @@ impl System {
         self.leaving_rigid_base(now).map(Surface::Reaction)
     }
 
-    /// The pose in which the block goes on from `now` if a corner cannot stay on the rigid base, or the foot slides; nothing if
-    /// neither.
+    /// The pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides; otherwise nothing.
     pub fn released(&self, pose: &Pose, now: &Evaluation) -> Option<Pose> {
         self.released_by(pose, now).map(|(pose, _)| pose)
     }
 
-    /// The same, and the regimes through which it comes there.
+    /// The same, with the regimes passed through.
     pub(in crate::system) fn released_by(&self, pose: &Pose, now: &Evaluation) -> Option<(Pose, Path)> {
         let surface = self.fallen(now)?;
         let Transition { pose, path, .. } = self.transition(pose, now, surface);

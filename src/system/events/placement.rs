@@ -1,4 +1,4 @@
-//! An instant → the block's place and velocities, in numbers that a change of regime leaves as they are.
+//! An instant → the block's place and velocities, in numbers that no change of regime alters.
 
 use crate::block::{Block, Corner, Foot, Regime};
 use crate::numerics::scalar::Elementary;
@@ -44,7 +44,7 @@ impl<T: Elementary> Placement<T> {
         [self.theta, self.velocities.theta_dot, w, w_dot]
     }
 
-    /// Gives the block other velocities, and its corners the rates that go with them.
+    /// Sets the velocities of the block and the matching rates of its corners.
     pub fn strike(&mut self, block: &Block<T>, velocities: Velocities<T>) {
         let Velocities { v_dot, theta_dot, .. } = velocities;
         self.velocities = velocities;

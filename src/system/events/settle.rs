@@ -1,5 +1,4 @@
-//! The regime anew after an event: on supports a corner leaves whose support would have to pull, on the rigid base one that would
-//! have to be pulled.
+//! The regime after an event: a corner leaves if its support, or the rigid base, would have to pull it.
 
 use crate::block::{Corner, Foundation, Regime};
 use crate::system::System;
@@ -74,8 +73,8 @@ impl Change<'_> {
         self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
     }
 
-    /// A corner has landed and lifts in the same instant: the other one, which bears the block again, is stopped by an impulse, or slides
-    /// where friction has a limit.
+    /// Stops the other corner by an impulse after a corner has landed and lifted in the same instant; with friction it slides
+    /// instead.
     fn keep_momentum(&self, regime: Regime, placement: &mut Placement) {
         let block = &self.system.block;
         if block.friction == 0.0 {
@@ -116,7 +115,7 @@ impl Change<'_> {
         self.settle_under_friction()
     }
 
-    /// The same where it is decided whether the foot slides.
+    /// The same once it is decided whether the foot slides.
     pub(super) fn settle_under_friction(&mut self) -> Option<Leaving> {
         let mut leaving = None;
         loop {
@@ -133,8 +132,8 @@ impl Change<'_> {
 }
 
 impl System {
-    /// The corner on the rigid base that would have to be pulled at this instant or right after it, the one more so if both
-    /// would; none on supports, whose reactions follow from the motion.
+    /// The corner that the rigid base would have to pull at this instant or right after it; of two, the one with the lower
+    /// reaction. None on supports, whose reactions follow from the motion.
     pub fn leaving_rigid_base(&self, now: &Evaluation) -> Option<Corner> {
         if self.block.foundation == Foundation::Viscoelastic {
             return None;

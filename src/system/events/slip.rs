@@ -7,7 +7,7 @@ use crate::system::events::change::Change;
 use crate::system::instant::{Footing, Instant};
 
 impl Change<'_> {
-    /// Nothing holds the block horizontally from here on.
+    /// Releases the block horizontally.
     pub(super) fn release(&mut self, x: &Instant<f64>) {
         self.pose.footing = Footing::Free { u: x.u, u_dot: x.u_dot };
     }

@@ -21,7 +21,7 @@ pub(super) fn tension(at: &Evaluation, tie: usize) -> Sample {
     tie::tension_with_rate(at.block, &at.block.ties.all()[tie], &at.rates())
 }
 
-/// The rest of the strength of a tie that is taut (N).
+/// The strength of a taut tie less its tension (N).
 #[inline(never)]
 pub(super) fn rest_of_strength(at: &Evaluation, tie: usize) -> Sample {
     let Sample { value, rate } = tension(at, tie);
@@ -48,12 +48,12 @@ fn length(block: &Block, tie: usize) -> f64 {
 }
 
 impl Change<'_> {
-    /// The state of a tie changes.
+    /// Sets the state of a tie.
     pub(super) fn set_tie(&mut self, tie: usize, state: TieState) {
         self.pose.ties[tie] = state;
     }
 
-    /// The block goes on with another pull.
+    /// Continues after the pull of a tie has changed.
     pub(super) fn go_on_tied(&mut self, now: &Evaluation) {
         self.let_ties_follow(&now.instant);
         match self.system.block.foundation {
@@ -64,7 +64,7 @@ impl Change<'_> {
         }
     }
 
-    /// Ties with dashpots follow the velocities that an event has changed, and one that would bear more than its strength breaks.
+    /// Updates ties with dashpots after an event has changed velocities; a tie beyond its strength breaks.
     pub(super) fn let_ties_follow(&mut self, x: &Instant<f64>) {
         let block = &self.system.block;
         for (i, tie) in block.ties.all().iter().enumerate() {
@@ -83,7 +83,7 @@ impl Change<'_> {
         }
     }
 
-    /// The states of the ties of a block that begins here.
+    /// Sets the states of the ties at the beginning.
     pub(in crate::system) fn begin_ties(&mut self) {
         let (block, x) = (&self.system.block, &self.now().instant);
         for (i, tie) in block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0) {

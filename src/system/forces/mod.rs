@@ -45,10 +45,10 @@ pub fn added_to<P: Scalar, T: Beside<P>>(block: &Block<P>, forcing: Forcing<T>, 
     tie::added_to(block, forcing, place)
 }
 
-/// The number of forces that take energy besides the dashpots of the supports.
+/// The number of dissipative forces besides the dashpots of the supports.
 pub const DISSIPATIVE: usize = 2;
 
-/// Powers per mass (m²/s³) that friction and the dashpots of the ties take.
+/// Powers per mass (m²/s³) taken by friction and by the dashpots of the ties.
 #[inline(always)]
 pub fn dissipated<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; DISSIPATIVE] {
     [friction::power(x.horizontal, x.slip_rate), tie::power(block, ties, x)]
