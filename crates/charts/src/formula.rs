@@ -34,7 +34,7 @@ pub fn typeset(svg: &str) -> String {
     let [begin, end] = SUBSCRIPT;
     let lower = format!("<tspan dy=\"{:.4}em\" font-size=\"{SIZE}em\">", DEPTH / SIZE);
     let mut set = String::with_capacity(svg.len());
-    // The rest of the text element after a subscript returns to the line.
+    // The text after a subscript returns to the base line.
     for (i, part) in svg.split(begin).enumerate() {
         match part.split_once(end) {
             Some((subscript, rest)) if i > 0 => {
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
     use resvg::usvg::{Options, Tree};
 
-    /// Writes a label as plotters does, in a text element.
+    /// Writes a label in a text element, like plotters.
     fn drawn(label: &str) -> String {
         let text = formula(label);
         typeset(&format!(
@@ -86,7 +86,7 @@ mod tests {
         [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()]
     }
 
-    /// Subscripts are small and lowered; the text after them stands on the line again.
+    /// Subscripts are small and lowered; the text after them is on the base line again.
     #[test]
     fn subscripts_stand_below_the_line() {
         let svg = drawn("ξ_v = 0.1, ω_p/p, R0");

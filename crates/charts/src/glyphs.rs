@@ -1,4 +1,4 @@
-//! Labels → their widths, and their outlines in an SVG drawing, independent of the fonts of a machine.
+//! Labels → their widths, and their outlines in an SVG drawing, independent of installed fonts.
 //!
 //! Labels are single lines of Latin and Greek letters, signs and subscripts, set by the advances and the kerning of the font;
 //! a combining mark stands over the letter before it.

@@ -73,7 +73,7 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     if friction {
         let slip = Chart { x: axis(false), y: ("slip (mm)", 0.0..0.0), ..Chart::default() };
         let slip_of: Series = ("", LineStyle::THIN, &|row| 1e3 * row.slip);
-        // Before the regimes, whose axis of time is at the bottom without a ground motion.
+        // Before the regimes, which carry the time axis if there is no ground motion.
         panels.insert(1, panel(history, HEIGHTS[3], slip, &[slip_of]));
     }
     if ties > 0 {
@@ -156,7 +156,7 @@ pub fn block_line(block: &Block) -> String {
     )
 }
 
-/// Draws the regimes in rows: a row tells which corners touch.
+/// Draws the regimes in rows, one for each set of touching corners.
 fn regimes<'a>(history: &History, x: (&'a str, Range<f64>)) -> Chart<'a> {
     let separated = history.events.iter().any(|event| event.after == Regime::Separated);
     let rows: &[(Regime, &str)] = &[

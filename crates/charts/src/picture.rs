@@ -18,7 +18,7 @@ pub enum PictureError {
         path: String,
         /// Its extension.
         found: String,
-        /// How to get the expected result.
+        /// Advice for the expected result.
         advice: &'static str,
     },
     /// The drawing failed.

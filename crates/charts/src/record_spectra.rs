@@ -129,7 +129,7 @@ fn peaks(
     Chart { title, x: ("", range), y: ("peak |θ|/α", y), areas, curves: drawn, marks_alpha: true, ..Chart::default() }
 }
 
-/// Tells whether a size has a mean and a band: those of a minority of the records would mislead.
+/// Returns true if a size has a mean and a band; those of a minority of the records would mislead.
 fn counts(cell: &SizeStatistics) -> bool {
     cell.rocked > 0 && 2 * cell.rocked >= cell.motions()
 }

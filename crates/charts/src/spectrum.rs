@@ -138,7 +138,7 @@ pub fn spectrum(spectrum: &Spectrum, table: impl Read, over: Abscissa, title: &s
     page(&heading, &legend, 12_000 + bars_height(count), |root, body| chart.draw(root, body))
 }
 
-/// Marks the formulas of a title. The name of a record file is no formula.
+/// Marks the formulas of a title, except in names of record files.
 pub(super) fn heading(spectrum: &Spectrum, title: &str) -> String {
     let is_pulse = spectrum.motions.iter().all(|(_, ground)| ground.end().is_none());
     if is_pulse { formula(title) } else { title.into() }
@@ -191,7 +191,7 @@ impl Curves {
 
     /// Returns the segments of a curve between blocks without peak rotation.
     ///
-    /// A block between two of these makes a single point, which is no line; the outcome bar shows it.
+    /// A block between two of these makes a single point without a line; the outcome bar shows it.
     pub(super) fn segments(&self, curve: usize) -> Vec<Vec<(f64, f64)>> {
         let mut segments = vec![Vec::new()];
         for stretch in &self.0[curve] {

@@ -17,7 +17,7 @@ pub(super) fn is_block_line(line: &str) -> bool {
     line.contains("POINTS OF ACCEL DATA")
 }
 
-/// Returns whether the first line is that of an uncorrected record, whose values are not evenly spaced.
+/// Returns whether the first line belongs to an uncorrected record, whose values are not evenly spaced.
 pub(super) fn is_volume_one(line: &str) -> bool {
     line.trim_start().to_ascii_uppercase().starts_with("UNCORRECTED ACCELEROGRAM")
 }

@@ -14,7 +14,7 @@ pub enum RecordError {
     Unreadable {
         /// Name of the file.
         file: String,
-        /// Error of the operating system. It is part of the message; as a `source` it would be repeated in chains.
+        /// Error of the operating system, part of the message; as a `source` it would appear twice.
         error: std::io::Error,
     },
     /// The file is larger than any accelerogram.

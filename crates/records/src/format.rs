@@ -42,7 +42,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// A word that names none of the formats of [`Format`].
+/// A word that names no [`Format`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("found format {0:?}, expected one of {list}", list = Format::NAMES)]
 pub struct UnknownFormat(pub String);

@@ -12,12 +12,12 @@ const LARGEST: f64 = 60.0;
 /// It is 1.2 to 7.7 Hz for 36 accelerograms, and 0.5 to 4 Hz for their velocities.
 const LOWEST_FREQUENCY: f64 = 1.15;
 
-/// Shorter tables are made by hand.
+/// Shorter tables are usually made by hand.
 const FEWEST_SAMPLES: usize = 200;
 
-/// Returns the reason why a table without names hardly holds accelerations, if there is one.
+/// Returns the reason to doubt that a table without names holds accelerations, if there is one.
 ///
-/// Nothing in such a file states that it does.
+/// Such a file does not state its content.
 #[must_use]
 pub fn implausibility(bytes: &[u8], record: &Record) -> Option<String> {
     let text = String::from_utf8_lossy(bytes.get(..4096).unwrap_or(bytes));

@@ -163,7 +163,7 @@ fn stated_unit(line: &str) -> Option<&str> {
     is_unit(unit).then_some(unit)
 }
 
-/// Returns the units of a row of units, one per column, as `s, m/s2`; otherwise nothing.
+/// Returns the units of a row of units, one per column, as `s, m/s2`; otherwise an empty list.
 fn units(line: &str, separator: Separator, width: usize) -> Vec<&str> {
     let fields =
         if separator.split(line).len() == width { separator.split(line) } else { Separator::of(line).split(line) };
@@ -180,7 +180,7 @@ fn is_second(text: &str) -> bool {
     matches!(text.to_lowercase().as_str(), "s" | "sec" | "secs" | "second" | "seconds")
 }
 
-/// Returns the headings of the columns, or none if the line does not fit the columns.
+/// Returns the headings of the columns, or an empty list if the line does not fit the columns.
 fn names(line: &str, separator: Separator, width: usize) -> Vec<Heading<'_>> {
     let split = match separator {
         Separator::Byte(_) => separator.split(line),

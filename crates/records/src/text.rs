@@ -79,7 +79,7 @@ impl<'a> FileText<'a> {
         })
     }
 
-    /// Parses a stated unit; refuses those of other quantities and returns nothing for unknown ones.
+    /// Parses a stated unit; refuses units of other quantities and returns `None` for unknown ones.
     pub(super) fn unit(&self, line: usize, stated: &str) -> Result<Option<Unit>, RecordError> {
         match (stated.parse(), other_quantity(stated)) {
             (Ok(unit), _) => Ok(Some(unit)),

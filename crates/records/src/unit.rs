@@ -4,7 +4,7 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-/// A word that names none of the units of [`Unit`].
+/// A word that names no [`Unit`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("found unit {0:?}, expected one of g, m/s2, cm/s2, gal")]
 pub struct UnknownUnit(pub String);

@@ -66,7 +66,7 @@ pub struct BlockOptions {
     holds: HoldOptions,
 }
 
-/// What moves the centre of mass aside and what holds a block: eccentricity, friction and ties.
+/// Eccentricity, friction and ties of a block.
 #[derive(Args)]
 pub struct HoldOptions {
     /// Distance of the centre of mass from the middle of the base, positive to the right [m]
@@ -76,8 +76,8 @@ pub struct HoldOptions {
     #[arg(long, value_name = "MU", default_value_t = 0.0)]
     friction: f64,
     /// A tie to the ground: block_x, block_z and ground_x, ground_z are its ends, from the middle of the base at rest [m];
-    /// stiffness [N/m], pretension [N], slack [m], damping [N.s/m], strength [N]; what is not named is 0, and a strength of 0 does
-    /// not break. One option per tie
+    /// stiffness [N/m], pretension [N], slack [m], damping [N.s/m], strength [N]; others
+    /// are 0, and a tie without strength does not break. One option per tie
     #[arg(long, value_name = "KEY=NUMBER,...", value_parser = tie, allow_hyphen_values = true)]
     tie: Vec<Tie>,
 }

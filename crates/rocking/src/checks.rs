@@ -1,8 +1,8 @@
-//! Numbers of options → refusals of those out of range.
+//! Numbers of options → errors for those out of range.
 
 use rocking_block::simulation::Settings;
 
-/// Refuses a number that is not finite or does not fit.
+/// Refuses a number that is not finite or fails the condition `fits`.
 pub fn check(option: &str, value: f64, fits: impl Fn(f64) -> bool, expected: &str) -> anyhow::Result<()> {
     anyhow::ensure!(value.is_finite() && fits(value), "--{option} = {value}; expected {expected}");
     Ok(())

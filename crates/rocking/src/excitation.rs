@@ -167,7 +167,7 @@ pub fn names(files: &[MotionFiles]) -> Vec<String> {
 }
 
 impl PulseOptions {
-    /// Returns the pulse, which may have no shape.
+    /// Returns the pulse, of shape `none` if there is none.
     fn read(&self, explicit: &ExplicitOptions) -> anyhow::Result<Pulse> {
         let PulseOptions { shape, amplitude, period, start } = *self;
         let has_shape = shape != PulseShape::None;
@@ -190,7 +190,7 @@ fn describe_pulse(pulse: &Pulse) -> Option<String> {
     (*shape != PulseShape::None).then(describe)
 }
 
-/// Returns file and title of a record on one line. A file without a title has its path in the place of one.
+/// Returns file and title of a record on one line; the path replaces a missing title.
 fn title(record: &Record, path: Option<&Path>) -> String {
     let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
     let Some(path) = path else { return title };

@@ -1,9 +1,9 @@
-//! Command line → the options that the user set; refusals of those without effect.
+//! Command line → the options set by the user; errors for those without effect.
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 
-/// The options that the user set, as opposed to those at their defaults.
+/// The options set by the user, as opposed to defaults.
 pub struct ExplicitOptions<'a>(&'a ArgMatches);
 
 impl ExplicitOptions<'_> {

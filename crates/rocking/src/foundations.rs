@@ -24,7 +24,7 @@ pub struct Options {
 enum Command {
     /// Compute a support of rubber: a circular pad under each corner
     Pad(PadOptions),
-    /// Compute the supports that a rectangular footing on soil amounts to
+    /// Compute supports equivalent to a rectangular footing on soil
     Soil(SoilOptions),
 }
 
@@ -82,7 +82,7 @@ struct Carried {
     p: Option<f64>,
 }
 
-/// A support, and what it amounts to under a block.
+/// Values of a support, alone and under a block.
 #[derive(Serialize)]
 struct SupportValues {
     #[serde(flatten)]

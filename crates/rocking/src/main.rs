@@ -3,8 +3,8 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`choices`] | words of the command line → choices of the engine |
-//! | [`explicit_options`] | command line → the options that the user set; refusals of those without effect |
-//! | [`checks`] | numbers of options → refusals of those out of range |
+//! | [`explicit_options`] | command line → the options set by the user; errors for those without effect |
+//! | [`checks`] | numbers of options → errors for those out of range |
 //! | [`input`] | path or `-` → content |
 //! | [`formats`] | name of an output → its format |
 //! | [`output`] | content → files, checked first and replaced as a whole |
@@ -117,7 +117,7 @@ enum Command {
     Record(Box<record::Options>),
     /// List friction and restitution of pairs of surfaces, or compute supports of rubber or soil
     Foundations(Box<foundations::Options>),
-    /// Compute the figures of Palmeri and Makris (2008) anew, as pictures with their tables
+    /// Recompute the figures of Palmeri and Makris (2008), as pictures with their tables
     Figures(figures::Options),
     /// Print a script that completes commands and options in a shell
     Completions(shell::Completions),

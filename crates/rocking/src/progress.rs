@@ -14,7 +14,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins a bar; parts done `before` are left out, since they say nothing of the speed.
+    /// Begins a bar; parts done `before` do not count towards the speed.
     pub fn new(parts: u64, before: u64) -> Progress {
         let style = ProgressStyle::with_template("{wide_bar} {percent}% {eta} left");
         let bar = ProgressBar::with_draw_target(Some(parts.saturating_sub(before)), ProgressDrawTarget::hidden())

@@ -49,7 +49,7 @@ impl SizeOptions {
     }
 }
 
-/// Warns of a block without ties that falls over by itself: its supports resist with 2 K b² per radian, its weight acts with M g h.
+/// Warns of a block without ties that falls over by itself: the supports' moment per radian, 2 K b², is at most the weight's, M g h.
 pub fn warn_of_soft_supports(block: &Block) {
     let least = block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
     if block.foundation == Foundation::Viscoelastic && block.ties.is_empty() && block.stiffness <= least {
@@ -155,7 +155,7 @@ impl StudyOptions {
     pub fn run(&self, study: &impl Study, read_back: bool) -> anyhow::Result<(StudySummary, ResumableTable)> {
         let pool = self.processor.threads.pool()?;
         let mut table = study.open(&self.csv, TableOptions { resume: self.resume, force: self.force, read_back })?;
-        // A progress bar between rows on the terminal would spoil both.
+        // A progress bar and rows on the same terminal would overwrite each other.
         let rows_on_terminal = is_standard_output(&self.csv) && std::io::stdout().is_terminal();
         let mut bar = None;
         let made = runner::run(study, &pool, self.processor.width(), &mut table, |before, done| {
@@ -171,8 +171,8 @@ impl StudyOptions {
 
     /// Prints the summary of a study; failed runs are an error.
     ///
-    /// `excitation` describes the ground motion if all rows share it, `curves` are those of a spectrum, `others` are the files
-    /// written besides the table.
+    /// `excitation` describes the ground motion if all rows share it, `curves` are those of a spectrum, `others` are the other
+    /// files written.
     pub fn report(
         &self,
         command: &str,

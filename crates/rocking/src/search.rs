@@ -234,7 +234,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
 }
 
 impl Overturning {
-    /// Returns the excitation, with name and unit of the number to be found.
+    /// Returns the excitation, with name and unit of the unknown.
     fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
         let ground = self.accelerograms.read(gravity)?;
         if ground.horizontal.is_some() {

@@ -34,7 +34,7 @@ struct Values {
     block: Parameters,
     #[serde(flatten)]
     supports: Option<Supports>,
-    /// How the block begins to move on a rigid base; a block with ties has no such closed form.
+    /// Start of the motion on a rigid base; unknown for a block with ties, which has no closed form.
     #[serde(flatten)]
     start: Option<Start>,
 }
@@ -45,7 +45,7 @@ enum Start {
     /// Towards the corner that is nearer to the centre of mass.
     #[serde(rename = "rocking_acceleration")]
     Rocks(f64),
-    /// Friction gives way before a corner lifts.
+    /// The block slides before a corner lifts.
     #[serde(rename = "sliding_acceleration")]
     Slides(f64),
 }

@@ -68,7 +68,7 @@ pub struct Parameters {
     ties: Vec<TieParameters>,
 }
 
-/// The centre of mass beside the middle of the base.
+/// An eccentric centre of mass.
 #[derive(Serialize)]
 struct Sides {
     eccentricity: f64,

@@ -6,7 +6,7 @@ use rocking_block::block::Tie;
 const KEYS: [&str; 9] =
     ["block_x", "block_z", "ground_x", "ground_z", "stiffness", "pretension", "slack", "damping", "strength"];
 
-/// Reads a tie, as in `block_z=2,ground_x=3,stiffness=1e5`; what is not named is zero.
+/// Reads a tie, as in `block_z=2,ground_x=3,stiffness=1e5`; other values are zero.
 pub fn tie(text: &str) -> Result<Tie, String> {
     let mut values = [None; KEYS.len()];
     for part in text.split(',') {

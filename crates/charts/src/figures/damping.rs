@@ -24,7 +24,7 @@ const CURVES: usize = EPSILON.len() * ETA.len();
 /// Least damping of a block in free vibration (1); `None` if even [`GREATEST_XI_V`] is too little.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastDamping {
-    /// Least ξ_v without complete separation, except on the way over, at it and all greater values.
+    /// Least ξ_v at and above which the block does not separate completely, except while overturning.
     pub against_separation: Option<f64>,
     /// Least ξ_v without overturning, at it and all greater values.
     pub against_overturning: Option<f64>,

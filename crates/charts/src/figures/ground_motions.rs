@@ -96,7 +96,7 @@ pub struct GroundMotion {
 }
 
 impl GroundMotion {
-    /// Tells whether the motion is a record.
+    /// Returns true if the motion is a record.
     pub fn is_record(&self) -> bool {
         self.ground.horizontal.is_some()
     }

@@ -56,7 +56,7 @@ pub struct Comparison {
     pub dashed: FoundationParameters,
 }
 
-/// Returns the panels of Figure 6, 7 or 8; each is a pair of charts in 6 and 7. Other figures have none.
+/// Returns the panels of Figure 6, 7 or 8 (pairs of charts in 6 and 7), or none for other figures.
 pub fn comparisons(number: u8) -> Vec<Comparison> {
     let rigid = FoundationParameters::HOUSNER;
     let support = |eta, xi_v, epsilon| FoundationParameters::Viscoelastic { eta, xi_v, epsilon };

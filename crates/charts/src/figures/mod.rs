@@ -1,4 +1,4 @@
-//! The figures of Palmeri and Makris (2008), computed anew.
+//! The recomputed figures of Palmeri and Makris (2008).
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -10,7 +10,7 @@
 //! | `damping` | Figure 9 |
 //! | `spectra` | Figures 10 to 13 |
 //! | `tower` | Figure 14 |
-//! | [`plane`] | pulses → those under which the paper's findings hold |
+//! | [`plane`] | pulses → the ones that reproduce the paper's findings |
 
 pub mod ground_motions;
 pub mod parameters;

@@ -79,7 +79,7 @@ impl PulseResponse {
         (rise && ratios[ratios.len() - 1] < 1.0).then_some(ratios[0])
     }
 
-    /// Tells whether the block with ε = 0.4 separates as η grows: not at the least η of Figure 6, but at a greater one.
+    /// Returns true if the block with ε = 0.4 separates only as η grows: at an η of Figure 6 above the least.
     pub fn separates_as_eta_grows(&self) -> bool {
         !self.separates[0] && self.separates.contains(&true)
     }

@@ -46,7 +46,7 @@ pub fn record_sources(number: u8, sources: &[GroundMotion]) -> &[GroundMotion] {
     if number == 12 { first } else { others }
 }
 
-/// Returns the panels of Figure 10, 11, 12 or 13, row by row. Other figures have none.
+/// Returns the panels of Figure 10, 11, 12 or 13, row by row. For other figures there are none.
 pub fn panels(number: u8, detail: &Detail, sources: &[GroundMotion]) -> Vec<Panel> {
     match number {
         10 | 11 => SPECTRUM_ALPHA

@@ -16,7 +16,7 @@ const HEIGHT: f64 = 12_600.0;
 const MARGIN: f64 = 700.0;
 const HEAD: f64 = 400.0;
 const FOOT: f64 = 350.0;
-/// Space beside the body for labels, and beside that for a dimension.
+/// Space beside the body for labels, and further out for a dimension.
 const LABELS: f64 = 3050.0;
 const SIDE: f64 = 650.0;
 /// Space around the anchor of a tie.
@@ -27,14 +27,14 @@ const ROW: f64 = 750.0;
 /// Least distance of the middles of two supports.
 const APART: f64 = 2300.0;
 
-/// A tie as it is drawn.
+/// The drawn part of a tie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnTie {
     /// Its end on the block.
     pub block: Point,
     /// Its anchor, or the point at which its line is broken off.
     pub end: Point,
-    /// What is drawn there.
+    /// Symbol drawn there.
     pub kind: End,
 }
 
@@ -53,7 +53,7 @@ pub struct Layout {
     pub supports: [f64; 2],
     /// Ends of the ground.
     pub edges: [f64; 2],
-    /// Where labels at the left end, and those at the right begin.
+    /// End of the labels at the left, and start of those at the right.
     pub label_edges: [f64; 2],
     /// Abscissas of the vertical dimensions.
     pub sides: [f64; 2],
@@ -153,7 +153,7 @@ struct Reach {
 }
 
 impl Reach {
-    /// Cuts a tie where its line leaves the surroundings of the body. An end on the block that is outside is moved to their edge.
+    /// Cuts a tie where it leaves the surroundings of the body. A block end outside them is moved to their edge.
     fn new(tie: &Tie, b: f64, body: f64) -> Reach {
         let around = (2.0 * b).max(body);
         let limits = [[-b - 0.9 * around, b + 0.9 * around], [-0.4 * around, body + 0.4 * around]];

@@ -1,4 +1,4 @@
-//! A block, its ties → a sketch with dimensions, so that a user sees whether the input means what was meant.
+//! A block, its ties → a sketch with dimensions, by which a user can check the input.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -27,7 +27,7 @@ const COLUMN: [f64; 2] = [16_400.0, 7200.0];
 /// Distance of the lines of that column, and of its paragraphs.
 const LINES: [f64; 2] = [520.0, 760.0];
 
-/// A block as it is drawn.
+/// The block to be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sketch {
     /// The block, with the width of its base and the height of its centre of mass.
@@ -124,7 +124,7 @@ impl Sketch {
         let [left_edge, right_edge] = label_edges;
         // The arc of a squat block stays below its top.
         let part = |corner: f64| (0.8 * (base - layout.top) / reach(corner)).min(0.5);
-        // A leader at a slope does not hide the arc of a small angle.
+        // A sloping leader keeps the arc of a small angle visible.
         const LOWER: f64 = 330.0;
         let name = if is_symmetric { "α" } else { "α_R" };
         angle(area, (right, base), part(right) * reach(right), UP, UP + alpha_r)?;

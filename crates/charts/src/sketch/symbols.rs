@@ -112,7 +112,7 @@ pub fn angle(area: &Area, centre: Point, radius: f64, from: f64, to: f64) -> Dra
     if radius * (to - from).abs() < 3.0 * ARROW[0] {
         return Ok(());
     }
-    // The arrows lie along chords of their own length.
+    // The arrows follow chords of their own length.
     let turn = (to - from).signum() * ARROW[0] / radius;
     for (end, inside) in [(from, from + turn), (to, to - turn)] {
         let [tip, base] = [end, inside].map(|angle| {

@@ -44,7 +44,7 @@ fn pads_are_those_of_the_paper() {
     let told = stdout(folder.path(), &[&["foundations"], &pad[..]].concat());
     assert!(told.contains("4.7124e9 N/m") && told.contains("eq. (36)") && !told.contains("omega_v"), "{told}");
     let softer = json(&[&pad[..], &["--bulk-modulus", "2e9"]].concat());
-    // 6 G S² = 150 MPa beside 2000 MPa.
+    // 6 G S² = 150 MPa compared with 2000 MPa.
     assert!((softer["K"].as_f64().unwrap() / number("K") - 1.0 / 1.075).abs() < 1e-12, "{softer}");
 }
 

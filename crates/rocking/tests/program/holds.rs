@@ -51,9 +51,9 @@ fn mirror_images_move_as_mirror_images() {
     assert!(one.iter().zip(&other).all(|(one, other)| *one == -other));
 }
 
-/// Columns of slip and tensions are there where there is friction, or a tie.
+/// Tables have columns for slip and tensions if the block has friction or ties.
 #[test]
-fn columns_are_those_of_the_block() {
+fn columns_follow_the_block() {
     let folder = folder();
     let own = |options: &str| -> Vec<String> {
         let json = json(folder.path(), &format!("simulate --theta 0.1 --duration 0.1 --mass 1000 {options}"));
@@ -69,9 +69,9 @@ fn columns_are_those_of_the_block() {
     assert_eq!(own(ties), ["tie_1.tension [N]", "tie_2.tension [N]", "energy.ties [J]"]);
 }
 
-/// What the command line itself refuses ends the program with status 2.
+/// An invalid tie is an error of the command line, with status 2.
 #[test]
-fn a_tie_that_cannot_be_is_refused() {
+fn an_invalid_tie_is_refused() {
     let folder = folder();
     for (tie, words) in [
         ("block_x=1", "expected a stiffness > 0"),
@@ -87,7 +87,7 @@ fn a_tie_that_cannot_be_is_refused() {
 }
 
 #[test]
-fn options_that_cannot_be_are_refused() {
+fn invalid_options_are_refused() {
     let folder = folder();
     for (options, words) in [
         ("--eccentricity -2", &["eccentricity = -2 m", "half the width"][..]),
@@ -108,7 +108,7 @@ fn options_that_cannot_be_are_refused() {
     }
 }
 
-/// The search begins where the side with less base would be lifted; ties may pull a block aside, so that it begins at zero.
+/// The search begins where the side with less base would lift; with ties, which may pull a block aside, it begins at zero.
 #[test]
 fn the_search_begins_at_the_weaker_side() {
     let folder = folder();
@@ -126,7 +126,7 @@ fn the_search_begins_at_the_weaker_side() {
     assert_eq!(from("--mass 1000 --tie block_z=1,ground_x=2,stiffness=1e3"), 0.0);
 }
 
-/// A sweep has the parameters of the FMU, columns of what any of its blocks has, and limits on the slip.
+/// A sweep accepts the parameters of the FMU and limits on the slip; its columns cover the features of any of its blocks.
 #[test]
 fn a_sweep_has_columns_for_slip_and_tensions() {
     let folder = folder();

@@ -40,7 +40,7 @@ fn sketches_show_the_dimensions_of_the_block() {
     assert!(texts.iter().any(|text| text.starts_with(&format!("η = {eta:.2}, ξv = "))), "{eta}: {texts:?}");
 }
 
-/// A rigid base has no supports, and no values of them.
+/// A rigid base has neither supports nor their values.
 #[test]
 fn a_rigid_base_has_no_supports() {
     let folder = tempfile::tempdir().unwrap();
@@ -54,7 +54,7 @@ fn a_rigid_base_has_no_supports() {
     assert_eq!(files(folder.path()), [""; 0]);
 }
 
-/// Eccentricity, friction and ties are drawn; a body of which only the centre of mass is given has no height.
+/// Eccentricity, friction and ties are drawn; a body with only the height of its centre of mass has no height.
 #[test]
 fn sketches_show_eccentricity_friction_and_ties() {
     let folder = tempfile::tempdir().unwrap();

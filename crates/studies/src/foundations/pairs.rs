@@ -23,7 +23,7 @@ pub struct Pair {
     pub high: f64,
     /// How the values are meant.
     pub kind: Kind,
-    /// What the values are, in the words of the source.
+    /// Meaning of the values, in the words of the source.
     pub basis: String,
     /// The source.
     pub source: Source,
@@ -92,7 +92,7 @@ struct File {
     pairs: Vec<Row>,
 }
 
-/// A pair as the file has it: one of the three values.
+/// A pair, as in the file: one of the three values.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {

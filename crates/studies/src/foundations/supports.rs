@@ -13,7 +13,7 @@ pub struct Support {
     /// Damping C (N.s/m): half the vertical damping of the foundation, if the source states it.
     #[serde(rename = "C")]
     pub damping: Option<f64>,
-    /// Stiffness with which two supports would have the rocking stiffness of the foundation (N/m), if that is known.
+    /// Support stiffness that would give the rocking stiffness of the foundation (N/m), if that is known.
     #[serde(rename = "K_rocking")]
     pub rocking_stiffness: Option<f64>,
 }
@@ -46,7 +46,7 @@ pub struct Soil {
     pub poisson: f64,
 }
 
-/// A size or material that makes no support.
+/// An invalid size or material of a support.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} = {value} is not valid; expected {expected}")]
 pub struct SupportError {

@@ -186,7 +186,7 @@ impl Surface {
     }
 }
 
-/// The [`sufficiency`] of a measure beside another, from the cases with values of both.
+/// The [`sufficiency`] of a measure with respect to another, from the cases with values of both.
 ///
 /// # Errors
 /// Those of [`sufficiency`], and of [`Data::new`] for the first measure.

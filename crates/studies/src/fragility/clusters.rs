@@ -63,7 +63,7 @@ impl std::fmt::Display for Independence {
 /// Greatest number of records for a jackknife with full refits; with more, one Newton step is as accurate.
 const MAX_REFITS: usize = 100;
 
-/// Change of the coefficients when a record is left out; nothing if the others have no best fit.
+/// Change of the coefficients when a record is left out; `None` if the others have no best fit.
 fn without(data: &Data, fit: &Fit, records: &[usize], record: usize) -> Option<DVector<f64>> {
     let kept = data.observations().iter().zip(records).filter(|(_, of)| **of != record);
     let others = Data::new(kept.map(|(row, _)| row.clone()).collect()).ok()?.fit(fit.link).ok()?;
@@ -203,7 +203,7 @@ mod tests {
         for (found, exact) in [found[(0, 0)], found[(0, 1)], found[(1, 1)]].into_iter().zip(exact) {
             assert!((found / (exact * 23.0 / 24.0) - 1.0).abs() < 1e-9, "{found} beside {exact}");
         }
-        // Copies taken for independent rows would lower the standard error of the slope by √10.
+        // Copies counted as independent rows would lower the standard error of the slope by √10.
         assert!(found[(1, 1)] > 5.0 * fit.covariance[(1, 1)]);
     }
 }

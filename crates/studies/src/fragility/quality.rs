@@ -63,7 +63,7 @@ pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     (x.len() > 2 && xx > 0.0).then(|| (residuals.sum::<f64>() / (count - 2.0)).sqrt())
 }
 
-/// The sufficiency of a measure beside another: the p-value of the other one as a second measure.
+/// The sufficiency of a measure with respect to another: the p-value of the other one as a second measure.
 ///
 /// The likelihood ratio test, χ² with one degree of freedom; a small value, below 0.05 say, rejects that the first measure is
 /// sufficient. `others` has the other measure of each observation, above zero, and `records` its record. Where records repeat,

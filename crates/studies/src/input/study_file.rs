@@ -14,7 +14,7 @@ pub struct StudyFileError {
     pub file: String,
     /// Line, from 1.
     pub line: usize,
-    /// What was found and what was expected.
+    /// The found and the expected content.
     pub message: String,
 }
 
@@ -55,7 +55,7 @@ pub struct Section<'a> {
 pub type SpannedValue<'a> = &'a Spanned<DeValue<'a>>;
 
 impl<'a> Section<'a> {
-    /// Checks that a table has no other keys than these; `name` is its name in errors.
+    /// Checks that a table has only these keys; `name` is its name in errors.
     pub fn new(
         source: StudyText<'a>,
         name: &'a str,
@@ -160,7 +160,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// A value as a number; nothing for other values.
+/// A value as a number; `None` for other values.
 pub fn number(value: SpannedValue) -> Option<f64> {
     match value.get_ref() {
         DeValue::Float(float) => float.as_str().parse().ok(),

@@ -130,7 +130,7 @@ impl Measure {
 
     /// The value for a record; `gravity` (m/s²) is that of the Arias intensity.
     ///
-    /// Nothing for measures relative to a block, and for periods and durations of a record of zeros.
+    /// `None` for measures relative to a block, and for periods and durations of a record of zeros.
     pub fn of(self, record: &Record, gravity: f64) -> Option<f64> {
         let value = match self {
             Measure::Pga => pga(record),

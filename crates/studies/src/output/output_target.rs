@@ -127,7 +127,7 @@ pub fn folder(path: &Path) -> &Path {
 
 /// The end of a chain of symbolic links, existing or not, or the first open file of a program in it.
 fn target(path: &Path) -> io::Result<PathBuf> {
-    // The limit of Linux; the caller has made sure that the chain ends.
+    // The limit of Linux; the caller has checked that the chain ends.
     const LINKS: usize = 40;
     let mut target = path.to_path_buf();
     for _ in 0..LINKS {

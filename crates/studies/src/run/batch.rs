@@ -38,7 +38,7 @@ struct ActiveRun {
 /// `ended` is called after each run, in any order.
 pub fn outcomes(width: Option<Width>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {
     match width {
-        // WebAssembly as it is compiled here has no vectors.
+        // The WebAssembly of this project has no vectors.
         Some(width) if !cfg!(target_family = "wasm") => in_lanes(width, runs, ended).0,
         Some(_) | None => runs.map(|run| run.outcome()).inspect(|_| ended()).collect(),
     }

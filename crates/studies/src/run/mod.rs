@@ -60,7 +60,7 @@ pub struct Row {
     pub regime: Regime,
     /// Energies (J).
     pub energies: Energies,
-    /// Where the foot is beside its place at the start (m), positive to the right.
+    /// Displacement of the foot from its position at the start (m), positive to the right.
     pub slip: f64,
     /// Ground acceleration, horizontal with the pulse, and vertical (m/s²).
     pub ground: [f64; 2],

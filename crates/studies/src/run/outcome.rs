@@ -73,7 +73,7 @@ impl std::str::FromStr for End {
     }
 }
 
-/// Friction and ties of blocks, whose peaks have columns of their own after [`Outcome::COLUMNS`].
+/// Friction and ties of blocks. Their peaks have additional columns after [`Outcome::COLUMNS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holds {
     /// Whether a coefficient of friction limits the horizontal reaction.

@@ -1,12 +1,12 @@
 //! A block after the ground has come to rest → the time at which its run is over.
 //!
-//! A run without a given duration ends once the ground has come to rest and the block has come down: it has overturned (or
-//! separated, where that ends the run), or it is at rest, or it will come to rest. A block with |θ| < α will come to rest if its
+//! A run without a given duration ends once the ground is at rest and the block has come down: it has overturned (or
+//! separated, where that ends the run), is at rest, or will come to rest. A block with |θ| < α will come to rest if its
 //! energy is below the barrier `V(α)` against overturning. Without excitation the energy decreases, so that the next cycle of
 //! motion is the greatest; after it, the outcome and the peaks are known. A free motion is followed until the block is at rest.
 //!
 //! The barrier is that of the block without ties: the energy of a tie is never negative, so that a tied block below it does not
-//! overturn either. Pretensioned ties hold more energy than that even at rest: such a block is followed until it is at rest, upright
+//! overturn either. Pretensioned ties may hold more energy than that even at rest: such a block is followed until it rests, upright
 //! or leaning on a tie.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -213,7 +213,7 @@ impl StoppingRule {
 
 /// Energy as a fraction of the barrier, for a block that will come to rest without further excitation.
 ///
-/// Nothing for a block that may overturn.
+/// `None` for a block that may overturn.
 pub fn fraction_of_barrier(simulation: &Simulation) -> Option<f64> {
     let block = simulation.block();
     let barrier = overturning_barrier(block);

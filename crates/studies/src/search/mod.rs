@@ -88,9 +88,8 @@ pub enum Shaking {
 
 /// The range of strengths in which a block is likely to overturn first, up to ten times a PGA of g tan α.
 ///
-/// It begins at g tan α (the smaller one of both sides) where the base is rigid and the ground moves horizontally, since no such
-/// block rocks below that, and at zero elsewhere: viscoelastic supports respond to weaker motions, vertical motion reduces the weight,
-/// and ties may pull to a side.
+/// On a rigid base under horizontal motion it begins at g tan α (the smaller one of both sides), below which no block rocks. Otherwise
+/// it begins at zero: viscoelastic supports respond to weaker motions, vertical motion reduces the weight, and ties may pull to a side.
 pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
     let (pga, is_horizontal) = match shaking {
         Shaking::Pulse(_) => (1.0, true),

@@ -295,7 +295,7 @@ impl Spectrum {
         (self.row_of(number, &outcome), outcome)
     }
 
-    /// What holds the blocks.
+    /// Friction and ties of the blocks.
     fn holds(&self) -> Holds {
         Holds { friction: self.common.friction > 0.0, ties: self.in_proportion.ties.len() }
     }

@@ -186,7 +186,7 @@ pub(super) fn read(study: &Section, source: StudyText) -> Result<Option<Ensemble
     Ok(Some(Ensemble { samples: samples as u32, seed: seed.unwrap_or(0), spreads, limits }))
 }
 
-/// Reads limits beside overturning: numbers for rotations |θ|/α, texts for others.
+/// Reads limits in addition to overturning: numbers for rotations |θ|/α, texts for others.
 fn limits(section: &Section) -> Result<Vec<Limit>, StudyFileError> {
     const EXPECTED: &str = "a list of numbers > 0 for |theta|/alpha, or of slips in metres, as in [0.5, \"slip:0.1\"]";
     let Some(value) = section.get("limits") else { return Ok(Vec::new()) };

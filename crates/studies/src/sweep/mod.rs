@@ -67,7 +67,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Number of combinations of parameters; nothing if it overflows.
+    /// Number of combinations of parameters; `None` if it overflows.
     pub fn combinations(&self) -> Option<u64> {
         self.design.combinations(&self.parameters)
     }
@@ -89,7 +89,7 @@ impl Sweep {
         values
     }
 
-    /// What holds the blocks of the sweep.
+    /// Friction and ties of the blocks of the sweep.
     pub fn holds(&self) -> Holds {
         let any = |variable: Variable| {
             let swept = self.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
@@ -102,7 +102,7 @@ impl Sweep {
         Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) }
     }
 
-    /// The inputs of a row. Reading the study file has made sure that all combinations are valid blocks.
+    /// The inputs of a row. Reading the study file has checked that all combinations are valid blocks.
     fn inputs(&self, row: u64) -> RowInputs<'_> {
         let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
         let motion = &self.motions[(row / strengths % motions) as usize];

@@ -53,7 +53,7 @@ pub enum Design {
 }
 
 impl Design {
-    /// Number of combinations; nothing if it overflows.
+    /// Number of combinations; `None` if it overflows.
     pub fn combinations(&self, parameters: &[SweptParameter]) -> Option<u64> {
         match self {
             Design::LatinHypercube(_, samples) => Some(u64::from(*samples)),

@@ -127,7 +127,7 @@ fn errors_of_the_command_line_are_one_line() {
     }
 }
 
-/// Only `--force` replaces an existing table, by the one that a new name would get.
+/// Only `--force` replaces an existing table; the result equals that under a new name.
 #[test]
 fn only_force_replaces_a_table() {
     let folder = tempfile::tempdir().unwrap();

@@ -103,11 +103,11 @@ fn statistics_cover_the_blocks_that_rock_and_stand() {
         left_out += counts[2];
         at_rest += counts[1];
     }
-    // Without all of these, the test would not see what it is for.
+    // The test needs all three kinds of cells.
     assert!(alone > 0 && left_out > 0 && at_rest > 0, "{alone}, {left_out}, {at_rest}");
 }
 
-/// The summary, as text and as JSON, counts what is in the table.
+/// The summary, as text and as JSON, counts the rows of the table.
 #[test]
 fn the_summary_counts_the_rows_of_each_curve() {
     let folder = folder();

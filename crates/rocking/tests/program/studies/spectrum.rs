@@ -338,7 +338,7 @@ fn held_blocks_of_all_sizes_are_similar() {
     assert!(held[0] > 3 && held[1] > 3, "{held:?}");
 }
 
-/// A row is the run of the block with the numbers that its proportions come to.
+/// A row equals the run of the block with the absolute values of its proportions.
 #[test]
 fn proportions_are_those_of_the_block() {
     let folder = tempfile::tempdir().unwrap();

@@ -55,7 +55,7 @@ fn the_barrier_is_the_least_potential_energy_at_alpha() {
     assert!((overturning_barrier(&rigid) / exact - 1.0).abs() < 1e-14);
 }
 
-/// With an eccentric centre of mass it is the lower one of both sides. Under the last block both supports bear there.
+/// With an eccentric centre of mass the barrier is the lower one of both sides. There both supports of the last block bear load.
 #[test]
 fn the_barrier_of_an_uneven_block_is_the_lower_one_of_both_sides() {
     for (eta, uneven) in [(80.0, 0.3), (40.0, -0.5), (20.0, 0.1), (4.63, 0.02)] {
