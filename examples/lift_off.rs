@@ -19,7 +19,7 @@ fn main() {
     println!("| --- | ---: | ---: | ---: |");
     for case in cases().iter().filter(|case| case.block().foundation == Foundation::Viscoelastic) {
         let Ok(records) = case.records() else {
-            println!("({} is left out: its record is not at hand)", case.name);
+            println!("({} is left out: its record is missing)", case.name);
             continue;
         };
         let mut events = Vec::new();

@@ -4,8 +4,8 @@ The deck is rigid and lies on a bearing on each tower: horizontally it moves as 
 mass. Springs and dashpots of the bearings act between the deck and the middle of each tower's top. The FMU takes the
 towers' motions and gives the forces on their centres of mass. Motions are relative to the ground; SI units.
 
-Within a communication step the towers go on with the velocities they had at its beginning; the deck is integrated by
-the classic Runge-Kutta method in steps of 0.25 ms at most.
+Within a communication step the towers keep their velocities from its beginning; the deck is integrated by the classic
+Runge-Kutta method in steps of at most 0.25 ms.
 """
 
 from math import ceil, cos, sin

@@ -87,7 +87,7 @@ def main() -> None:
         try:
             theta = run()
         except (ImportError, FileNotFoundError, OSError) as error:
-            print(f"{name}: not here ({error})")
+            print(f"{name}: not installed ({error})")
             continue
         print(f"{name}: differs from fmpy by at most {np.abs(theta - expected).max():.1e} rad")
         places = slice(10 * k, None, 30)

@@ -28,7 +28,7 @@ OUTPUTS = {
 
 
 class Saved:
-    """A waiting copy of the worker; it ends when nothing refers to it any more."""
+    """A waiting copy of the worker; it ends with the last reference to it."""
 
     def __init__(self, path: str):
         self.path = path

@@ -1,8 +1,8 @@
 """A steel frame in OpenSees, in a separate process that can be copied.
 
-OpenSees keeps one model per process and commits every step; its `database` and `restore` do not bring a transient
-analysis back. `fork` does: a copy of the process waits on a socket until its state is wanted again, and everything in it
-(fibres, integrator, loads) is what it was, to the last bit. Linux and macOS only.
+OpenSees keeps one model per process and commits every step; its `database` and `restore` do not restore a transient
+analysis. `fork` does: a copy of the process waits on a socket until its state is needed, with everything in it (fibres,
+integrator, loads) unchanged to the last bit. Linux and macOS only.
 
 The frame: two steel columns 3 m high, fixed at their feet, 140 mm x 11.5 mm, fibre sections of Steel02 (yield 235 MPa, 2 %
 hardening), P-Delta; a roof that stays level, with a slab between the columns that is flexible vertically. Newmark's method of

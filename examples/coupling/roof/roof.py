@@ -2,8 +2,8 @@
 
     python examples/coupling/roof/roof.py
 
-Writes roof.png to the folder in which it is started (with --update, result.png beside this file), and what the README's
-table says to the terminal.
+Writes roof.png to the folder in which it is started (with --update, result.png beside this file), and prints the
+README's table.
 """
 
 import sys
@@ -80,7 +80,7 @@ def block_step(block: Instance, t: float, h: float, before, after) -> np.ndarray
 
 
 def flexibility(frame: Instance, h: float, force) -> np.ndarray:
-    """Returns the effect of a force on the roof's acceleration at the end of a step, from steps that are taken back."""
+    """Returns the effect of a force on the roof's acceleration at the end of a step, from steps that are undone."""
     state = frame.slave.getFMUstate()
     ends = []
     for extra in ((0.0, 0.0), (1000.0, 0.0), (0.0, 1000.0)):
@@ -92,8 +92,8 @@ def flexibility(frame: Instance, h: float, force) -> np.ndarray:
 
 def iterate(frame: Instance, block: Instance, t, h, a_base, a, mobility, tolerance, most, derivatives):
     """Takes one step after which the roof's acceleration and the block's force agree: Newton's method for
-    `x - roof(force(x)) = 0` with the derivatives that the block gives at the end of the step. What they leave out, the
-    motion within the step, Broyden's update learns from the residuals. Without derivatives it is the plain repetition
+    `x - roof(force(x)) = 0` with the block's derivatives at the end of the step. Broyden's update learns the part that
+    they omit, the motion within the step, from the residuals. Without derivatives it is the plain iteration
     `x = roof(force(x))`. Returns acceleration, force, count, agreement."""
     start = frame.slave.getFMUstate(), block.slave.getFMUstate()
     x, jacobian, step, last = a.copy(), None, None, None
@@ -208,7 +208,7 @@ def plot(runs: dict[tuple[bool, float], History], path) -> None:
     hysteresis.plot(1000 * best["u_x"], best["shear"] / 1000, lw=0.8)
     hysteresis.set(title="Columns: they yield", xlabel="drift [mm]", ylabel="shear [kN]")
     rotation.set(title="Rotation of the block", xlabel="time [s]", ylabel="rad", ylim=(-0.3, 0.3))
-    energy.set(title="Energy that the interface makes or loses", xlabel="time [s]", ylabel="J")
+    energy.set(title="Energy gained or lost at the interface", xlabel="time [s]", ylabel="J")
     for axis in (top, rotation):
         axis.legend(fontsize=8, loc="lower left")
     for axis in axes.flat:
