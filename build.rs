@@ -3,7 +3,8 @@
 //!
 //! The script runs before its own crate is compiled. It therefore makes cargo compile the crate once more, for the shared
 //! libraries inside the FMUs (`build/library.rs`). That inner run lacks the feature `fmu`: it makes only the table, and
-//! compiles no packing code. The same applies if `ROCKING_BLOCK_INNER` is set, or if the crate is a dependency of another.
+//! compiles no packing code. The same applies if `ROCKING_BLOCK_INNER` is set, if the crate is a dependency of another, or if it is
+//! built outside the repository.
 
 #![cfg_attr(not(feature = "fmu"), expect(dead_code, reason = "only the packing code reads the whole description"))]
 
@@ -48,12 +49,15 @@ fn run() -> Result<(), String> {
     let text = read("modelDescription.xml")?;
     let description = description::read(&text).map_err(|e| format!("modelDescription.xml: {e}"))?;
     write_if_changed(&out.join("variables.rs"), &description.code())?;
-    for source in SOURCES {
+    // A missing file would have cargo run the script each time.
+    for source in SOURCES.into_iter().filter(|source| Path::new(source).exists()) {
         println!("cargo::rerun-if-changed={source}");
     }
     // Cargo sets this when it compiles this script for the requested package, but not for a dependency.
     let asked_for = option_env!("CARGO_PRIMARY_PACKAGE").is_some();
-    if std::env::var_os(GUARD).is_some() || !asked_for {
+    // A package from a registry has the library alone.
+    let in_repository = Path::new("crates/fmu2").exists();
+    if std::env::var_os(GUARD).is_some() || !asked_for || !in_repository {
         return Ok(());
     }
     #[cfg(feature = "fmu")]

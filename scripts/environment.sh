@@ -9,7 +9,11 @@ if [ -z "${ROCKING_BLOCK_SKIPPED-}" ]; then
   : >"$ROCKING_BLOCK_SKIPPED"
 fi
 
-python=.venv/bin/python
+# Git's bash on Windows, where Python has other names and folders.
+case ${OSTYPE:-} in
+msys* | cygwin*) python=.venv/Scripts/python.exe system_python=python ;;
+*) python=.venv/bin/python system_python=python3 ;;
+esac
 # rust-fmi's tests need libclang, and the engine of the Python package is tested from Python.
 cargo_test=(cargo test --workspace --exclude importer-tests --exclude rocking-block-python --locked)
 made=$PWD/${CARGO_TARGET_DIR:-target}/release
@@ -24,7 +28,7 @@ step() {
 
 # Installs requirement files into .venv.
 install() {
-  [ -x "$python" ] || python3 -m venv .venv
+  [ -x "$python" ] || "$system_python" -m venv .venv
   "$python" -m pip install --quiet --disable-pip-version-check "${@/#/--requirement=}"
 }
 

@@ -46,7 +46,7 @@ const worker = await script("worker.js");
 const parts = {
   "/*STYLE*/": read("node_modules/uplot/dist/uPlot.min.css") + read("page/style.css"),
   "<!--LICENCES-->": escaped(`uPlot ${JSON.parse(read("node_modules/uplot/package.json")).version}\n\n${read("node_modules/uplot/LICENSE")}\n` +
-    `DejaVu Sans, whose letters are in exported pictures\n\n${read("../assets/LICENSE_DEJAVU")}\n`),
+    `DejaVu Sans, whose letters are in exported pictures\n\n${read("../crates/charts/assets/LICENSE_DEJAVU")}\n`),
   "<!--ENGINE-->": gzipSync(reduced(readFileSync(wasm)), { level: 9 }).toString("base64"),
   "<!--SCRIPT-->": await script("main.js", { WORKER_SOURCE: JSON.stringify(worker), VERSION: JSON.stringify(version) }),
 };

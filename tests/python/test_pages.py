@@ -10,6 +10,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -146,6 +147,24 @@ def test_links_lead_somewhere():
                     anchor(line.lstrip("#")) for line in path.read_text().splitlines() if line.startswith("#")]:
                 lost.append(f"{page.relative_to(ROOT)}: {target}")
     assert not lost
+
+
+def test_all_files_have_the_version_of_cargo_toml():
+    version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+    for name, expected in {
+        "Cargo.toml": f'version = "={version}"',
+        "modelDescription.xml": f'\n  version="{version}"',
+        "CITATION.cff": f"\nversion: {version}\n",
+        "codemeta.json": f'"version": "{version}"',
+        "tools/conda/recipe/recipe.yaml": f"\n  version: {version.replace('-rc.', 'rc')}\n",
+    }.items():
+        found = (ROOT / name).read_text().count(expected)
+        assert found == (4 if name == "Cargo.toml" else 1), f"{name}: {found} times {expected!r}"
+
+
+def test_the_program_embeds_the_record_of_the_repository():
+    name = "np01002p_4225a_a.smc"
+    assert (ROOT / "crates/rocking/records" / name).read_bytes() == (ROOT / "records" / name).read_bytes()
 
 
 def test_the_index_lists_every_page():

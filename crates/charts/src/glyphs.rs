@@ -9,12 +9,12 @@ use std::sync::LazyLock;
 use roxmltree::{Document, Node};
 use ttf_parser::{Face, GlyphId, OutlineBuilder, Rect};
 
-/// The font of all pictures, embedded in the program (assets/LICENSE_DEJAVU).
+/// The font of all pictures, embedded in the program (crates/charts/assets/LICENSE_DEJAVU).
 ///
 /// It holds the Latin, Greek and Cyrillic letters, punctuation and signs of DejaVu Sans 2.35: fonttools' `pyftsubset` with
 /// `--unicodes=U+0-24F,U+2B0-3FF,U+400-45F,U+1E00-1EFF,U+2000-22FF,U+2500-25FF --legacy-kern --layout-features= --no-hinting`.
 static FONT: LazyLock<Face<'static>> = LazyLock::new(|| {
-    let font = Face::parse(include_bytes!("../../../assets/DejaVuSans.ttf"), 0);
+    let font = Face::parse(include_bytes!("../assets/DejaVuSans.ttf"), 0);
     font.expect("the embedded font is valid, as tests show")
 });
 

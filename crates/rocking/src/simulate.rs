@@ -26,7 +26,7 @@ use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
 
 /// Default record: U.S. Geological Survey, public domain.
-const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../../../records/np01002p_4225a_a.smc"));
+const EMBEDDED: (&str, &[u8]) = ("np01002p_4225a_a.smc", include_bytes!("../records/np01002p_4225a_a.smc"));
 
 /// Options of `rocking simulate`.
 #[derive(Parser)]
