@@ -1,6 +1,7 @@
 //! Runs of a block: reference trajectories, conservation laws, convergence, flight, the rigid base, rest, random loads.
 
 #[path = "../common/beyond.rs"]
+#[allow(dead_code, reason = "the tests of the FMUs use the rest")]
 mod beyond_cases;
 #[path = "../common/blocks.rs"]
 #[allow(dead_code, reason = "each room uses a part")]
