@@ -1,7 +1,7 @@
 //! Random blocks with friction, ties and an eccentric centre of mass: energy, mirror images, and limits.
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Tie};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime, Tie};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::system::events::EventKind;
@@ -110,31 +110,22 @@ macro_rules! ensure {
     };
 }
 
-/// Changes between slip and grip within 1e-6/p that count as chatter.
-const CHATTER: usize = 6;
-
 /// Runs a block; fails if its energies or forces are wrong.
 fn check(draw: &Draw) -> Result<(), String> {
     let Some((mut simulation, inputs)) = draw.start(1.0, 1e-10) else { return Ok(()) };
     let block = *simulation.block();
     let barrier = block.mass * block.gravity * block.r0 * block.alpha * block.alpha;
     let end = 12.0 / block.p;
-    let (mut input, mut turns) = (0.0_f64, vec![]);
+    let mut input = 0.0_f64;
     let mut progress = Some(Progress::Reached);
     while simulation.time() < end && !matches!(progress, Some(Progress::Ended(..))) {
         let before = simulation.energies().kinetic;
         let mut landed = false;
         simulation
             .settle(&inputs, &mut |event| {
-                landed |= matches!(event.kind, EventKind::Landing(_));
-                if matches!(event.kind, EventKind::Slip | EventKind::Grip) {
-                    turns.push(event.time);
-                }
+                landed |= matches!(event.kind, EventKind::Landing(_)) && event.before == Regime::Separated;
             })
             .map_err(|error| error.to_string())?;
-        // A foot that turns back, grips and is moved again by a landing; no more than that.
-        let chatters = turns.windows(CHATTER).any(|times| times[CHATTER - 1] - times[0] < 1e-6 / block.p);
-        ensure!(!chatters, "slip and grip chatter at {} s", simulation.time());
         let after = simulation.energies();
         input = input.max(after.input.abs()).max(after.total.abs());
         let size = barrier + input;
@@ -164,7 +155,7 @@ fn check(draw: &Draw) -> Result<(), String> {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// Energies balance, no landing adds energy, no reaction pulls, friction stays within its limit, and no foot chatters.
+    /// Energies balance, no landing from flight adds energy, no reaction pulls, and friction stays within its limit.
     #[test]
     fn energies_balance(draw in draws()) {
         prop_assert_eq!(check(&draw), Ok(()));
