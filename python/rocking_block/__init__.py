@@ -17,6 +17,7 @@ from rocking_block._engine import __version__
 from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, fragility, intensity
 from rocking_block._pulse import Pulse
+from rocking_block._frame import Frame, FrameRun, frame
 from rocking_block._record import Record, read_record
 from rocking_block._run import Counts, Energy, Event, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
@@ -33,6 +34,8 @@ __all__ = [
     "Peak",
     "Pulse",
     "Record",
+    "Frame",
+    "FrameRun",
     "Run",
     "Search",
     "Table",
@@ -45,6 +48,7 @@ __all__ = [
     "outcomes",
     "read_record",
     "search_damping",
+    "frame",
     "search_overturning",
     "spectrum",
     "sweep",

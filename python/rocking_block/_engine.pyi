@@ -228,6 +228,8 @@ def search_overturning(
     pulse: object | None,
     horizontal: Record | None,
     vertical: Record | None,
+def frame_block(columns: int, column: Block, beam_mass: float) -> dict[str, float]: ...
+def frame_response(columns: int, column: Block, beam_mass: float, motion: list[_Floats]) -> dict[str, _Floats]: ...
     scan: dict[str, Any],
     options: dict[str, Any],
     tick: _Tick,

@@ -8,6 +8,7 @@
 //! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
 //! | `history` | a block and its excitation → columns over time |
 //! | `studies` | many blocks under many ground motions → a column each |
+//! | `frame` | columns under a beam → the equivalent block, and the forces of the columns |
 //! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `search` | a range → the values at which the outcome changes |
@@ -20,6 +21,7 @@ mod foundations;
 mod fragility;
 mod history;
 mod options;
+mod frame;
 mod record;
 mod search;
 mod studies;
@@ -43,6 +45,8 @@ mod _engine {
     use super::history::history;
     #[pymodule_export]
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
+    #[pymodule_export]
+    use super::frame::{frame_block, frame_response};
     #[pymodule_export]
     use super::record::{Record, intensity, read_record};
     #[pymodule_export]

@@ -19,7 +19,8 @@ ROOT = Path(__file__).resolve().parents[2]
 COMMAND_PAGES = [ROOT / page for page in (
     "README.md", "docs/program.md", "docs/python.md", "docs/foundations.md", "docs/tutorial.md", "docs/gallery.md",
     "docs/guides/record.md", "docs/guides/foundation.md", "docs/guides/fragility.md")]
-PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md", "docs/guides/fmu.md")]
+PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md", "docs/guides/fmu.md", "docs/frames.md",
+                                             "docs/floors.md")]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
 FMU = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
 # A block of indented lines after an empty one, and a fence.

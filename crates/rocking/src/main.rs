@@ -17,6 +17,7 @@
 //! | [`block_options`] | options of a single block → a block |
 //! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
 //! | [`sketch`] | options → a block → its sketch and its values |
+//! | [`frame`] | options → columns under a beam → one run of their equivalent block |
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
 //! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
@@ -60,6 +61,8 @@ mod summary;
 mod simulate;
 
 mod sketch;
+
+mod frame;
 
 mod spectrum;
 
@@ -105,6 +108,8 @@ enum Command {
     Simulate(Box<simulate::Options>),
     /// Draw a block with its foundation and dimensions
     Sketch(Box<sketch::Options>),
+    /// Simulate equal columns under a freely supported beam, with the forces of the columns
+    Frame(Box<frame::Options>),
     /// Compute peak rotations of blocks of all sizes on several foundations
     Spectrum(Box<spectrum::Options>),
     /// Vary any parameters, records and their strengths: a table of runs for fragility curves
@@ -197,6 +202,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
     match Arguments::from_arg_matches(matches)?.command {
         Some(Command::Simulate(options)) => simulate::run(&options, &explicit),
         Some(Command::Sketch(options)) => sketch::run(&options, &explicit),
+        Some(Command::Frame(options)) => frame::run(&options, &explicit),
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),

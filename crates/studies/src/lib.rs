@@ -8,6 +8,7 @@
 //! | [`foundations`] | materials and sizes → friction, restitution, stiffness and damping with their sources |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
 //! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
+//! | [`frame`] | columns under a beam → the block that rocks like them, and the forces of the frame |
 //! | [`spectrum`] | blocks of all sizes under several ground motions → a table of peak rotations |
 //! | [`search`] | a block, a parameter and its range → the values at which the outcome changes |
 //! | [`sweep`] | parameters × ground motions × strengths → a table of outcomes; samples of an ensemble |
@@ -28,6 +29,8 @@ pub mod run;
 pub mod output;
 
 pub mod spectrum;
+pub mod frame;
+
 
 pub mod search;
 
