@@ -13,11 +13,12 @@ up.
 
 from rocking_block import foundations
 from rocking_block._block import Block
+from rocking_block._building import Building, FloorMotions, floor_motions
 from rocking_block._engine import __version__
 from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, fragility, intensity
-from rocking_block._pulse import Pulse
 from rocking_block._frame import Frame, FrameRun, frame
+from rocking_block._pulse import Pulse
 from rocking_block._record import Record, read_record
 from rocking_block._run import Counts, Energy, Event, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
@@ -27,28 +28,31 @@ from rocking_block._tie import Tie
 
 __all__ = [
     "Block",
+    "Building",
     "Counts",
     "Energy",
     "Event",
+    "FloorMotions",
     "Fragility",
+    "Frame",
+    "FrameRun",
     "Peak",
     "Pulse",
     "Record",
-    "Frame",
-    "FrameRun",
     "Run",
     "Search",
     "Table",
     "Tie",
     "blocks",
+    "floor_motions",
     "fmu_path",
     "foundations",
     "fragility",
+    "frame",
     "intensity",
     "outcomes",
     "read_record",
     "search_damping",
-    "frame",
     "search_overturning",
     "spectrum",
     "sweep",

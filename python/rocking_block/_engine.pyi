@@ -119,6 +119,31 @@ class Blocks:
     def foundations(self) -> list[str]: ...
 
 @disjoint_base
+class Building:
+    def __new__(
+        cls,
+        *,
+        floor_masses: Sequence[float] | None = None,
+        storey_stiffnesses: Sequence[float] | None = None,
+        frequencies: Sequence[float] | None = None,
+        participation: Sequence[float] | None = None,
+        shapes: Sequence[Sequence[float]] | None = None,
+        damping: float | Sequence[float] | None = None,
+        rayleigh: tuple[float, tuple[int, int]] | None = None,
+    ) -> Self: ...
+    @property
+    def floors(self) -> int: ...
+    @property
+    def frequencies(self) -> _Floats: ...
+    @property
+    def damping(self) -> _Floats: ...
+    @property
+    def participation(self) -> _Floats: ...
+    @property
+    def shapes(self) -> list[list[float]]: ...
+    def motions(self, record: Record) -> list[tuple[int, _Floats, float, float]]: ...
+
+@disjoint_base
 class Record:
     def __new__(cls, acceleration: _Floats, dt: float, name: str = "", start: float = 0.0) -> Self: ...
     def __len__(self) -> int: ...
@@ -203,6 +228,8 @@ def history(
     options: dict[str, Any],
     tick: _Tick,
 ) -> dict[str, Any]: ...
+def frame_block(columns: int, column: Block, beam_mass: float) -> dict[str, float]: ...
+def frame_response(columns: int, column: Block, beam_mass: float, motion: list[_Floats]) -> dict[str, _Floats]: ...
 def outcomes(
     blocks: Blocks,
     pairs: Sequence[_Pair],
@@ -228,8 +255,6 @@ def search_overturning(
     pulse: object | None,
     horizontal: Record | None,
     vertical: Record | None,
-def frame_block(columns: int, column: Block, beam_mass: float) -> dict[str, float]: ...
-def frame_response(columns: int, column: Block, beam_mass: float, motion: list[_Floats]) -> dict[str, _Floats]: ...
     scan: dict[str, Any],
     options: dict[str, Any],
     tick: _Tick,

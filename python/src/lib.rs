@@ -4,11 +4,12 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | `block` | parameters → a block, or many |
+//! | `building` | floor masses and storey stiffnesses, or modes → a building, motions of its floors |
 //! | `record` | a file or an array → a record |
 //! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
 //! | `history` | a block and its excitation → columns over time |
-//! | `studies` | many blocks under many ground motions → a column each |
 //! | `frame` | columns under a beam → the equivalent block, and the forces of the columns |
+//! | `studies` | many blocks under many ground motions → a column each |
 //! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `search` | a range → the values at which the outcome changes |
@@ -17,11 +18,12 @@
 #![deny(clippy::disallowed_methods)]
 
 mod block;
+mod building;
 mod foundations;
 mod fragility;
+mod frame;
 mod history;
 mod options;
-mod frame;
 mod record;
 mod search;
 mod studies;
@@ -38,15 +40,17 @@ mod _engine {
     #[pymodule_export]
     use super::block::{Block, Blocks};
     #[pymodule_export]
+    use super::building::Building;
+    #[pymodule_export]
     use super::foundations::{foundation_pairs, pad_support, soil_support};
     #[pymodule_export]
     use super::fragility::Fragility;
     #[pymodule_export]
+    use super::frame::{frame_block, frame_response};
+    #[pymodule_export]
     use super::history::history;
     #[pymodule_export]
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
-    #[pymodule_export]
-    use super::frame::{frame_block, frame_response};
     #[pymodule_export]
     use super::record::{Record, intensity, read_record};
     #[pymodule_export]

@@ -5,10 +5,11 @@
 //! | [`statistics`] | deviates and seeds → probabilities, random samples |
 //! | [`input`] | study files and accelerogram files → parameters and records |
 //! | [`intensity`] | a record → its intensity measures |
+//! | [`building`] | a record, an elastic building → the motions of its floors |
 //! | [`foundations`] | materials and sizes → friction, restitution, stiffness and damping with their sources |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
-//! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
 //! | [`frame`] | columns under a beam → the block that rocks like them, and the forces of the frame |
+//! | [`output`] | numbered tasks → rows of a CSV file, in order, resumable |
 //! | [`spectrum`] | blocks of all sizes under several ground motions → a table of peak rotations |
 //! | [`search`] | a block, a parameter and its range → the values at which the outcome changes |
 //! | [`sweep`] | parameters × ground motions × strengths → a table of outcomes; samples of an ensemble |
@@ -22,15 +23,17 @@ pub mod input;
 
 pub mod intensity;
 
+pub mod building;
+
 pub mod foundations;
 
 pub mod run;
 
+pub mod frame;
+
 pub mod output;
 
 pub mod spectrum;
-pub mod frame;
-
 
 pub mod search;
 

@@ -90,6 +90,11 @@ impl<'a> Section<'a> {
         self.source.wrong(&value.span(), format!("{key} = {}; expected {expected}", self.shown(value)))
     }
 
+    /// An error at a value, in words that name it.
+    pub fn refused(&self, value: SpannedValue, message: String) -> StudyFileError {
+        self.source.wrong(&value.span(), message)
+    }
+
     /// An error for a missing key, at the table.
     pub fn lacks(&self, key: &str, expected: &str) -> StudyFileError {
         self.source.wrong(&self.range, format!("{} has no {key}; expected {expected}", self.name))
@@ -153,10 +158,26 @@ impl<'a> Section<'a> {
         fits: impl Fn(f64) -> bool,
         expected: &str,
     ) -> Result<Option<Vec<f64>>, StudyFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
+        self.get(key).map(|value| self.list(key, value, &fits, expected)).transpose()
+    }
+
+    fn list(
+        &self,
+        key: &str,
+        value: SpannedValue,
+        fits: &impl Fn(f64) -> bool,
+        expected: &str,
+    ) -> Result<Vec<f64>, StudyFileError> {
         let list = value.get_ref().as_array().filter(|list| !list.is_empty());
         let list = list.ok_or_else(|| self.wrong(key, value, expected))?;
-        list.iter().map(|value| self.fitting(key, value, &fits, expected)).collect::<Result<_, _>>().map(Some)
+        list.iter().map(|value| self.fitting(key, value, fits, expected)).collect()
+    }
+
+    /// A required list of lists of finite numbers.
+    pub fn lists(&self, key: &str, expected: &str) -> Result<Vec<Vec<f64>>, StudyFileError> {
+        let value = self.get(key).ok_or_else(|| self.lacks(key, expected))?;
+        let lists = value.get_ref().as_array().ok_or_else(|| self.wrong(key, value, expected))?;
+        lists.iter().map(|list| self.list(key, list, &|_| true, expected)).collect()
     }
 }
 

@@ -19,6 +19,7 @@ use std::str::FromStr;
 use rocking_block::block::{Block, Corner};
 use rocking_records::Record;
 
+pub(crate) use oscillator::Step;
 pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
 pub use period::mean_period;
 pub use sums::{arias, cumulative_absolute_velocity, pga, pgd, pgv, significant_duration};
@@ -54,6 +55,11 @@ pub enum Measure {
     /// T. S. Paraskeva, Dimensionless fragility curves for rocking response to near-fault excitations, EESD 44 (2015)
     /// 2015–2033).
     PgvToOverturning,
+    /// Peak floor acceleration (m/s²): greatest absolute acceleration of the floor on which the block stands.
+    Pfa,
+    /// Peak floor velocity (m/s): greatest absolute velocity of the floor, that of the ground included; the demand of FEMA P-58
+    /// for blocks that overturn.
+    Pfv,
     /// p·T_m (1), the mean period relative to the time scale 1/p of the block.
     PeriodToBlock,
 }
@@ -75,6 +81,9 @@ impl Measure {
     /// Measures of a record relative to a block.
     pub const OF_BLOCK: [Measure; 3] = [Measure::PgaToUplift, Measure::PgvToOverturning, Measure::PeriodToBlock];
 
+    /// Measures of the motion of a floor, which a study with a building has.
+    pub const OF_FLOOR: [Measure; 2] = [Measure::Pfa, Measure::Pfv];
+
     /// Measures of a record alone: [`Measure::OF_RECORD`], then Sa and Sv at each period (s).
     pub fn of_record(periods: &[f64]) -> Vec<Measure> {
         let spectral = [Measure::Sa as fn(f64) -> Measure, Measure::Sv];
@@ -90,8 +99,8 @@ impl Measure {
     /// The unit.
     pub fn unit(self) -> &'static str {
         match self {
-            Measure::Pga | Measure::Sa(_) => "m/s2",
-            Measure::Pgv | Measure::Arias | Measure::Cav | Measure::Sv(_) => "m/s",
+            Measure::Pga | Measure::Sa(_) | Measure::Pfa => "m/s2",
+            Measure::Pgv | Measure::Arias | Measure::Cav | Measure::Sv(_) | Measure::Pfv => "m/s",
             Measure::Pgd | Measure::SpectrumIntensity => "m",
             Measure::PgvToPga | Measure::SignificantDuration | Measure::MeanPeriod => "s",
             Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock => "1",
@@ -110,6 +119,8 @@ impl Measure {
             | Measure::SpectrumIntensity
             | Measure::Sa(_)
             | Measure::Sv(_)
+            | Measure::Pfa
+            | Measure::Pfv
             | Measure::PgaToUplift
             | Measure::PgvToOverturning => 1,
         }
@@ -130,7 +141,7 @@ impl Measure {
 
     /// The value for a record; `gravity` (m/s²) is that of the Arias intensity.
     ///
-    /// `None` for measures relative to a block, and for periods and durations of a record of zeros.
+    /// `None` for measures relative to a block or of a floor, and for periods and durations of a record of zeros.
     pub fn of(self, record: &Record, gravity: f64) -> Option<f64> {
         let value = match self {
             Measure::Pga => pga(record),
@@ -144,6 +155,7 @@ impl Measure {
             Measure::SpectrumIntensity => spectrum_intensity(record),
             Measure::Sa(period) => spectral_acceleration(record, period),
             Measure::Sv(period) => oscillator_peaks(record, period).velocity,
+            Measure::Pfa | Measure::Pfv => return None,
             Measure::PgaToUplift | Measure::PgvToOverturning | Measure::PeriodToBlock => return None,
         };
         Some(value).filter(|value| value.is_finite())
@@ -165,6 +177,8 @@ impl std::fmt::Display for Measure {
             Measure::SpectrumIntensity => "SI",
             Measure::Sa(period) => return write!(f, "Sa({period} s)"),
             Measure::Sv(period) => return write!(f, "Sv({period} s)"),
+            Measure::Pfa => "PFA",
+            Measure::Pfv => "PFV",
             Measure::PgaToUplift => "PGA/(g tan alpha)",
             Measure::PgvToOverturning => "p PGV/(g tan alpha)",
             Measure::PeriodToBlock => "p T_m",
@@ -177,8 +191,8 @@ impl FromStr for Measure {
 
     /// Reads a name in any case, as in `PGV` or `Sa(0.5 s)`.
     fn from_str(name: &str) -> Result<Measure, String> {
-        let mut named = Measure::OF_RECORD.into_iter().chain(Measure::OF_BLOCK);
-        if let Some(measure) = named.find(|measure| measure.to_string().eq_ignore_ascii_case(name)) {
+        let named = || Measure::OF_RECORD.into_iter().chain(Measure::OF_FLOOR).chain(Measure::OF_BLOCK);
+        if let Some(measure) = named().find(|measure| measure.to_string().eq_ignore_ascii_case(name)) {
             return Ok(measure);
         }
         let spectral = [("sa(", Measure::Sa as fn(f64) -> Measure), ("sv(", Measure::Sv)];
@@ -188,8 +202,7 @@ impl FromStr for Measure {
             PERIODS.contains(&period).then(|| kind(period))
         });
         found.ok_or_else(|| {
-            let known: Vec<String> =
-                Measure::OF_RECORD.into_iter().chain(Measure::OF_BLOCK).map(|measure| measure.to_string()).collect();
+            let known: Vec<String> = named().map(|measure| measure.to_string()).collect();
             format!("found intensity measure `{name}`; expected one of {}, Sa(0.5 s), Sv(0.5 s)", known.join(", "))
         })
     }
@@ -218,7 +231,7 @@ mod tests {
 
     #[test]
     fn names_are_read_back() {
-        for measure in Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_BLOCK) {
+        for measure in Measure::of_record(&[0.5, 1.25]).into_iter().chain(Measure::OF_FLOOR).chain(Measure::OF_BLOCK) {
             assert_eq!(measure.to_string().parse(), Ok(measure));
         }
         for (spelling, measure) in

@@ -58,7 +58,7 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
     const STEPS_A_PERIOD: f64 = 20.0;
     let omega = TAU / period;
     let parts = (record.time_step / (period / STEPS_A_PERIOD)).ceil().max(1.0);
-    let step = Step::new(omega, record.time_step / parts);
+    let step = Step::new(omega, DAMPING, record.time_step / parts);
     let (mut state, mut peaks) = ([0.0; 2], OscillatorPeaks::default());
     let mut pass = |from: f64, to: f64| {
         let slope = (to - from) / record.time_step;
@@ -66,7 +66,7 @@ fn peaks<const VELOCITY: bool>(record: &Record, period: f64) -> OscillatorPeaks 
             let a = from + (to - from) * part as f64 / parts;
             let before = state;
             state = step.take(before, a, slope);
-            let at = |t: f64| [Step::new(omega, t).take(before, a, slope), [a + slope * t, slope]];
+            let at = |t: f64| [Step::new(omega, DAMPING, t).take(before, a, slope), [a + slope * t, slope]];
             let ends = [[before, [a, slope]], [state, [a + slope * step.duration, slope]]];
             peaks.displacement = higher(peaks.displacement, ends, step.duration, |[[u, u_dot], _]| [u, u_dot], at);
             if !VELOCITY {
@@ -107,8 +107,10 @@ fn higher(
 }
 
 /// `ü + 2 ζ ω u̇ + ω² u = −a(t)` over a step in which a is linear.
-struct Step {
+pub(crate) struct Step {
     omega: f64,
+    /// Damping ratio ζ, less than 1.
+    damping: f64,
     omega_d: f64,
     duration: f64,
     /// `exp(−ζ ω h)` times cosine and sine of `ω_d h`.
@@ -117,23 +119,23 @@ struct Step {
 }
 
 impl Step {
-    fn new(omega: f64, duration: f64) -> Step {
-        let omega_d = omega * (1.0 - DAMPING * DAMPING).sqrt();
-        let decay = libm::exp(-DAMPING * omega * duration);
+    pub(crate) fn new(omega: f64, damping: f64, duration: f64) -> Step {
+        let omega_d = omega * (1.0 - damping * damping).sqrt();
+        let decay = libm::exp(-damping * omega * duration);
         let (sin, cos) = libm::sincos(omega_d * duration);
-        Step { omega, omega_d, duration, cos: decay * cos, sin: decay * sin }
+        Step { omega, damping, omega_d, duration, cos: decay * cos, sin: decay * sin }
     }
 
     /// `[u, u̇]` at the end of the step, from those at its start, the acceleration there and its rate.
-    fn take(&self, [u, u_dot]: [f64; 2], a: f64, slope: f64) -> [f64; 2] {
-        let Step { omega, omega_d, duration, cos, sin } = *self;
+    pub(crate) fn take(&self, [u, u_dot]: [f64; 2], a: f64, slope: f64) -> [f64; 2] {
+        let Step { omega, damping, omega_d, duration, cos, sin } = *self;
         // The particular solution `c0 + c1 t`, plus the free vibration that meets the initial state.
         let c1 = -slope / (omega * omega);
-        let c0 = (-a - 2.0 * DAMPING * omega * c1) / (omega * omega);
+        let c0 = (-a - 2.0 * damping * omega * c1) / (omega * omega);
         let free = u - c0;
-        let free_sin = (u_dot - c1 + DAMPING * omega * free) / omega_d;
+        let free_sin = (u_dot - c1 + damping * omega * free) / omega_d;
         let free_end = free * cos + free_sin * sin;
-        let rate_end = omega_d * (free_sin * cos - free * sin) - DAMPING * omega * free_end;
+        let rate_end = omega_d * (free_sin * cos - free * sin) - damping * omega * free_end;
         [free_end + c0 + c1 * duration, rate_end + c1]
     }
 }
@@ -165,7 +167,7 @@ mod tests {
     fn a_ramp_gives_the_closed_form_with_any_step() {
         let (omega, slope, root) = (TAU / 0.7, 3.0, (1.0 - DAMPING * DAMPING).sqrt());
         for h in [0.013, 0.1, 0.31] {
-            let step = Step::new(omega, h);
+            let step = Step::new(omega, DAMPING, h);
             let mut state = [0.0; 2];
             for i in 0..20 {
                 state = step.take(state, slope * f64::from(i) * h, slope);

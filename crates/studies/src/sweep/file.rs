@@ -5,6 +5,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::building;
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
 use crate::intensity::{self, Measure};
@@ -34,7 +35,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let source = StudyText { file, text };
     let document = source.parse()?;
     let (table, place) = (document.get_ref(), document.span());
-    let root = Section::new(source, "the file", place, table, &["study", "parameters", "records"])?;
+    let root = Section::new(source, "the file", place, table, &["study", "parameters", "records", "building"])?;
     let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction_demand", "ensemble"];
     let keys = [&keys[..], &strength::KEYS].concat();
     let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
@@ -54,9 +55,25 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let strengths = strength::read(&study)?;
     let mut of_record = Measure::of_record(&periods);
     // Its period need not be one of `periods`.
-    let level = strengths.measure().filter(|measure| !Measure::OF_BLOCK.contains(measure));
+    let elsewhere = [&Measure::OF_FLOOR[..], &Measure::OF_BLOCK].concat();
+    let level = strengths.measure().filter(|measure| !elsewhere.contains(measure));
     of_record.extend(level.filter(|measure| !of_record.contains(measure)));
-    let motions = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
+    let mut motions = records::read(&root, source, folder, &of_record, || gravity(&given, source))?;
+    if let Some((building, floors)) = building::file::read(&root)? {
+        if let (false, Some(value)) =
+            (motions.iter().all(|motion| motion.ground.horizontal.is_some()), root.get("building"))
+        {
+            return Err(
+                root.refused(value, "building has no effect without a horizontal record in each [[records]]".into())
+            );
+        }
+        motions = motions.iter().flat_map(|motion| on_floors(motion, &building, &floors)).collect();
+        of_record.extend(Measure::OF_FLOOR);
+    } else if let (Some(measure), Some(value)) = (strengths.measure(), study.get("levels").or(study.get("least"))) {
+        if Measure::OF_FLOOR.contains(&measure) {
+            return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
+        }
+    }
     let ensemble = ensemble::read(&study, source)?;
     let without_records = motions.iter().all(|motion| !motion.has_record());
     for key in strength::KEYS.into_iter().chain(["periods"]) {
@@ -101,6 +118,14 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     };
     check(&sweep, &given, &study, source)?;
     Ok(sweep)
+}
+
+/// The motions of these floors under a ground motion with a horizontal record.
+fn on_floors(motion: &GroundMotion, building: &building::Building, floors: &[usize]) -> Vec<GroundMotion> {
+    let of_building = motion.ground.horizontal.iter().flat_map(|record| building.floor_motions(record));
+    let mut of_building: Vec<_> = of_building.map(Some).collect();
+    // Each floor is taken once: a list that names it twice is refused.
+    floors.iter().filter_map(|&floor| of_building.get_mut(floor)?.take()).map(|found| motion.on_floor(found)).collect()
 }
 
 /// Reads the samples and the seed of a Latin hypercube; nothing for a grid.

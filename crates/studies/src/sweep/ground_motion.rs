@@ -1,5 +1,6 @@
 //! Records and the requested measures → a ground motion of a sweep.
 
+use crate::building::FloorMotion;
 use crate::intensity::{Measure, pga};
 use rocking_block::block::Block;
 use rocking_block::ground::Ground;
@@ -9,8 +10,10 @@ use rocking_block::ground::Ground;
 pub struct GroundMotion {
     /// Names of the horizontal and the vertical file as written in the study.
     pub names: [String; 2],
-    /// The records, unscaled.
+    /// The records, unscaled; in a building the horizontal one is the absolute acceleration of the floor.
     pub ground: Ground,
+    /// The floor on which the block stands, in a study with a building; 0 is the ground.
+    pub floor: Option<usize>,
     /// Measures of the unscaled horizontal record, computed once for all blocks; `None` where it has no value.
     intensities: Vec<(Measure, Option<f64>)>,
     /// PGA of the unscaled vertical record (m/s²).
@@ -23,7 +26,16 @@ impl GroundMotion {
         let of = |measure: Measure| ground.horizontal.as_ref().and_then(|record| measure.of(record, gravity));
         let intensities = measures.iter().map(|&measure| (measure, of(measure))).collect();
         let vertical_pga = ground.vertical.as_ref().map(pga);
-        GroundMotion { names, ground, intensities, vertical_pga }
+        GroundMotion { names, ground, floor: None, intensities, vertical_pga }
+    }
+
+    /// The motion of a floor under this ground motion; measures of the record remain those of the ground.
+    pub fn on_floor(&self, motion: FloorMotion) -> GroundMotion {
+        let FloorMotion { floor, record, pfa, pfv } = motion;
+        let mut on_floor = GroundMotion { floor: Some(floor), ..self.clone() };
+        on_floor.ground.horizontal = Some(record);
+        on_floor.intensities.extend([(Measure::Pfa, Some(pfa)), (Measure::Pfv, Some(pfv))]);
+        on_floor
     }
 
     /// A measure of the horizontal record times `scale`, relative to this block where the measure is.

@@ -102,6 +102,11 @@ impl Sweep {
         Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) }
     }
 
+    /// Whether the blocks stand on the floors of a building.
+    pub fn has_building(&self) -> bool {
+        self.motions.iter().any(|motion| motion.floor.is_some())
+    }
+
     /// The inputs of a row. Reading the study file has checked that all combinations are valid blocks.
     fn inputs(&self, row: u64) -> RowInputs<'_> {
         let (strengths, motions) = (self.strengths.count(), self.motions.len() as u64);
@@ -220,11 +225,14 @@ impl Study for Sweep {
         let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
         study.extend(self.text.iter().cloned());
         study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
-        for GroundMotion { names, ground, .. } in &self.motions {
-            study.push(format!("{}: {}", names.join(" + "), ground.fingerprint()));
+        for GroundMotion { names, ground, floor, .. } in &self.motions {
+            let floor = floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
+            study.push(format!("{}{floor}: {}", names.join(" + "), ground.fingerprint()));
         }
         let mut columns: Vec<String> = self.parameters.iter().map(|swept| swept.parameter.heading()).collect();
-        columns.extend(["record", "vertical", "scale [1]", "PGA.vertical [m/s2]"].map(String::from));
+        columns.extend(["record", "vertical"].map(String::from));
+        columns.extend(self.has_building().then(|| "floor [1]".into()));
+        columns.extend(["scale [1]", "PGA.vertical [m/s2]"].map(String::from));
         columns.extend(self.measures.iter().map(|measure| measure.heading()));
         match &self.strengths {
             Strengths::Scales(_) | Strengths::Levels(..) => {
@@ -271,6 +279,7 @@ impl Sweep {
         let mut fields: Vec<String> =
             self.parameters.iter().zip(combination).map(|(swept, value)| swept.parameter.display(*value)).collect();
         fields.extend(motion.names.iter().cloned());
+        fields.extend(motion.floor.map(|floor| floor.to_string()));
         fields.push(or_empty(motion.has_record().then_some(*scale)));
         fields.push(or_empty(motion.vertical_pga(*scale)));
         fields.extend(self.measures.iter().map(|&measure| or_empty(inputs.intensity(measure))));
