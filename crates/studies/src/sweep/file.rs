@@ -69,10 +69,10 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         }
         motions = motions.iter().flat_map(|motion| on_floors(motion, &building, &floors)).collect();
         of_record.extend(Measure::OF_FLOOR);
-    } else if let (Some(measure), Some(value)) = (strengths.measure(), study.get("levels").or(study.get("least"))) {
-        if Measure::OF_FLOOR.contains(&measure) {
-            return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
-        }
+    } else if let (Some(measure), Some(value)) = (strengths.measure(), study.get("levels").or(study.get("least")))
+        && Measure::OF_FLOOR.contains(&measure)
+    {
+        return Err(root.refused(value, format!("{measure} is that of a floor; expected a [building]")));
     }
     let ensemble = ensemble::read(&study, source)?;
     let without_records = motions.iter().all(|motion| !motion.has_record());
