@@ -50,6 +50,20 @@ def test_velocity_tells_overturning_better_than_acceleration():
 
 
 @pytest.mark.check
+def test_medians_of_fema_lie_between_lifting_and_overturning():
+    """The claims of docs/contents.md, for two bodies, one record and half of the levels."""
+    import contents
+
+    bookcase, cabinet = contents.runs(
+        [rb.read_record(ROOT / "records/0111a.smc")], [contents.COMPONENTS[i] for i in (2, 5)], (0.0, 0.3), contents.LEVELS[::2]
+    )
+    for tables, (_, _, depth, height, median) in zip((bookcase, cabinet), [contents.COMPONENTS[i] for i in (2, 5)]):
+        lifts, overturns = (rb.fragility(tables[0], "PFV", limit).median for limit in (0.01, "overturned"))
+        assert lifts < median < overturns, (depth, height)
+    assert "overturned" not in cabinet[1]["outcome"] and "overturned" in bookcase[1]["outcome"]
+
+
+@pytest.mark.check
 def test_a_cabinet_on_an_opensees_frame():
     if importlib.util.find_spec("openseespylinux") is None:
         pytest.skip("openseespy has no build for this platform or is not installed")

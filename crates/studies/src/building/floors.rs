@@ -58,7 +58,7 @@ impl Building {
         let envelope = |states: &[[f64; 2]]| -> f64 {
             let bound = |(number, (mode, [u, u_dot])): (usize, (&Mode, &[f64; 2]))| {
                 let weight = weights.iter().map(|of| of[number].abs()).fold(0.0, f64::max);
-                weight * mode.omega() * (mode.omega() * u).hypot(*u_dot)
+                weight * mode.omega() * libm::hypot(mode.omega() * u, *u_dot)
             };
             self.modes().iter().zip(states).enumerate().map(bound).sum()
         };

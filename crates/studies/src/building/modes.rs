@@ -93,9 +93,10 @@ impl Building {
             let shape: Vec<f64> = vector.iter().zip(masses).map(|(x, mass)| x / mass.sqrt()).collect();
             let largest = shape.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
             let shape: Vec<f64> = shape.iter().map(|x| x / largest).collect();
-            let sum = |power: i32| -> f64 { shape.iter().zip(masses).map(|(x, mass)| mass * x.powi(power)).sum() };
+            let first: f64 = shape.iter().zip(masses).map(|(x, mass)| mass * x).sum();
+            let second: f64 = shape.iter().zip(masses).map(|(x, mass)| mass * x * x).sum();
             let frequency = solved.eigenvalues[number].sqrt() / TAU;
-            Mode { frequency, damping: 0.0, participation: sum(1) / sum(2), shape }
+            Mode { frequency, damping: 0.0, participation: first / second, shape }
         });
         Building { modes: modes.collect(), floors }.damped(damping)
     }
