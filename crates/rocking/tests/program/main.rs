@@ -6,11 +6,13 @@
 //! | `inputs` | options, study files and records: values, choices, refusals |
 //! | `simulate` | single runs: table, picture and summary |
 //! | `sketch` | pictures of a block and its values |
+//! | `frame` | columns under a beam: block, table, refusals |
 //! | `foundations` | friction, restitution and supports with their sources |
 //! | `studies` | spectra, sweeps, searches, fragility curves, figures |
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
 
 mod foundations;
+mod frame;
 mod holds;
 mod inputs;
 #[cfg(unix)]

@@ -7,9 +7,10 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "simulate",
     "sketch",
+    "frame",
     "spectrum",
     "sweep",
     "record",
