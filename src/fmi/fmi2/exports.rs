@@ -2,6 +2,11 @@
 //!
 //! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
 //! The crate `crates/fmu2` compiles this file as the FMU's library and exports the names.
+//!
+//! For all functions the component is null or a live instance (standard, 2.1.5), arrays have the given number of elements (2.1.7,
+//! 2.1.9, 3.2.1, 4.2.1), and strings end with 0 (2.1.5). Saved states come from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and have
+//! not been freed, and a pointer to a state points to null or to such a state (2.1.8). Places for results are only written (2.1.7,
+//! 3.2.2, 4.2.3).
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
@@ -54,466 +59,166 @@ pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
     unsafe { boundary::free_instance(component) }
 }
 
-/// Chooses the categories that are logged.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetDebugLogging(
-    component: fmi2Component,
-    logging_on: fmi2Boolean,
-    count: size_t,
-    categories: *const fmi2String,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `categories` are `count`
-    // strings that end with 0 (standard, 2.1.5).
-    unsafe {
-        call(component, Call::SetDebugLogging, |instance| {
-            instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
-        })
-    }
+/// Functions of an instance: each has a line with its name, its call, its other arguments and its body.
+macro_rules! functions {
+    ($($(#[$doc:meta])* $name:ident $call:ident($($argument:ident: $type:ty),*) = $body:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(component: fmi2Component, $($argument: $type),*) -> fmi2Status {
+            // SAFETY: the component is null or live (standard, 2.1.5); the clauses at the top of this file hold for other pointers.
+            unsafe { call(component, Call::$call, $body) }
+        }
+    )*};
 }
 
-/// Sets tolerance, start and stop of the run.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetupExperiment(
-    component: fmi2Component,
-    tolerance_defined: fmi2Boolean,
-    tolerance: fmi2Real,
-    start_time: fmi2Real,
-    stop_time_defined: fmi2Boolean,
-    stop_time: fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe {
-        call(component, Call::SetupExperiment, |instance| {
-            let tolerance = is_true(tolerance_defined).then_some(tolerance);
-            instance.plan(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
-        })
-    }
-}
-
-/// Begins initialization.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::EnterInitializationMode, Instance::enter_initialization_mode) }
-}
-
-/// Ends initialization and makes the block.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::ExitInitializationMode, Instance::exit_initialization_mode) }
-}
-
-/// Ends the run.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::Terminate, Instance::terminate) }
-}
-
-/// Returns to the state after instantiation.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::Reset, Instance::reset) }
-}
-
-/// Reads Real variables.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetReal(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references, and memory for as many values, which is only written (standard, 2.1.7).
-    unsafe {
-        call(component, Call::GetReal, |instance| {
-            let mut values = room("value", values, count)?;
-            let references = values.read_beside("vr", references, count)?;
-            instance.get(Kind::Real, &references, values.places(), |value| value)
-        })
-    }
-}
-
-/// Reads Integer variables and enumerations.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetInteger(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *mut fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references, and memory for as many values, which is only written (standard, 2.1.7).
-    unsafe {
-        call(component, Call::GetInteger, |instance| {
-            let mut values = room("value", values, count)?;
-            let references = values.read_beside("vr", references, count)?;
-            instance.get(Kind::Integer, &references, values.places(), |value| value as fmi2Integer)
-        })
-    }
-}
-
-/// Reads Boolean variables.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetBoolean(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *mut fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references, and memory for as many values, which is only written (standard, 2.1.7).
-    unsafe {
-        call(component, Call::GetBoolean, |instance| {
-            let mut values = room("value", values, count)?;
-            let references = values.read_beside("vr", references, count)?;
-            instance.get(Kind::Boolean, &references, values.places(), |value| fmi2Boolean::from(value != 0.0))
-        })
-    }
-}
-
-/// Reads String variables. The results are valid until the next call.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetString(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *mut fmi2String,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references, and memory for as many values, which is only written (standard, 2.1.7).
-    unsafe {
-        call(component, Call::GetString, |instance| {
-            let mut values = room("value", values, count)?;
-            let references = values.read_beside("vr", references, count)?;
-            let texts = instance.get_texts(&references)?;
-            write(texts.iter().map(|text| Ok(text.as_ptr())), values.places())
-        })
-    }
-}
-
-/// Sets Real variables, all or none.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetReal(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *const fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references and as many values (standard, 2.1.7).
-    unsafe {
-        call(component, Call::SetReal, |instance| {
-            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-            instance.set(Kind::Real, references, values, |value| value)
-        })
-    }
-}
-
-/// Sets Integer variables and enumerations, all or none.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetInteger(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *const fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references and as many values (standard, 2.1.7).
-    unsafe {
-        call(component, Call::SetInteger, |instance| {
-            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-            instance.set(Kind::Integer, references, values, f64::from)
-        })
-    }
-}
-
-/// Sets Boolean variables, all or none.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetBoolean(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *const fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references and as many values (standard, 2.1.7).
-    unsafe {
-        call(component, Call::SetBoolean, |instance| {
-            let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
-            instance.set(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
-        })
-    }
-}
-
-/// Sets String variables, all or none.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetString(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    values: *const fmi2String,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references and as many values (standard, 2.1.7).
-    unsafe {
-        call(component, Call::SetString, |instance| {
-            let (references, values) = (read("vr", references, count)?, texts("value", values, count)?);
-            instance.set_texts(references, &values)
-        })
-    }
-}
-
-/// Saves the state.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` points to null or to
-    // a state returned by this function and not freed (standard, 2.1.8).
-    unsafe { call(component, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
-}
-
-/// Restores a saved state.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetFMUstate(component: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` comes from
-    // `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and not freed (standard, 2.1.8).
-    unsafe { call(component, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
-}
-
-/// Frees a saved state.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2FreeFMUstate(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` is null, or points to
-    // null or to a state that has not been freed (standard, 2.1.8).
-    unsafe { call(component, Call::FreeFmuState, |_| boundary::free_state(state)) }
-}
-
-/// Returns the size of a saved state in bytes.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    component: fmi2Component,
-    state: fmi2FMUstate,
-    size: *mut size_t,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` has not been freed, and
-    // `size` is a place for the size, which is only written (standard, 2.1.8).
-    unsafe {
-        call(component, Call::SerializedFmuStateSize, |_| {
-            place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Writes a saved state as bytes.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    component: fmi2Component,
-    state: fmi2FMUstate,
-    bytes: *mut fmi2Byte,
-    size: size_t,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `state` has not been freed, and
-    // there is memory for `size` bytes, which is only written (standard, 2.1.8).
-    unsafe {
-        call(component, Call::SerializeFmuState, |_| {
-            let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
-            room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Makes a saved state from bytes.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    component: fmi2Component,
-    bytes: *const fmi2Byte,
-    size: size_t,
-    state: *mut fmi2FMUstate,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `size` bytes, and
-    // `state` is a place for the new state, which is only written (standard, 2.1.8).
-    unsafe {
-        call(component, Call::DeSerializeFmuState, |instance| {
-            let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
-            instance.check_restorable(&unit)?;
-            boundary::give_state(place("FMUstate", state)?, unit)
-        })
-    }
-}
-
-/// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
-    component: fmi2Component,
-    unknowns: *const fmi2ValueReference,
-    unknown_count: size_t,
-    knowns: *const fmi2ValueReference,
-    known_count: size_t,
-    direction: *const fmi2Real,
-    sensitivity: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); the arrays have the given
-    // numbers of elements (standard, 2.1.9). The sensitivities are only written, and may share memory with the
-    // others.
-    unsafe {
-        call(component, Call::GetDirectionalDerivative, |instance| {
-            let mut sensitivities = room("dvUnknown", sensitivity, unknown_count)?;
-            let unknowns = sensitivities.read_beside("vUnknown_ref", unknowns, unknown_count)?;
-            let knowns = sensitivities.read_beside("vKnown_ref", knowns, known_count)?;
-            let direction = sensitivities.read_beside("dvKnown", direction, known_count)?;
-            instance.directional_derivative(&unknowns, &knowns, &direction, 0.0, sensitivities.places())
-        })
-    }
-}
-
-/// Sets the time derivatives of inputs over the next step.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    orders: *const fmi2Integer,
-    values: *const fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references, orders and values (standard, 4.2.1).
-    unsafe {
-        call(component, Call::SetRealInputDerivatives, |instance| {
-            let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
-            instance.set_input_derivatives(references, orders, read("value", values, count)?)
-        })
-    }
-}
-
-/// Returns the time derivatives of outputs.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
-    component: fmi2Component,
-    references: *const fmi2ValueReference,
-    count: size_t,
-    orders: *const fmi2Integer,
-    values: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count`
-    // references and orders, and memory for as many values, which is only written (standard, 4.2.1).
-    unsafe {
-        call(component, Call::GetRealOutputDerivatives, |instance| {
-            let mut values = room("value", values, count)?;
-            let references = values.read_beside("vr", references, count)?;
-            let orders = values.read_beside("order", orders, count)?;
-            instance.output_derivatives(&references, &orders, values.places())
-        })
-    }
-}
-
-/// Does a communication step.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2DoStep(
-    component: fmi2Component,
-    time: fmi2Real,
-    step: fmi2Real,
-    _no_set_state_prior: fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::DoStep, |instance| instance.do_step(time, step)) }
-}
-
-/// Always refused, since steps are synchronous.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::CancelStep, refused) }
-}
-
-/// Returns the status of the last step.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetStatus(
-    component: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Status,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is a place for the
-    // status, which is only written (standard, 4.2.3).
-    unsafe {
-        call(component, Call::GetStatus, |instance| {
-            place("value", value)?.put(instance.step_status(status_kind(kind)?)?.code());
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Returns the time that the last step reached.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetRealStatus(
-    component: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is a place for the
-    // time, which is only written (standard, 4.2.3).
-    unsafe {
-        call(component, Call::GetRealStatus, |instance| {
-            place("value", value)?.put(instance.real_status(status_kind(kind)?)?);
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Always refused, since no status is an integer.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(
-    component: fmi2Component,
-    kind: fmi2StatusKind,
-    _value: *mut fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is not used.
-    unsafe {
-        call(component, Call::GetIntegerStatus, |_| {
-            Err(Fault::new(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
-        })
-    }
-}
-
-/// Returns whether the run has ended.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(
-    component: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is a place for the
-    // answer, which is only written (standard, 4.2.3).
-    unsafe {
-        call(component, Call::GetBooleanStatus, |instance| {
-            place("value", value)?.put(instance.boolean_status(status_kind(kind)?)?.into());
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Always refused, since no step is ever pending.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2GetStringStatus(
-    component: fmi2Component,
-    kind: fmi2StatusKind,
-    _value: *mut fmi2String,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `value` is not used.
-    unsafe {
-        call(component, Call::GetStringStatus, |instance| {
-            let kind = status_kind(kind)?;
-            instance.log.status(
-                Status::Discard,
-                &format!("fmi2GetStringStatus: {kind:?}: no step is pending, steps are synchronous"),
-            );
-            Ok(Status::Discard)
-        })
-    }
+functions! {
+    /// Chooses the categories that are logged.
+    fmi2SetDebugLogging SetDebugLogging(logging_on: fmi2Boolean, count: size_t, categories: *const fmi2String) = |instance| {
+        instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
+    };
+    /// Sets tolerance, start and stop of the run.
+    fmi2SetupExperiment SetupExperiment(
+        tolerance_defined: fmi2Boolean, tolerance: fmi2Real, start_time: fmi2Real, stop_time_defined: fmi2Boolean, stop_time: fmi2Real
+    ) = |instance| {
+        let tolerance = is_true(tolerance_defined).then_some(tolerance);
+        instance.plan(tolerance, start_time, is_true(stop_time_defined).then_some(stop_time))
+    };
+    /// Begins initialization.
+    fmi2EnterInitializationMode EnterInitializationMode() = Instance::enter_initialization_mode;
+    /// Ends initialization and makes the block.
+    fmi2ExitInitializationMode ExitInitializationMode() = Instance::exit_initialization_mode;
+    /// Ends the run.
+    fmi2Terminate Terminate() = Instance::terminate;
+    /// Returns to the state after instantiation.
+    fmi2Reset Reset() = Instance::reset;
+    /// Reads Real variables.
+    fmi2GetReal GetReal(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Real) = |instance| {
+        let mut values = room("value", values, count)?;
+        let references = values.read_beside("vr", references, count)?;
+        instance.get(Kind::Real, &references, values.places(), |value| value)
+    };
+    /// Reads Integer variables and enumerations.
+    fmi2GetInteger GetInteger(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Integer) = |instance| {
+        let mut values = room("value", values, count)?;
+        let references = values.read_beside("vr", references, count)?;
+        instance.get(Kind::Integer, &references, values.places(), |value| value as fmi2Integer)
+    };
+    /// Reads Boolean variables.
+    fmi2GetBoolean GetBoolean(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Boolean) = |instance| {
+        let mut values = room("value", values, count)?;
+        let references = values.read_beside("vr", references, count)?;
+        instance.get(Kind::Boolean, &references, values.places(), |value| fmi2Boolean::from(value != 0.0))
+    };
+    /// Reads String variables. The results are valid until the next call.
+    fmi2GetString GetString(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2String) = |instance| {
+        let mut values = room("value", values, count)?;
+        let references = values.read_beside("vr", references, count)?;
+        let texts = instance.get_texts(&references)?;
+        write(texts.iter().map(|text| Ok(text.as_ptr())), values.places())
+    };
+    /// Sets Real variables, all or none.
+    fmi2SetReal SetReal(references: *const fmi2ValueReference, count: size_t, values: *const fmi2Real) = |instance| {
+        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+        instance.set(Kind::Real, references, values, |value| value)
+    };
+    /// Sets Integer variables and enumerations, all or none.
+    fmi2SetInteger SetInteger(references: *const fmi2ValueReference, count: size_t, values: *const fmi2Integer) = |instance| {
+        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+        instance.set(Kind::Integer, references, values, f64::from)
+    };
+    /// Sets Boolean variables, all or none.
+    fmi2SetBoolean SetBoolean(references: *const fmi2ValueReference, count: size_t, values: *const fmi2Boolean) = |instance| {
+        let (references, values) = (read("vr", references, count)?, read("value", values, count)?);
+        instance.set(Kind::Boolean, references, values, |value| f64::from(u8::from(is_true(value))))
+    };
+    /// Sets String variables, all or none.
+    fmi2SetString SetString(references: *const fmi2ValueReference, count: size_t, values: *const fmi2String) = |instance| {
+        let (references, values) = (read("vr", references, count)?, texts("value", values, count)?);
+        instance.set_texts(references, &values)
+    };
+    /// Saves the state.
+    fmi2GetFMUstate GetFmuState(state: *mut fmi2FMUstate) = |instance| boundary::get_state(instance, state);
+    /// Restores a saved state.
+    fmi2SetFMUstate SetFmuState(state: fmi2FMUstate) = |instance| instance.restore(boundary::state(state)?);
+    /// Frees a saved state.
+    fmi2FreeFMUstate FreeFmuState(state: *mut fmi2FMUstate) = |_| boundary::free_state(state);
+    /// Returns the size of a saved state in bytes.
+    fmi2SerializedFMUstateSize SerializedFmuStateSize(state: fmi2FMUstate, size: *mut size_t) = |_| {
+        place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+        Ok(Status::Ok)
+    };
+    /// Writes a saved state as bytes.
+    fmi2SerializeFMUstate SerializeFmuState(state: fmi2FMUstate, bytes: *mut fmi2Byte, size: size_t) = |_| {
+        let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
+        room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+        Ok(Status::Ok)
+    };
+    /// Makes a saved state from bytes.
+    fmi2DeSerializeFMUstate DeSerializeFmuState(bytes: *const fmi2Byte, size: size_t, state: *mut fmi2FMUstate) = |instance| {
+        let unit = snapshot::deserialize(read("serializedState", bytes.cast(), size)?)?;
+        instance.check_restorable(&unit)?;
+        boundary::give_state(place("FMUstate", state)?, unit)
+    };
+    /// Returns directional derivatives of outputs and, in Initialization Mode, of calculated parameters.
+    fmi2GetDirectionalDerivative GetDirectionalDerivative(
+        unknowns: *const fmi2ValueReference, unknown_count: size_t, knowns: *const fmi2ValueReference, known_count: size_t, direction: *const fmi2Real, sensitivity: *mut fmi2Real
+    ) = |instance| {
+        let mut sensitivities = room("dvUnknown", sensitivity, unknown_count)?;
+        let unknowns = sensitivities.read_beside("vUnknown_ref", unknowns, unknown_count)?;
+        let knowns = sensitivities.read_beside("vKnown_ref", knowns, known_count)?;
+        let direction = sensitivities.read_beside("dvKnown", direction, known_count)?;
+        instance.directional_derivative(&unknowns, &knowns, &direction, 0.0, sensitivities.places())
+    };
+    /// Sets the time derivatives of inputs over the next step.
+    fmi2SetRealInputDerivatives SetRealInputDerivatives(
+        references: *const fmi2ValueReference, count: size_t, orders: *const fmi2Integer, values: *const fmi2Real
+    ) = |instance| {
+        let (references, orders) = (read("vr", references, count)?, read("order", orders, count)?);
+        instance.set_input_derivatives(references, orders, read("value", values, count)?)
+    };
+    /// Returns the time derivatives of outputs.
+    fmi2GetRealOutputDerivatives GetRealOutputDerivatives(
+        references: *const fmi2ValueReference, count: size_t, orders: *const fmi2Integer, values: *mut fmi2Real
+    ) = |instance| {
+        let mut values = room("value", values, count)?;
+        let references = values.read_beside("vr", references, count)?;
+        let orders = values.read_beside("order", orders, count)?;
+        instance.output_derivatives(&references, &orders, values.places())
+    };
+    /// Does a communication step.
+    fmi2DoStep DoStep(
+        time: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean
+    ) = |instance| instance.do_step(time, step);
+    /// Always refused, since steps are synchronous.
+    fmi2CancelStep CancelStep() = refused;
+    /// Returns the status of the last step.
+    fmi2GetStatus GetStatus(kind: fmi2StatusKind, value: *mut fmi2Status) = |instance| {
+        place("value", value)?.put(instance.step_status(status_kind(kind)?)?.code());
+        Ok(Status::Ok)
+    };
+    /// Returns the time that the last step reached.
+    fmi2GetRealStatus GetRealStatus(kind: fmi2StatusKind, value: *mut fmi2Real) = |instance| {
+        place("value", value)?.put(instance.real_status(status_kind(kind)?)?);
+        Ok(Status::Ok)
+    };
+    /// Always refused, since no status is an integer.
+    fmi2GetIntegerStatus GetIntegerStatus(kind: fmi2StatusKind, _value: *mut fmi2Integer) = |_| {
+        Err(Fault::new(format!("{:?} is no Integer; no status is", status_kind(kind)?)))
+    };
+    /// Returns whether the run has ended.
+    fmi2GetBooleanStatus GetBooleanStatus(kind: fmi2StatusKind, value: *mut fmi2Boolean) = |instance| {
+        place("value", value)?.put(instance.boolean_status(status_kind(kind)?)?.into());
+        Ok(Status::Ok)
+    };
+    /// Always refused, since no step is ever pending.
+    fmi2GetStringStatus GetStringStatus(kind: fmi2StatusKind, _value: *mut fmi2String) = |instance| {
+        let kind = status_kind(kind)?;
+        instance.log.status(
+            Status::Discard,
+            &format!("fmi2GetStringStatus: {kind:?}: no step is pending, steps are synchronous"),
+        );
+        Ok(Status::Discard)
+    };
 }
 
 fn status_kind(kind: fmi2StatusKind) -> Result<StatusKind, Fault> {
@@ -525,82 +230,42 @@ fn refused(_: &mut Instance) -> Result<Status, Fault> {
     Err(Fault::new("not offered"))
 }
 
-/// Model Exchange: enters Event Mode.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::EnterEventMode, Instance::enter_event_mode) }
-}
-
-/// Model Exchange: applies an event.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, event_info: *mut fmi2EventInfo) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); `event_info` is a place for the
-    // information, which is only written (standard, 3.2.2).
-    unsafe {
-        call(component, Call::NewDiscreteStates, |instance| {
-            let place = place("fmi2EventInfo", event_info)?;
-            let after = instance.new_discrete_states()?;
-            place.put(fmi2EventInfo {
-                new_discrete_states_needed: FMI2_FALSE,
-                terminate_simulation: after.ended.into(),
-                nominals_of_continuous_states_changed: FMI2_FALSE,
-                values_of_continuous_states_changed: after.states_changed.into(),
-                next_event_time_defined: after.next_time.is_some().into(),
-                next_event_time: after.next_time.unwrap_or(0.0),
-            });
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Model Exchange: enters Continuous-Time Mode.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::EnterContinuousTimeMode, Instance::enter_continuous_time_mode) }
-}
-
-/// Model Exchange: takes in an accepted step of the importer's solver.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
-    component: fmi2Component,
-    _no_set_state_prior: fmi2Boolean,
-    enter_event_mode: *mut fmi2Boolean,
-    terminate: *mut fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); the others are places for answers, which
-    // are only written (standard, 3.2.2).
-    unsafe {
-        call(component, Call::CompletedIntegratorStep, |instance| {
-            let enter_event_mode = place("enterEventMode", enter_event_mode)?;
-            let terminate = place("terminateSimulation", terminate)?;
-            let answer = instance.completed_integrator_step();
-            enter_event_mode.put(FMI2_FALSE);
-            terminate.put(FMI2_FALSE);
-            answer
-        })
-    }
-}
-
-/// Model Exchange: sets the time.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is no other pointer.
-    unsafe { call(component, Call::SetTime, |instance| instance.set_time(time)) }
-}
-
-/// Model Exchange: sets the continuous states.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi2SetContinuousStates(
-    component: fmi2Component,
-    states: *const fmi2Real,
-    count: size_t,
-) -> fmi2Status {
-    // SAFETY: `component` is null or a live instance (standard, 2.1.5); there are `count` states (standard, 3.2.1).
-    unsafe {
-        call(component, Call::SetContinuousStates, |instance| instance.set_continuous_states(read("x", states, count)?))
-    }
+functions! {
+    /// Model Exchange: enters Event Mode.
+    fmi2EnterEventMode EnterEventMode() = Instance::enter_event_mode;
+    /// Model Exchange: applies an event.
+    fmi2NewDiscreteStates NewDiscreteStates(event_info: *mut fmi2EventInfo) = |instance| {
+        let place = place("fmi2EventInfo", event_info)?;
+        let after = instance.new_discrete_states()?;
+        place.put(fmi2EventInfo {
+            new_discrete_states_needed: FMI2_FALSE,
+            terminate_simulation: after.ended.into(),
+            nominals_of_continuous_states_changed: FMI2_FALSE,
+            values_of_continuous_states_changed: after.states_changed.into(),
+            next_event_time_defined: after.next_time.is_some().into(),
+            next_event_time: after.next_time.unwrap_or(0.0),
+        });
+        Ok(Status::Ok)
+    };
+    /// Model Exchange: enters Continuous-Time Mode.
+    fmi2EnterContinuousTimeMode EnterContinuousTimeMode() = Instance::enter_continuous_time_mode;
+    /// Model Exchange: takes in an accepted step of the importer's solver.
+    fmi2CompletedIntegratorStep CompletedIntegratorStep(
+        _no_set_state_prior: fmi2Boolean, enter_event_mode: *mut fmi2Boolean, terminate: *mut fmi2Boolean
+    ) = |instance| {
+        let enter_event_mode = place("enterEventMode", enter_event_mode)?;
+        let terminate = place("terminateSimulation", terminate)?;
+        let answer = instance.completed_integrator_step();
+        enter_event_mode.put(FMI2_FALSE);
+        terminate.put(FMI2_FALSE);
+        answer
+    };
+    /// Model Exchange: sets the time.
+    fmi2SetTime SetTime(time: fmi2Real) = |instance| instance.set_time(time);
+    /// Model Exchange: sets the continuous states.
+    fmi2SetContinuousStates SetContinuousStates(
+        states: *const fmi2Real, count: size_t
+    ) = |instance| instance.set_continuous_states(read("x", states, count)?);
 }
 
 macro_rules! exchanged {

@@ -3,8 +3,9 @@
 //! Each turns its pointers into references through [`boundary`], which lists the importer's obligations, and calls [`Instance`].
 //! The crate `crates/fmu3` compiles this file as the FMU's library and exports the names.
 //!
-//! For all functions the instance is null or live (standard, 2.3.1), arrays have the given number of elements (2.2.6), strings
-//! end with 0 (2.2.1), and places for results are only written.
+//! For all functions the instance is null or live (standard, 2.3.1), arrays have the given number of elements (2.2.6, 3.2, 4.2), and
+//! strings end with 0 (2.2.1). Saved states come from `fmi3GetFMUState` or `fmi3DeserializeFMUState` and have not been freed, and a
+//! pointer to a state points to null or to such a state (2.2.7). Places for results are only written (2.3.5, 3.2).
 
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![expect(clippy::missing_safety_doc, reason = "the contracts are those of the standard for each function")]
@@ -122,40 +123,31 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     unsafe { boundary::free_instance(instance) }
 }
 
-/// Chooses the categories that are logged.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SetDebugLogging(
-    instance: fmi3Instance,
-    logging_on: fmi3Boolean,
-    count: size_t,
-    categories: *const fmi3String,
-) -> fmi3Status {
-    // SAFETY: the instance is live; `categories` are `count` strings (standard, 2.3.1).
-    unsafe {
-        call(instance, Call::SetDebugLogging, |instance| {
-            instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
-        })
-    }
+/// Functions of an instance: each has a line with its name, its call, its other arguments and its body.
+macro_rules! functions {
+    ($($(#[$doc:meta])* $name:ident $call:ident($($argument:ident: $type:ty),*) = $body:expr;)*) => {$(
+        $(#[$doc])*
+        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
+        pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
+            // SAFETY: the instance is null or live (standard, 2.3.1); the clauses at the top of this file hold for other pointers.
+            unsafe { call(instance, Call::$call, $body) }
+        }
+    )*};
 }
 
-/// Begins initialization, with tolerance, start and stop of the run.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3EnterInitializationMode(
-    instance: fmi3Instance,
-    tolerance_defined: fmi3Boolean,
-    tolerance: fmi3Float64,
-    start_time: fmi3Float64,
-    stop_time_defined: fmi3Boolean,
-    stop_time: fmi3Float64,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there is no other pointer.
-    unsafe {
-        call(instance, Call::EnterInitializationMode, |instance| {
-            let tolerance = is_true(tolerance_defined).then_some(tolerance);
-            let stop = is_true(stop_time_defined).then_some(stop_time);
-            instance.enter_initialization_mode(tolerance, start_time, stop)
-        })
-    }
+functions! {
+    /// Chooses the categories that are logged.
+    fmi3SetDebugLogging SetDebugLogging(logging_on: fmi3Boolean, count: size_t, categories: *const fmi3String) = |instance| {
+        instance.set_debug_logging(is_true(logging_on), &texts("categories", categories, count)?)
+    };
+    /// Begins initialization, with tolerance, start and stop of the run.
+    fmi3EnterInitializationMode EnterInitializationMode(
+        tolerance_defined: fmi3Boolean, tolerance: fmi3Float64, start_time: fmi3Float64, stop_time_defined: fmi3Boolean, stop_time: fmi3Float64
+    ) = |instance| {
+        let tolerance = is_true(tolerance_defined).then_some(tolerance);
+        let stop = is_true(stop_time_defined).then_some(stop_time);
+        instance.enter_initialization_mode(tolerance, start_time, stop)
+    };
 }
 
 macro_rules! transitions {
@@ -301,125 +293,47 @@ setters! {
     fmi3SetUInt32 SetUInt32 fmi3UInt32, |_, references, _| of_no_type(references, "UInt32");
 }
 
-/// Sets String variables, all or none.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SetString(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: size_t,
-    values: *const fmi3String,
-    value_count: size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there are `count` references and `value_count` strings.
-    unsafe {
-        call(instance, Call::SetString, |instance| {
-            let references = read("valueReferences", references, count)?;
-            let values = texts("values", values, value_count)?;
-            instance.check_texts(references, values.len())?;
-            instance.set_texts(references, &values)
-        })
-    }
-}
-
-/// No variable has this type.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3GetBinary(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: size_t,
-    _sizes: *mut size_t,
-    _values: *mut fmi3Binary,
-    _value_count: size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there are `count` references.
-    unsafe { call(instance, Call::GetBinary, |_| of_no_type(read("valueReferences", references, count)?, "Binary")) }
-}
-
-/// No variable has this type.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SetBinary(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: size_t,
-    _sizes: *const size_t,
-    _values: *const fmi3Binary,
-    _value_count: size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there are `count` references.
-    unsafe { call(instance, Call::SetBinary, |_| of_no_type(read("valueReferences", references, count)?, "Binary")) }
-}
-
-/// Saves the state.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3GetFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
-    // SAFETY: the instance is live; `state` points to null or to a state that has not been freed (standard, 2.2.7).
-    unsafe { call(instance, Call::GetFmuState, |instance| boundary::get_state(instance, state)) }
-}
-
-/// Restores a saved state.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SetFMUState(instance: fmi3Instance, state: fmi3FMUState) -> fmi3Status {
-    // SAFETY: the instance is live; `state` is one that has not been freed (standard, 2.2.7).
-    unsafe { call(instance, Call::SetFmuState, |instance| instance.restore(boundary::state(state)?)) }
-}
-
-/// Frees a saved state.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3FreeFMUState(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
-    // SAFETY: the instance is live; `state` is null, or points to null or to a state that has not been freed (standard, 2.2.7).
-    unsafe { call(instance, Call::FreeFmuState, |_| boundary::free_state(state)) }
-}
-
-/// Returns the size of a saved state in bytes.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    instance: fmi3Instance,
-    state: fmi3FMUState,
-    size: *mut size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; `state` has not been freed, and `size` is a place for the size (standard, 2.2.7).
-    unsafe {
-        call(instance, Call::SerializedFmuStateSize, |_| {
-            place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Writes a saved state as bytes.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SerializeFMUState(
-    instance: fmi3Instance,
-    state: fmi3FMUState,
-    bytes: *mut fmi3Byte,
-    size: size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; `state` has not been freed, and there is memory for `size` bytes (standard, 2.2.7).
-    unsafe {
-        call(instance, Call::SerializeFmuState, |_| {
-            let mut room = room("serializedState", bytes, size)?;
-            room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
-            Ok(Status::Ok)
-        })
-    }
-}
-
-/// Makes a saved state from bytes.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3DeserializeFMUState(
-    instance: fmi3Instance,
-    bytes: *const fmi3Byte,
-    size: size_t,
-    state: *mut fmi3FMUState,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there are `size` bytes, and `state` is a place for the new state (standard, 2.2.7).
-    unsafe {
-        call(instance, Call::DeserializeFmuState, |instance| {
-            let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
-            instance.check_restorable(&unit)?;
-            boundary::give_state(place("FMUState", state)?, unit)
-        })
-    }
+functions! {
+    /// Sets String variables, all or none.
+    fmi3SetString SetString(
+        references: *const fmi3ValueReference, count: size_t, values: *const fmi3String, value_count: size_t
+    ) = |instance| {
+        let references = read("valueReferences", references, count)?;
+        let values = texts("values", values, value_count)?;
+        instance.check_texts(references, values.len())?;
+        instance.set_texts(references, &values)
+    };
+    /// No variable has this type.
+    fmi3GetBinary GetBinary(
+        references: *const fmi3ValueReference, count: size_t, _sizes: *mut size_t, _values: *mut fmi3Binary, _value_count: size_t
+    ) = |_| of_no_type(read("valueReferences", references, count)?, "Binary");
+    /// No variable has this type.
+    fmi3SetBinary SetBinary(
+        references: *const fmi3ValueReference, count: size_t, _sizes: *const size_t, _values: *const fmi3Binary, _value_count: size_t
+    ) = |_| of_no_type(read("valueReferences", references, count)?, "Binary");
+    /// Saves the state.
+    fmi3GetFMUState GetFmuState(state: *mut fmi3FMUState) = |instance| boundary::get_state(instance, state);
+    /// Restores a saved state.
+    fmi3SetFMUState SetFmuState(state: fmi3FMUState) = |instance| instance.restore(boundary::state(state)?);
+    /// Frees a saved state.
+    fmi3FreeFMUState FreeFmuState(state: *mut fmi3FMUState) = |_| boundary::free_state(state);
+    /// Returns the size of a saved state in bytes.
+    fmi3SerializedFMUStateSize SerializedFmuStateSize(state: fmi3FMUState, size: *mut size_t) = |_| {
+        place("size", size)?.put(snapshot::serialize(boundary::state(state)?)?.len());
+        Ok(Status::Ok)
+    };
+    /// Writes a saved state as bytes.
+    fmi3SerializeFMUState SerializeFmuState(state: fmi3FMUState, bytes: *mut fmi3Byte, size: size_t) = |_| {
+        let mut room = room("serializedState", bytes, size)?;
+        room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+        Ok(Status::Ok)
+    };
+    /// Makes a saved state from bytes.
+    fmi3DeserializeFMUState DeserializeFmuState(bytes: *const fmi3Byte, size: size_t, state: *mut fmi3FMUState) = |instance| {
+        let unit = snapshot::deserialize(read("serializedState", bytes, size)?)?;
+        instance.check_restorable(&unit)?;
+        boundary::give_state(place("FMUState", state)?, unit)
+    };
 }
 
 macro_rules! derivatives {
@@ -459,57 +373,35 @@ derivatives! {
     fmi3GetAdjointDerivative GetAdjointDerivative Instance::adjoint_derivative;
 }
 
-/// Returns the time derivatives of outputs.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3GetOutputDerivatives(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: size_t,
-    orders: *const fmi3Int32,
-    values: *mut fmi3Float64,
-    value_count: size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there are `count` references and orders, and memory for `value_count` values (standard, 4.2).
-    unsafe {
-        call(instance, Call::GetOutputDerivatives, |instance| {
-            let mut values = room("values", values, value_count)?;
-            let references = values.read_beside("valueReferences", references, count)?;
-            let orders = values.read_beside("orders", orders, count)?;
-            instance.derivatives(&references, &orders, values.places())
-        })
-    }
-}
-
-/// Applies the event.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
-    instance: fmi3Instance,
-    discrete_states_need_update: *mut fmi3Boolean,
-    terminate_simulation: *mut fmi3Boolean,
-    nominals_changed: *mut fmi3Boolean,
-    values_changed: *mut fmi3Boolean,
-    next_event_time_defined: *mut fmi3Boolean,
-    next_event_time: *mut fmi3Float64,
-) -> fmi3Status {
-    // SAFETY: the instance is live; the others are places for results (standard, 2.3.5).
-    unsafe {
-        call(instance, Call::UpdateDiscreteStates, |instance| {
-            let need_update = place("discreteStatesNeedUpdate", discrete_states_need_update)?;
-            let terminate = place("terminateSimulation", terminate_simulation)?;
-            let nominals = place("nominalsOfContinuousStatesChanged", nominals_changed)?;
-            let values = place("valuesOfContinuousStatesChanged", values_changed)?;
-            let defined = place("nextEventTimeDefined", next_event_time_defined)?;
-            let time = place("nextEventTime", next_event_time)?;
-            let after = instance.update_discrete_states()?;
-            need_update.put(FMI3_FALSE);
-            terminate.put(after.ended.into());
-            nominals.put(FMI3_FALSE);
-            values.put(after.states_changed.into());
-            defined.put(after.next_time.is_some().into());
-            time.put(after.next_time.unwrap_or(0.0));
-            Ok(Status::Ok)
-        })
-    }
+functions! {
+    /// Returns the time derivatives of outputs.
+    fmi3GetOutputDerivatives GetOutputDerivatives(
+        references: *const fmi3ValueReference, count: size_t, orders: *const fmi3Int32, values: *mut fmi3Float64, value_count: size_t
+    ) = |instance| {
+        let mut values = room("values", values, value_count)?;
+        let references = values.read_beside("valueReferences", references, count)?;
+        let orders = values.read_beside("orders", orders, count)?;
+        instance.derivatives(&references, &orders, values.places())
+    };
+    /// Applies the event.
+    fmi3UpdateDiscreteStates UpdateDiscreteStates(
+        discrete_states_need_update: *mut fmi3Boolean, terminate_simulation: *mut fmi3Boolean, nominals_changed: *mut fmi3Boolean, values_changed: *mut fmi3Boolean, next_event_time_defined: *mut fmi3Boolean, next_event_time: *mut fmi3Float64
+    ) = |instance| {
+        let need_update = place("discreteStatesNeedUpdate", discrete_states_need_update)?;
+        let terminate = place("terminateSimulation", terminate_simulation)?;
+        let nominals = place("nominalsOfContinuousStatesChanged", nominals_changed)?;
+        let values = place("valuesOfContinuousStatesChanged", values_changed)?;
+        let defined = place("nextEventTimeDefined", next_event_time_defined)?;
+        let time = place("nextEventTime", next_event_time)?;
+        let after = instance.update_discrete_states()?;
+        need_update.put(FMI3_FALSE);
+        terminate.put(after.ended.into());
+        nominals.put(FMI3_FALSE);
+        values.put(after.states_changed.into());
+        defined.put(after.next_time.is_some().into());
+        time.put(after.next_time.unwrap_or(0.0));
+        Ok(Status::Ok)
+    };
 }
 
 /// Does a communication step, or a part of it up to an event.
@@ -550,47 +442,24 @@ pub unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// Model Exchange: takes in an accepted step of the importer's solver.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
-    instance: fmi3Instance,
-    _no_set_state_prior: fmi3Boolean,
-    enter_event_mode: *mut fmi3Boolean,
-    terminate_simulation: *mut fmi3Boolean,
-) -> fmi3Status {
-    // SAFETY: the instance is live; the others are places for results (standard, 3.2).
-    unsafe {
-        call(instance, Call::CompletedIntegratorStep, |instance| {
-            let enter = place("enterEventMode", enter_event_mode)?;
-            let terminate = place("terminateSimulation", terminate_simulation)?;
-            let answer = instance.completed_integrator_step();
-            enter.put(FMI3_FALSE);
-            terminate.put(FMI3_FALSE);
-            answer
-        })
-    }
-}
-
-/// Model Exchange: sets the time.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status {
-    // SAFETY: the instance is live; there is no other pointer.
-    unsafe { call(instance, Call::SetTime, |instance| instance.set_time(time)) }
-}
-
-/// Model Exchange: sets the continuous states.
-#[cfg_attr(feature = "exports", unsafe(no_mangle))]
-pub unsafe extern "C" fn fmi3SetContinuousStates(
-    instance: fmi3Instance,
-    states: *const fmi3Float64,
-    count: size_t,
-) -> fmi3Status {
-    // SAFETY: the instance is live; there are `count` states (standard, 3.2).
-    unsafe {
-        call(instance, Call::SetContinuousStates, |instance| {
-            instance.set_continuous_states(read("continuousStates", states, count)?)
-        })
-    }
+functions! {
+    /// Model Exchange: takes in an accepted step of the importer's solver.
+    fmi3CompletedIntegratorStep CompletedIntegratorStep(
+        _no_set_state_prior: fmi3Boolean, enter_event_mode: *mut fmi3Boolean, terminate_simulation: *mut fmi3Boolean
+    ) = |instance| {
+        let enter = place("enterEventMode", enter_event_mode)?;
+        let terminate = place("terminateSimulation", terminate_simulation)?;
+        let answer = instance.completed_integrator_step();
+        enter.put(FMI3_FALSE);
+        terminate.put(FMI3_FALSE);
+        answer
+    };
+    /// Model Exchange: sets the time.
+    fmi3SetTime SetTime(time: fmi3Float64) = |instance| instance.set_time(time);
+    /// Model Exchange: sets the continuous states.
+    fmi3SetContinuousStates SetContinuousStates(states: *const fmi3Float64, count: size_t) = |instance| {
+        instance.set_continuous_states(read("continuousStates", states, count)?)
+    };
 }
 
 macro_rules! exchanged {
