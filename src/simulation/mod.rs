@@ -1,5 +1,6 @@
 //! The loop: step → locate the first event → apply it → decide the regime → continue.
 
+mod ending;
 mod energies;
 pub mod exchange;
 mod initial_sensitivity;
@@ -8,6 +9,7 @@ mod inside;
 pub mod lanes;
 pub mod outputs;
 pub mod peaks;
+mod settings;
 mod stepping;
 
 use serde::{Deserialize, Serialize};
@@ -18,168 +20,16 @@ use crate::numerics::control::StepControl;
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
-use crate::system::instant::Pose;
-use crate::system::instant::{Footing, State};
+use crate::system::instant::{Footing, Pose, State};
 use peaks::{Peaks, greater};
 
 pub use crate::system::beginning::Initial;
 pub use crate::system::initial_sensitivity::Start;
+pub use ending::{Ending, Progress, SimulationError};
 pub use energies::{Energies, EnergySums};
 use exchange::ExchangePiece;
 pub use initial_sensitivity::InitialDerivatives;
-
-/// Choices at complete separation, by the numbers of the FMU's `on_separation`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(i32)]
-pub enum OnSeparation {
-    /// The run ends.
-    Terminate = 1,
-    /// Time goes on with the block frozen.
-    Hold = 2,
-    /// The block flies, and lands.
-    Fly = 3,
-}
-
-/// Choices at overturning, by the numbers of the FMU's `on_overturning`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(i32)]
-pub enum OnOverturning {
-    /// The run ends.
-    Terminate = 1,
-    /// Time goes on with the block frozen.
-    Hold = 2,
-}
-
-/// Settings of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Relative tolerance of the integrator, 1e-14…1e-1: error allowed in a step, as an equivalent velocity in units of
-    /// the rocking velocity α p.
-    pub tolerance: f64,
-    /// At complete separation.
-    pub on_separation: OnSeparation,
-    /// At overturning.
-    pub on_overturning: OnOverturning,
-}
-
-impl Settings {
-    /// The smallest and the largest tolerance; one outside is replaced by the nearer of the two.
-    pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
-
-    /// The tolerance of studies, which need only the outcome and the peak rotation; docs/performance.md gives its effect.
-    pub const OF_STUDIES: f64 = 1e-6;
-
-    /// Whether a user may ask for this tolerance.
-    pub fn admits_tolerance(tolerance: f64) -> bool {
-        let [least, greatest] = Settings::TOLERANCES;
-        (least..=greatest).contains(&tolerance)
-    }
-
-    /// The tolerances of [`Settings::admits_tolerance`], for messages.
-    pub const EXPECTED_TOLERANCE: &'static str = "a number from 1e-14 to 0.1";
-}
-
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { tolerance: 1e-8, on_separation: OnSeparation::Terminate, on_overturning: OnOverturning::Terminate }
-    }
-}
-
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Ending {
-    /// The last touching corner lifted from a block that may still come down on its base.
-    Separated,
-    /// The last touching corner lifted from a block that is on its way over, |θ| ≥ α and θ θ̇ > 0: both separated and
-    /// overturned. On supports a block that topples leaves them before it lies on its side.
-    Toppled,
-    /// The block reached a quarter turn.
-    Overturned,
-}
-
-impl Ending {
-    /// The ending of a run in which the block leaves its last support at the rotation θ (rad) and the rate θ̇ (rad/s); `alpha`
-    /// (rad) is the slenderness angle of the side to which it tilts. docs/model.md gives the rate of misjudged runs.
-    pub fn at_separation(alpha: f64, theta: f64, theta_dot: f64) -> Ending {
-        if theta.abs() >= alpha && theta * theta_dot > 0.0 { Ending::Toppled } else { Ending::Separated }
-    }
-
-    /// Whether the block left its supports.
-    pub fn is_separation(self) -> bool {
-        match self {
-            Ending::Separated | Ending::Toppled => true,
-            Ending::Overturned => false,
-        }
-    }
-
-    /// Whether the block overturned or is bound to.
-    pub fn is_overturning(self) -> bool {
-        match self {
-            Ending::Overturned | Ending::Toppled => true,
-            Ending::Separated => false,
-        }
-    }
-}
-
-impl std::fmt::Display for Ending {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Ending::Separated => "complete separation",
-            Ending::Toppled => "overturning, with complete separation",
-            Ending::Overturned => "overturning",
-        })
-    }
-}
-
-/// The result of [`Simulation::advance`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress {
-    /// The requested time was reached.
-    Reached,
-    /// The run ended earlier, at this time (s).
-    Ended(Ending, f64),
-}
-
-/// A run that cannot go on.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimulationError {
-    /// The step size fell below the resolution of time.
-    #[error("the step size fell to {size:e} s at t = {time} s: the tolerance {tolerance:e} cannot be met there")]
-    StepTooSmall {
-        /// Time (s).
-        time: f64,
-        /// Step size (s).
-        size: f64,
-        /// The tolerance asked for.
-        tolerance: f64,
-    },
-    /// The motion overflowed.
-    #[error("the motion is not finite after t = {time} s; ground accelerations or loads are out of all proportion")]
-    NotFinite {
-        /// Time of the last good state (s).
-        time: f64,
-    },
-    /// The motion takes more steps than any reasonable call.
-    #[error(
-        "stopped at t = {time} s after {steps} steps towards t = {until} s: the motion is too fast for a step so long"
-    )]
-    TooManySteps {
-        /// Time that was reached (s).
-        time: f64,
-        /// Requested time (s), or an earlier kink of the excitation.
-        until: f64,
-        /// Number of steps taken.
-        steps: u64,
-    },
-    /// The regime changed again and again at one time.
-    #[error("{count} events in the same instant t = {time} s leave no regime that lasts")]
-    NoRegime {
-        /// Time (s).
-        time: f64,
-        /// Events so far in that instant.
-        count: u32,
-    },
-}
+pub use settings::{OnOverturning, OnSeparation, Settings};
 
 /// Counters since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

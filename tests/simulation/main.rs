@@ -22,6 +22,7 @@ mod flight;
 mod harsh;
 mod loads;
 mod long_steps;
+mod peaks;
 mod physics;
 mod reference;
 mod rest;

@@ -4,30 +4,29 @@ use nalgebra::{Matrix4, Vector4};
 use rocking_block::block::{Block, Common, Corner, Dimensionless, Physical, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
-use rocking_block::simulation::peaks::{self, Peaks};
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::system::events::{Event, EventKind};
 use rocking_block::system::impact;
 
 use crate::blocks::{rigid, supported as block};
 
-fn one_sine(amplitude: f64, period: f64) -> Pulse {
+pub fn one_sine(amplitude: f64, period: f64) -> Pulse {
     Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 }
 }
 
-fn start(block: Block, pulse: Pulse, initial: Initial, tolerance: f64) -> Simulation {
+pub fn start(block: Block, pulse: Pulse, initial: Initial, tolerance: f64) -> Simulation {
     let settings = Settings { tolerance, ..Settings::default() };
     Simulation::new(block, settings, pulse, &initial, 0.0, &Inputs::default())
 }
 
 /// Advances without inputs and returns the events.
-fn go(simulation: &mut Simulation, until: f64) -> Vec<Event> {
+pub fn go(simulation: &mut Simulation, until: f64) -> Vec<Event> {
     let mut events = Vec::new();
     simulation.advance(until, &Inputs::default(), &mut |event| events.push(*event)).unwrap();
     events
 }
 
-fn seen(simulation: &Simulation) -> Observation<f64> {
+pub fn seen(simulation: &Simulation) -> Observation<f64> {
     simulation.observe(&Inputs::default())
 }
 
@@ -300,158 +299,6 @@ fn the_communication_step_does_not_matter() {
             assert!((a.time - b.time).abs() < 1e-8, "{a} and {b}");
         }
     }
-}
-
-/// A millisecond jolt of the ground: H peaks right after the jump, at `M a_x i0/(i0 + h²)` in full contact.
-#[test]
-fn a_peak_right_after_a_jump_counts() {
-    let block = block(0.25, 1.0, 40.0, 0.1, 0.0);
-    let exact = block.mass * 2.0 * block.i0 / (block.i0 + block.h * block.h);
-    let mut simulation = start(block, Pulse::NONE, Initial::default(), 1e-8);
-    go(&mut simulation, 1.0);
-    let jolt = Inputs { time: 1.0, a_gx: Ramp { value: 2.0, rate: -2000.0 }, ..Inputs::default() };
-    simulation.advance(1.001, &jolt, &mut |_| ()).unwrap();
-    let peak = simulation.peaks().horizontal;
-    assert!((peak / exact - 1.0).abs() < 1e-12, "{peak} N instead of {exact} N");
-}
-
-/// Peaks do not depend on the steps: one long call gives those of a fine history.
-#[test]
-fn peaks_come_from_inside_the_steps() {
-    let block = block(0.25, 1.0, 20.0, 0.05, 0.1);
-    let pulse = one_sine(5.0, 1.25);
-    let mut whole = start(block, pulse, Initial::default(), 1e-10);
-    let events = go(&mut whole, 5.0);
-    // A history, with both sides of every event in it.
-    let mut times: Vec<f64> = (1..=50_000).map(|i| 1e-4 * f64::from(i)).collect();
-    times.extend(events.iter().flat_map(|event| [event.time - 1e-10, event.time + 1e-10]));
-    times.sort_by(f64::total_cmp);
-    let mut fine = start(block, pulse, Initial::default(), 1e-10);
-    let mut greatest = [0.0_f64; 5];
-    for time in times {
-        go(&mut fine, time);
-        let x = seen(&fine);
-        let now = [
-            x.theta.abs(),
-            x.reaction[0].max(x.reaction[1]),
-            x.horizontal.abs(),
-            x.uplift[0].max(x.uplift[1]),
-            x.friction_demand,
-        ];
-        greatest = std::array::from_fn(|i| greatest[i].max(now[i]));
-    }
-    let peaks = whole.peaks();
-    let peaks = [peaks.theta, peaks.reaction, peaks.horizontal, peaks.uplift, peaks.friction_demand];
-    for (name, (peak, sampled)) in
-        ["theta", "N", "H", "uplift", "friction demand"].iter().zip(peaks.iter().zip(greatest))
-    {
-        let excess = peak / sampled - 1.0;
-        assert!((-1e-9..1e-5).contains(&excess), "{name}: peak {peak}, from samples {sampled}");
-    }
-}
-
-/// Peaks do not depend on stops so close that most steps are short.
-#[test]
-fn peaks_come_from_between_the_stops() {
-    let pulse = one_sine(5.0, 1.25);
-    for block in [block(0.25, 1.0, 20.0, 0.05, 0.1), rigid(0.25, 1.0, 0.0)] {
-        let peaks = |stop: f64, tolerance: f64| {
-            let mut simulation = start(block, pulse, Initial::default(), tolerance);
-            let mut time = 0.0;
-            while time < 5.0 {
-                time += stop;
-                go(&mut simulation, f64::min(time, 5.0));
-            }
-            let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = simulation.peaks();
-            [theta, reaction, horizontal, uplift, friction_demand]
-        };
-        let exact = peaks(5.0, 1e-12);
-        for stop in [0.011, 0.017, 0.023, 0.029] {
-            for (name, (found, exact)) in
-                ["theta", "N", "H", "uplift", "friction demand"].iter().zip(peaks(stop, 1e-6).into_iter().zip(exact))
-            {
-                assert!((found / exact - 1.0).abs() < 1e-4, "{name}: {found} with stops every {stop} s, exact {exact}");
-            }
-        }
-    }
-}
-
-/// Peaks are found in the longest steps, at a loose tolerance and with slow motion.
-#[test]
-fn peaks_come_from_inside_the_longest_steps() {
-    for (block, amplitude) in [
-        (block(0.25, 1.0, 20.0, 0.05, 0.1), 5.0),
-        (block(0.4, 1.0, 10.0, 0.3, 0.0), 3.0),
-        (block(0.1, 1.0, 6.0, 0.05, 0.0), 0.4),
-        (rigid(0.25, 1.0, 0.0), 5.0),
-        (rigid(0.5, 1.0, 0.0), 4.0),
-        (rigid(0.1, 1.0, 0.0), 1.4),
-    ] {
-        for period in [0.6, 1.1, 2.3, 4.1] {
-            let pulse = Pulse { shape: PulseShape::C2, amplitude, period, start: 0.1 };
-            let peaks = |tolerance: f64| {
-                let mut simulation = start(block, pulse, Initial::default(), tolerance);
-                go(&mut simulation, 2.0 * period);
-                let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = simulation.peaks();
-                [theta, reaction, horizontal, uplift, friction_demand]
-            };
-            for (i, (found, exact)) in peaks(1e-3).into_iter().zip(peaks(1e-12)).enumerate() {
-                let off = if exact == 0.0 { found } else { found / exact - 1.0 };
-                assert!(off.abs() < 3e-3, "peak {i} under {amplitude} m/s² of {period} s: {found}, exact {exact}");
-            }
-        }
-    }
-}
-
-/// Each peak is found independently of the others.
-///
-/// A block that stands still on the rigid base under one sine has the peaks `M a_p` of H, `M g/2 + M a_p h/(2 b)` of the
-/// reaction and `a_p/g` of the friction demand, each inside a step. Loads have raised one of them almost to its peak before,
-/// and the others far above.
-#[test]
-fn each_peak_is_found_independently() {
-    let block = rigid(0.25, 1.0, 0.0);
-    let weight = block.mass * block.gravity;
-    let shear = 0.5 * weight * block.b / block.h;
-    let pulse = Pulse { start: 1.0, ..one_sine(shear / block.mass, 0.6) };
-    let exact = [0.5 * weight + 0.5 * shear * block.h / block.b, shear, shear / weight];
-    // Horizontal loads, with their moments about the base cancelled, and vertical ones: ramps to these values.
-    let loads = [
-        [(0.0, weight - 2.0 * 0.99 * exact[0]), (10.0 * shear, 0.0)],
-        [(0.99 * shear, -10.0 * weight), (0.5 * shear, 0.95 * weight)],
-        [(0.99 * shear, 0.0), (10.0 * shear, -100.0 * weight)],
-    ];
-    for (looked_for, loads) in loads.into_iter().enumerate() {
-        let mut simulation = start(block, pulse, Initial::default(), 1e-8);
-        for (time, (f_x, f_z)) in [0.0, 0.5].into_iter().zip(loads) {
-            let grows = |to: f64| Ramp { value: 0.0, rate: to / 0.5 };
-            let inputs =
-                Inputs { time, f_x: grows(f_x), f_z: grows(f_z), m_y: grows(-f_x * block.h), ..Inputs::default() };
-            simulation.advance(time + 0.5, &inputs, &mut |event| panic!("{event}")).unwrap();
-        }
-        let peaks = |simulation: &Simulation| {
-            let Peaks { reaction, horizontal, friction_demand, .. } = simulation.peaks();
-            [reaction, horizontal, friction_demand]
-        };
-        let before = peaks(&simulation);
-        // Three steps of nearly 2 rad; none ends at a quarter of the period.
-        go(&mut simulation, pulse.start + 5.9 * pulse.period / std::f64::consts::TAU);
-        for (i, (before, after)) in before.into_iter().zip(peaks(&simulation)).enumerate() {
-            if i == looked_for {
-                assert!((before / exact[i] - 0.99).abs() < 1e-9, "{i}: {before}, {}", exact[i]);
-                assert!((after / exact[i] - 1.0).abs() < 1e-9, "{i}: {after}, {}", exact[i]);
-            } else {
-                assert!(before > 4.0 * exact[i] && after == before, "{i}: {before}, {after}, {}", exact[i]);
-            }
-        }
-    }
-}
-
-/// The greater of two zeros with different signs is the first, on every processor.
-#[test]
-fn the_greater_of_two_zeros_is_the_first() {
-    assert_eq!(peaks::greater(0.0, -0.0).to_bits(), 0.0_f64.to_bits());
-    assert_eq!(peaks::greater(-0.0, 0.0).to_bits(), (-0.0_f64).to_bits());
 }
 
 /// A block pushed over ends its run at a quarter turn, one thrown up at complete separation.
