@@ -34,7 +34,7 @@ pub struct Options {
 #[derive(Subcommand)]
 enum Target {
     /// Find the smallest xi_v without complete separation in free vibration from theta_dot(0) = 0.95 alpha p
-    Damping(Damping),
+    Damping(Box<Damping>),
     /// Find the smallest amplitude of a pulse, or factor on a record, that overturns a block
     Overturning(Box<Overturning>),
 }
@@ -149,7 +149,7 @@ struct SearchOptions {
 pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     match &options.target {
         Target::Damping(damping) => {
-            let Damping { rate, from, to, resolution, .. } = *damping;
+            let Damping { rate, from, to, resolution, .. } = **damping;
             damping.search.check_table(&[])?;
             check("rate", rate, |_| true, "a finite number")?;
             let scan = damping.search.scan(from, to, resolution)?;
