@@ -226,7 +226,7 @@ pub fn blocks(table: &SweepTable) -> String {
 }
 
 /// Splits a heading such as `PGV [m/s]` into an axis label and a suffix for numbers.
-fn axis(heading: &str) -> (String, String) {
+pub(crate) fn axis(heading: &str) -> (String, String) {
     let (measure, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
     let (measure, unit) = (measure.replace("alpha", "α"), unit.replace('2', "²"));
     match unit.as_str() {
@@ -235,7 +235,8 @@ fn axis(heading: &str) -> (String, String) {
     }
 }
 
-fn probability_of(limit: Limit) -> String {
+/// Returns the name of the probability that a limit is exceeded.
+pub fn probability_of(limit: Limit) -> String {
     match limit {
         Limit::Overturned => "probability of overturning".into(),
         Limit::Rotation(limit) => format!("probability of |θ|/α > {}", short(limit)),

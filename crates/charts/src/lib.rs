@@ -12,6 +12,7 @@
 //! | `page` | heading, legend and charts → pages |
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
+//! | [`rate`] | annual rates → pages |
 //! | [`spectrum`], [`record_spectra`] | spectra under one and under several records → pages |
 //! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
 
@@ -35,6 +36,8 @@ pub mod sketch;
 pub mod history;
 
 pub mod fragility;
+
+pub mod rate;
 
 pub mod spectrum;
 

@@ -56,6 +56,8 @@ impl LineStyle {
     pub const DOTTED: LineStyle = LineStyle { dashes: &[50.0, 110.0], ..LineStyle::solid(50, BLACK) };
     /// Black line of dashes and dots.
     pub const DASH_DOTTED: LineStyle = LineStyle { dashes: &[340.0, 90.0, 50.0, 90.0], ..LineStyle::solid(40, BLACK) };
+    /// Thin light line of a grid.
+    pub const GRID: LineStyle = LineStyle::solid(30, grey(225));
     /// Thin grey dashed line at a reference level.
     pub const LEVEL: LineStyle = LineStyle { dashes: &[140.0, 90.0], ..LineStyle::solid(30, grey(110)) };
 

@@ -21,6 +21,7 @@
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
 //! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
+//! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
 //! | [`search`] | range → the values at which the outcome changes |
 //! | [`record`] | accelerograms → their contents and intensity measures |
 //! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
@@ -72,6 +73,10 @@ mod fragility_report;
 
 mod fragility;
 
+mod rate_report;
+
+mod rate;
+
 mod search;
 
 mod record;
@@ -116,6 +121,8 @@ enum Command {
     Sweep(sweep::Options),
     /// Fit fragility curves to the table of a sweep and compare intensity measures
     Fragility(Box<fragility::Options>),
+    /// Compute the annual rate of overturning from a hazard curve and a fragility curve
+    Rate(Box<rate::Options>),
     /// Find the values at which a block begins to overturn or to leave the ground
     Search(Box<search::Options>),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
@@ -206,6 +213,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Spectrum(options)) => spectrum::run(&options, &explicit),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
+        Some(Command::Rate(options)) => rate::run(&options, &explicit),
         Some(Command::Search(options)) => search::run(&options, &explicit),
         Some(Command::Record(options)) => record::run(&options),
         Some(Command::Foundations(options)) => foundations::run(&options),

@@ -14,6 +14,7 @@
 //! | [`search`] | a block, a parameter and its range → the values at which the outcome changes |
 //! | [`sweep`] | parameters × ground motions × strengths → a table of outcomes; samples of an ensemble |
 //! | [`fragility`] | the table of a sweep → fragility curves |
+//! | [`risk`] | a hazard curve, a fragility curve → the annual rate of exceeding a limit |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
@@ -40,3 +41,5 @@ pub mod search;
 pub mod sweep;
 
 pub mod fragility;
+
+pub mod risk;

@@ -125,6 +125,11 @@ impl Assessment {
         }
     }
 
+    /// Interval of a feature over the curves of the bootstrap, if a bootstrap was made.
+    pub fn bootstrap_interval(&self, of: impl Fn(&Fit) -> f64) -> Option<Interval> {
+        self.bootstrap.as_ref().map(|found| found.interval(self.confidence, of))
+    }
+
     /// Number of bootstrap samples without a curve, if a bootstrap was made.
     pub fn without_curve(&self) -> Option<usize> {
         self.bootstrap.as_ref().map(|found| found.without)

@@ -130,11 +130,16 @@ impl Measure {
     pub fn beside(self, block: &Block) -> (Measure, f64) {
         // The side with less base lifts and overturns first.
         let [left, right] = Corner::each(|corner| block.alpha_of(corner));
-        let uplift = || block.gravity * libm::tan(left.min(right));
+        self.beside_scales(left.min(right), block.p, block.gravity)
+    }
+
+    /// The same for the slenderness α (rad) of the side with less base, the frequency parameter p (rad/s) and gravity (m/s²).
+    pub fn beside_scales(self, alpha: f64, p: f64, gravity: f64) -> (Measure, f64) {
+        let uplift = || gravity * libm::tan(alpha);
         match self {
             Measure::PgaToUplift => (Measure::Pga, 1.0 / uplift()),
-            Measure::PgvToOverturning => (Measure::Pgv, block.p / uplift()),
-            Measure::PeriodToBlock => (Measure::MeanPeriod, block.p),
+            Measure::PgvToOverturning => (Measure::Pgv, p / uplift()),
+            Measure::PeriodToBlock => (Measure::MeanPeriod, p),
             of_record => (of_record, 1.0),
         }
     }

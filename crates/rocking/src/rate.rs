@@ -1,0 +1,339 @@
+//! `rocking rate`: a hazard curve, a fragility curve → the annual rate at which a limit is exceeded.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, Parser};
+
+use crate::checks::{check, checked};
+use crate::choices;
+use crate::explicit_options::ExplicitOptions;
+use crate::formats::{PictureOptions, check_table};
+use crate::input;
+use crate::output::{NamedFile, Pending, check_distinct};
+use crate::rate_report::{CurveReport, HazardReport, RateReport};
+use crate::report::{ReportOptions, WrittenFiles};
+use rocking_block::block::Common;
+use rocking_block::words::Words;
+use rocking_charts::fragility::probability_of;
+use rocking_studies::fragility::{Assessment, Cases, Interval, Limit, Link, SweepTable, Uncertainty};
+use rocking_studies::intensity::Measure;
+use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
+
+/// Options of `rocking rate`.
+#[derive(Parser)]
+pub struct Options {
+    /// Hazard curve: CSV with two columns such as `PGV [m/s],rate [1/year]`, CSV exported by OpenQuake or nshmp-haz, or JSON of the
+    /// hazard services of the USGS; `-` for standard input
+    #[arg(value_name = "HAZARD")]
+    hazard: PathBuf,
+    #[command(flatten)]
+    reading: HazardReading,
+    #[command(flatten)]
+    fragility: FragilityOptions,
+    /// Slenderness angle of the block, for a measure relative to it such as "p PGV/(g tan alpha)" [rad]
+    #[arg(long, value_name = "RAD", help_heading = "Block")]
+    alpha: Option<f64>,
+    /// Frequency parameter of the block, for the same [rad/s]
+    #[arg(long, value_name = "RAD/S", help_heading = "Block")]
+    p: Option<f64>,
+    /// Gravitational acceleration, also for levels in g [m/s2]
+    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity, help_heading = "Block")]
+    g: f64,
+    /// Years for which the probability of exceeding the limit is reported
+    #[arg(long, value_name = "YEARS,...", value_delimiter = ',', default_values_t = [1.0, 50.0], help_heading = "Results")]
+    years: Vec<f64>,
+    /// Table of the deaggregation: the part of the rate between the hazard's levels; `-` for standard output
+    #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Reading the hazard")]
+struct HazardReading {
+    /// Name of the site, or LON,LAT, in a file of several
+    #[arg(long, value_name = "SITE", allow_hyphen_values = true)]
+    site: Option<String>,
+    /// Unit of the levels, if the file does not name it: g, m/s2, cm/s2, m/s, cm/s, m, cm or s
+    #[arg(long, value_name = "UNIT")]
+    hazard_unit: Option<String>,
+    /// Years to which the probabilities of the file refer; without it, it has annual rates
+    #[arg(long, value_name = "YEARS")]
+    investigation_time: Option<f64>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Fragility")]
+struct FragilityOptions {
+    /// Intensity measure: a column of the table, or name and unit of the median, such as "PGV [m/s]"
+    #[arg(long, value_name = "COLUMN")]
+    im: Option<String>,
+    /// Table of a sweep, to which a curve is fitted as by `rocking fragility`
+    #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["median", "beta"])]
+    table: Option<PathBuf>,
+    /// Median of a lognormal curve, in the unit of --im or else in SI units
+    #[arg(long, value_name = "M", requires = "beta")]
+    median: Option<f64>,
+    /// Dispersion of a lognormal curve; 0 for a step
+    #[arg(long, value_name = "BETA", requires = "median")]
+    beta: Option<f64>,
+    /// Limit to exceed: overturned, or a number such as 0.5 for |theta|/alpha > 0.5
+    #[arg(long, value_name = "LIMIT", default_value = "overturned")]
+    limit: Limit,
+    /// Use only the rows in which a column has this value; several conditions must all hold
+    #[arg(id = "where", long, value_name = "COLUMN=VALUE")]
+    conditions: Vec<String>,
+    /// Use the fractions of the table's rows at each of its levels, without a fitted curve
+    #[arg(long, requires = "table")]
+    empirical: bool,
+    /// Distribution behind the curve
+    #[arg(long, value_parser = choices::link(), default_value = Link::Probit.word())]
+    link: Link,
+    /// Confidence level of the interval
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
+    ci: f64,
+    /// Compute the interval from this many bootstrap samples of the records
+    #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    bootstrap: Option<u32>,
+    /// Seed of the bootstrap samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// A fragility curve and its origin.
+struct Fragility {
+    curve: FragilityCurve,
+    /// Name and unit of the measure, if known.
+    heading: Option<String>,
+    assessment: Option<Assessment>,
+    /// Least and greatest measure of the rows.
+    rows: Option<[f64; 2]>,
+    report: CurveReport,
+}
+
+/// Runs the command.
+pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    let FragilityOptions { table, median, empirical, limit, ci, bootstrap, .. } = &options.fragility;
+    let plot = options.picture.plot.as_deref();
+    explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
+    explicit.refuse_unless(bootstrap.is_some(), &["seed"], "without --bootstrap")?;
+    explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
+    explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;
+    anyhow::ensure!(
+        table.is_some() || median.is_some(),
+        "no fragility curve; expected --table and --im, or --median and --beta"
+    );
+    check("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
+    check("g", options.g, |x| x > 0.0, "an acceleration above 0")?;
+    for &years in &options.years {
+        check("years", years, |x| x > 0.0, "a number of years above 0")?;
+    }
+    let csv = options.csv.as_deref();
+    csv.map_or(Ok(()), check_table)?;
+    let format = options.picture.format()?;
+    let outputs = [("csv", csv), ("plot", plot)];
+    let tables = table.iter().map(|path| NamedFile::new("--table", path));
+    let inputs: Vec<_> = std::iter::once(NamedFile::new("the hazard curve", &options.hazard)).chain(tables).collect();
+    check_distinct(&inputs, &NamedFile::of_options(outputs))?;
+    let picture = plot.map(Pending::new).transpose()?;
+    let csv_file = csv.map(Pending::new).transpose()?;
+
+    let fragility = options.fragility.read(options.g)?;
+    let (file, hazard) = options.hazard(&fragility, explicit)?;
+    let found = AnnualRate::new(&hazard, &fragility.curve);
+    anyhow::ensure!(
+        found.rate.is_finite(),
+        "{file}: the hazard grows faster towards small measures than the logistic curve falls, so that the rate is not bounded; \
+         expected a hazard curve from lower levels, or --link probit"
+    );
+    let ends = fragility.assessment.as_ref().map(|assessment| interval(&hazard, assessment));
+    let heading = fragility.heading.clone().unwrap_or_else(|| heading(&hazard));
+    let report = RateReport::new(
+        HazardReport::new(file, heading.clone(), &hazard),
+        fragility.report,
+        &found,
+        ends.map(|ends| (*ci, ends)),
+        &options.years,
+        fragility.rows,
+    );
+    let mut written = Vec::new();
+    if let (Some(file), Some(format)) = (picture, format) {
+        let limit = match table {
+            Some(_) => probability_of(*limit),
+            None => "probability of exceedance".into(),
+        };
+        let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
+        let svg = rocking_charts::rate::rate(&report.lines(), &found, &heading, &limit, band)?;
+        written.push((file, format.encode(&svg)?));
+    }
+    if let Some(file) = csv_file {
+        written.push((file, report.table().into_bytes()));
+    }
+    Pending::write(written)?;
+    let warnings = report.warnings();
+    for warning in &warnings {
+        eprintln!("rocking: warning: {warning}");
+    }
+    let written = WrittenFiles::new(outputs);
+    options.report.print("rate", &written, &warnings, &(report.text() + &written.lines()), &report)
+}
+
+fn heading(hazard: &HazardCurve) -> String {
+    let name = hazard.measure.as_deref().unwrap_or("measure");
+    hazard.unit.as_ref().map_or(name.into(), |unit| format!("{name} [{unit}]"))
+}
+
+/// Splits a heading into a name and a unit.
+fn parts(heading: &str) -> (&str, Option<&str>) {
+    match heading.strip_suffix(']').and_then(|text| text.split_once(" [")) {
+        Some((name, unit)) => (name, Some(unit)),
+        None => (heading, None),
+    }
+}
+
+impl Options {
+    /// Reads the hazard curve of the measure of a fragility curve, relative to the block if that measure is.
+    fn hazard(&self, fragility: &Fragility, explicit: &ExplicitOptions) -> anyhow::Result<(String, HazardCurve)> {
+        let name = fragility.heading.as_deref().map(|heading| parts(heading).0);
+        let measure = name.and_then(|name| name.parse::<Measure>().ok());
+        let relative = measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
+        explicit.refuse_unless(relative.is_some(), &["alpha"], "without a measure relative to the block")?;
+        explicit.refuse_unless(
+            relative.is_some_and(|measure| measure != Measure::PgaToUplift),
+            &["p"],
+            "on this measure",
+        )?;
+        let (base, factor) = match relative {
+            None => (name.map(String::from), 1.0),
+            Some(measure) => {
+                let need = |value: Option<f64>, option: &str| {
+                    value.with_context(|| format!("no --{option}; expected that of the block, for {measure}"))
+                };
+                let alpha = match measure {
+                    Measure::PeriodToBlock => 1.0,
+                    _ => need(
+                        checked("alpha", self.alpha, |x| x > 0.0 && x < 1.5, "an angle above 0 and below 1.5 rad")?,
+                        "alpha",
+                    )?,
+                };
+                let p = match measure {
+                    Measure::PgaToUplift => 1.0,
+                    _ => need(checked("p", self.p, |x| x > 0.0, "a frequency above 0 rad/s")?, "p")?,
+                };
+                let (of_record, factor) = measure.beside_scales(alpha, p, self.g);
+                (Some(of_record.to_string()), factor)
+            }
+        };
+        let HazardReading { site, hazard_unit, investigation_time } = &self.reading;
+        let options = HazardOptions {
+            measure: base,
+            unit: hazard_unit.clone(),
+            site: site.clone(),
+            years: *investigation_time,
+            gravity: self.g,
+        };
+        // The folder of a file may name its measure.
+        let (name, text) = input::text(&self.hazard)?;
+        let hazard = read_hazard(&name, &text, &options).with_context(|| name.clone())?;
+        let unit = fragility.heading.as_deref().and_then(|heading| parts(heading).1);
+        if let (None, Some(unit), Some(found)) = (relative, unit, &hazard.unit) {
+            anyhow::ensure!(
+                found == unit,
+                "{name}: found levels in {found}; expected {unit}, the unit of the fragility curve"
+            );
+        }
+        if let (Some(measure), None) = (measure, &hazard.unit) {
+            anyhow::bail!("{name}: no unit of the levels; expected --hazard-unit, as for {}", measure.heading());
+        }
+        Ok((name, hazard.scaled(factor)))
+    }
+}
+
+impl FragilityOptions {
+    fn read(&self, gravity: f64) -> anyhow::Result<Fragility> {
+        match (&self.table, self.median, self.beta) {
+            (None, Some(median), Some(beta)) => self.lognormal(median, beta, gravity),
+            _ => self.table(),
+        }
+    }
+
+    fn lognormal(&self, median: f64, beta: f64, gravity: f64) -> anyhow::Result<Fragility> {
+        let (heading, factor) = match self.im.as_deref().map(parts) {
+            None => (None, 1.0),
+            Some((name, unit)) => {
+                let known = name.parse::<Measure>().map(|measure| (measure.to_string(), measure.unit()));
+                let converted = unit.and_then(|unit| si(unit, gravity));
+                match (known, unit, converted) {
+                    (Ok((name, unit)), None, _) => (Some(format!("{name} [{unit}]")), 1.0),
+                    (Ok((name, expected)), Some(given), converted) => {
+                        let (unit, factor) = converted.unwrap_or((given, 1.0));
+                        anyhow::ensure!(unit == expected, "--im {name} in {given}; expected a unit of {expected}");
+                        (Some(format!("{name} [{unit}]")), factor)
+                    }
+                    (Err(_), Some(unit), None) => (Some(format!("{name} [{unit}]")), 1.0),
+                    (Err(_), Some(_), Some((unit, factor))) => (Some(format!("{name} [{unit}]")), factor),
+                    (Err(_), None, _) => (Some(name.into()), 1.0),
+                }
+            }
+        };
+        let curve = FragilityCurve::lognormal(median * factor, beta)?;
+        let report = CurveReport::lognormal(median * factor, beta);
+        Ok(Fragility { curve, heading, assessment: None, rows: None, report })
+    }
+
+    fn table(&self) -> anyhow::Result<Fragility> {
+        let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
+        let Some(path) = &self.table else { unreachable!("checked before") };
+        let (name, text) = input::text(path)?;
+        let mut table = SweepTable::read(&name, text.as_bytes())?;
+        for condition in &self.conditions {
+            let (column, value) = condition
+                .split_once('=')
+                .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))?;
+            table.keep(column, value)?;
+        }
+        let Cases { cases, .. } = table.cases(self.limit)?;
+        let numbers = table.numbers(im)?;
+        let heading = table.heading(im)?.to_string();
+        let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
+        let known = || values.iter().flatten().copied();
+        let rows = known().reduce(f64::min).zip(known().reduce(f64::max)).map(|(least, greatest)| [least, greatest]);
+        let at = || format!("{name}: {im}");
+        let limit = self.limit.to_string();
+        if self.empirical {
+            let mut levels: Vec<(f64, Vec<f64>)> = Vec::new();
+            let mut pairs: Vec<(f64, f64)> =
+                cases.iter().zip(&values).filter_map(|(case, value)| Some(((*value)?, case.fraction))).collect();
+            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (level, fraction) in pairs {
+                match levels.last_mut() {
+                    Some((last, fractions)) if *last == level => fractions.push(fraction),
+                    _ => levels.push((level, vec![fraction])),
+                }
+            }
+            let rows_told: usize = levels.iter().map(|level| level.1.len()).sum();
+            anyhow::ensure!(
+                rows_told >= 2 * levels.len(),
+                "{name}: {im} has {} levels in {rows_told} rows; expected several rows at each level, as from a sweep with levels",
+                levels.len()
+            );
+            let mean = |fractions: &[f64]| fractions.iter().sum::<f64>() / fractions.len() as f64;
+            let (levels, fractions): (Vec<f64>, Vec<f64>) =
+                levels.iter().map(|(level, all)| (*level, mean(all))).unzip();
+            let curve = FragilityCurve::tabulated(&levels, &fractions).with_context(at)?;
+            let report = CurveReport::empirical(name.clone(), limit, levels.len());
+            return Ok(Fragility { curve, heading: Some(heading), assessment: None, rows, report });
+        }
+        let uncertainty =
+            self.bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, self.seed));
+        let assessment = Assessment::new(&cases, &values, self.link, self.ci, uncertainty).with_context(at)?;
+        let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
+        let intervals = uncertainty.words(assessment.independence);
+        let report = CurveReport::fitted(name, limit, &assessment.fit, intervals);
+        Ok(Fragility { curve, heading: Some(heading), assessment: Some(assessment), rows, report })
+    }
+}

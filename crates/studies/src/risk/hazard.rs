@@ -1,0 +1,172 @@
+//! Levels, rates → a hazard curve.
+
+/// The reason why a hazard curve cannot be read or used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("found {found}; expected {expected}")]
+pub struct HazardError {
+    /// The content found, with its place.
+    pub found: String,
+    /// The expected content.
+    pub expected: String,
+}
+
+impl HazardError {
+    pub(super) fn new(found: impl Into<String>, expected: impl Into<String>) -> HazardError {
+        HazardError { found: found.into(), expected: expected.into() }
+    }
+}
+
+/// A hazard curve: the annual rate at which an intensity measure exceeds a level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HazardCurve {
+    /// Name of the measure, such as `PGA` or `Sa(1 s)`, if known.
+    pub measure: Option<String>,
+    /// Unit of the levels, an SI unit if known to [`si`](super::si).
+    pub unit: Option<String>,
+    /// Remarks on levels that were left out.
+    pub remarks: Vec<String>,
+    levels: Vec<f64>,
+    rates: Vec<f64>,
+}
+
+impl HazardCurve {
+    /// Checks levels and annual rates, and leaves out levels at the end with a rate of zero.
+    ///
+    /// Levels are above zero and increase; rates do not. Two of them are above zero.
+    ///
+    /// # Errors
+    /// The first level or rate that violates this.
+    pub fn new(levels: &[f64], rates: &[f64]) -> Result<HazardCurve, HazardError> {
+        if levels.len() != rates.len() {
+            let found = format!("{} levels and {} rates", levels.len(), rates.len());
+            return Err(HazardError::new(found, "a rate for each level"));
+        }
+        for (i, (&level, &rate)) in levels.iter().zip(rates).enumerate() {
+            if !(level > 0.0 && level.is_finite() && (i == 0 || level > levels[i - 1])) {
+                let expected = match i {
+                    0 => "a level above 0".into(),
+                    _ => format!("levels that increase, here above {}", levels[i - 1]),
+                };
+                return Err(HazardError::new(format!("the level {level} at place {}", i + 1), expected));
+            }
+            if !(rate >= 0.0 && rate.is_finite() && (i == 0 || rate <= rates[i - 1])) {
+                let expected = match i {
+                    0 => "a rate of at least 0".into(),
+                    _ => format!("rates of at least 0 that do not increase, here at most {}", rates[i - 1]),
+                };
+                return Err(HazardError::new(format!("the rate {rate} at the level {level}"), expected));
+            }
+        }
+        let positive = rates.iter().filter(|rate| **rate > 0.0).count();
+        if positive < 2 {
+            return Err(HazardError::new(format!("{positive} levels with a rate above 0"), "two or more"));
+        }
+        let mut remarks = Vec::new();
+        if positive < levels.len() {
+            remarks.push(format!(
+                "{} levels from {} on have a rate of 0 and were left out",
+                levels.len() - positive,
+                levels[positive]
+            ));
+        }
+        let [levels, rates] = [levels, rates].map(|all| all[..positive].to_vec());
+        Ok(HazardCurve { measure: None, unit: None, remarks, levels, rates })
+    }
+
+    /// The levels with a rate above zero.
+    pub fn levels(&self) -> &[f64] {
+        &self.levels
+    }
+
+    /// The annual rates of these levels.
+    pub fn rates(&self) -> &[f64] {
+        &self.rates
+    }
+
+    /// Multiplies the levels by a factor above zero, as for another unit or a measure relative to a block.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> HazardCurve {
+        self.levels.iter_mut().for_each(|level| *level *= factor);
+        self
+    }
+
+    /// The annual rate at which this level above zero is exceeded.
+    pub fn rate(&self, level: f64) -> f64 {
+        let x = libm::log(level);
+        let laws = self.power_laws();
+        laws.iter().find(|law| x <= law.to).map_or(0.0, |law| law.rate(x))
+    }
+
+    /// The power laws between the levels, the first and the last one continued beyond.
+    pub(super) fn power_laws(&self) -> Vec<PowerLaw> {
+        let last = self.levels.len() - 1;
+        let between = (0..last).map(|i| {
+            let [from, to] = [self.levels[i], self.levels[i + 1]].map(libm::log);
+            let slope = libm::log(self.rates[i] / self.rates[i + 1]) / (to - from);
+            PowerLaw { from, to, at: from, rate: self.rates[i], slope }
+        });
+        let between: Vec<PowerLaw> = between.collect();
+        let below = PowerLaw { from: f64::NEG_INFINITY, to: between[0].from, ..between[0] };
+        let end = &between[last - 1];
+        let above = PowerLaw { from: end.to, to: f64::INFINITY, at: end.to, rate: self.rates[last], slope: end.slope };
+        std::iter::once(below).chain(between.iter().copied()).chain([above]).collect()
+    }
+}
+
+/// A part of a hazard curve: `H = rate · exp(−slope (x − at))` for x = ln m between `from` and `to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PowerLaw {
+    pub from: f64,
+    pub to: f64,
+    pub at: f64,
+    pub rate: f64,
+    /// At least zero.
+    pub slope: f64,
+}
+
+impl PowerLaw {
+    pub fn rate(&self, x: f64) -> f64 {
+        self.rate * libm::exp(-self.slope * (x - self.at))
+    }
+
+    /// The part between two logarithms; nothing if they lie outside.
+    pub fn between(&self, from: f64, to: f64) -> Option<PowerLaw> {
+        let part = PowerLaw { from: self.from.max(from), to: self.to.min(to), ..*self };
+        (part.from < part.to).then_some(part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_between_levels_lie_on_power_laws() {
+        let hazard = HazardCurve::new(&[0.1, 0.2, 0.4], &[1e-2, 2.5e-3, 3.125e-4]).unwrap();
+        for (level, rate) in
+            [(0.1, 1e-2), (0.05, 4e-2), (0.4, 3.125e-4), (0.8, 3.906_25e-5), (0.141_421_356_237_309_5, 5e-3)]
+        {
+            assert!((hazard.rate(level) / rate - 1.0).abs() < 1e-14, "{level}: {}", hazard.rate(level));
+        }
+    }
+
+    #[test]
+    fn curves_that_are_none_are_refused_with_the_values_found() {
+        let refused = |levels: &[f64], rates: &[f64]| HazardCurve::new(levels, rates).unwrap_err().to_string();
+        assert_eq!(refused(&[0.1], &[0.1, 0.2]), "found 1 levels and 2 rates; expected a rate for each level");
+        assert_eq!(refused(&[0.0, 1.0], &[0.2, 0.1]), "found the level 0 at place 1; expected a level above 0");
+        let found = refused(&[0.2, 0.2], &[0.2, 0.1]);
+        assert_eq!(found, "found the level 0.2 at place 2; expected levels that increase, here above 0.2");
+        let found = refused(&[0.1, 0.2], &[0.1, 0.2]);
+        assert!(found.starts_with("found the rate 0.2 at the level 0.2; expected rates"), "{found}");
+        assert_eq!(refused(&[0.1, 0.2], &[0.1, 0.0]), "found 1 levels with a rate above 0; expected two or more");
+        assert!(refused(&[0.1, 0.2], &[f64::NAN, 0.0]).contains("the rate NaN"));
+    }
+
+    #[test]
+    fn levels_with_a_rate_of_zero_are_left_out() {
+        let hazard = HazardCurve::new(&[0.1, 0.2, 0.4, 0.8], &[1e-2, 1e-3, 0.0, 0.0]).unwrap();
+        assert_eq!((hazard.levels(), hazard.rates()), (&[0.1, 0.2][..], &[1e-2, 1e-3][..]));
+        assert_eq!(hazard.remarks, ["2 levels from 0.4 on have a rate of 0 and were left out"]);
+    }
+}

@@ -1,0 +1,239 @@
+//! A hazard curve, a fragility curve → annual rate, deaggregation, interval.
+
+use crate::fragility::{Assessment, Interval};
+use crate::risk::curve::FragilityCurve;
+use crate::risk::hazard::HazardCurve;
+use rocking_block::numerics::roots::sign_change;
+
+/// The annual rate at which a limit is exceeded, and its origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnnualRate {
+    /// The rate (1/year).
+    pub rate: f64,
+    /// Its part from measures below the hazard's least level.
+    pub below_hazard: f64,
+    /// Its part from measures above the hazard's greatest level.
+    pub above_hazard: f64,
+    hazard: HazardCurve,
+    curve: FragilityCurve,
+}
+
+/// The part of the rate from a range of the measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Lower end, zero below the hazard's least level.
+    pub from: f64,
+    /// Upper end, infinite above the hazard's greatest level.
+    pub to: f64,
+    /// The part of the rate (1/year).
+    pub rate: f64,
+    /// Its share of the whole (1).
+    pub share: f64,
+}
+
+impl AnnualRate {
+    /// Integrates a fragility curve over a hazard curve of the same measure in the same unit.
+    pub fn new(hazard: &HazardCurve, curve: &FragilityCurve) -> AnnualRate {
+        let mut found = AnnualRate {
+            rate: 0.0,
+            below_hazard: 0.0,
+            above_hazard: 0.0,
+            hazard: hazard.clone(),
+            curve: curve.clone(),
+        };
+        let [least, greatest] = found.hazard_range();
+        let inside = found.between(least, greatest);
+        found.below_hazard = found.between(0.0, least);
+        found.above_hazard = found.between(greatest, f64::INFINITY);
+        found.rate = found.below_hazard + inside + found.above_hazard;
+        found
+    }
+
+    /// The part of the rate (1/year) from a range of the measure, from zero to infinity at most.
+    pub fn between(&self, from: f64, to: f64) -> f64 {
+        let [from, to] = [from, to].map(libm::log);
+        let laws = self.hazard.power_laws();
+        laws.iter().filter_map(|law| law.between(from, to)).map(|law| self.curve.contribution(&law)).sum()
+    }
+
+    /// The hazard's least and greatest level.
+    pub fn hazard_range(&self) -> [f64; 2] {
+        let levels = self.hazard.levels();
+        [levels[0], levels[levels.len() - 1]]
+    }
+
+    /// The hazard curve.
+    pub fn hazard(&self) -> &HazardCurve {
+        &self.hazard
+    }
+
+    /// The fragility curve.
+    pub fn curve(&self) -> &FragilityCurve {
+        &self.curve
+    }
+
+    /// The parts of the rate below, between and above the hazard's levels.
+    pub fn deaggregation(&self) -> Vec<Part> {
+        let ends = std::iter::once(0.0).chain(self.hazard.levels().iter().copied()).chain([f64::INFINITY]);
+        let ends: Vec<f64> = ends.collect();
+        let part = |ends: &[f64]| {
+            let rate = self.between(ends[0], ends[1]);
+            Part { from: ends[0], to: ends[1], rate, share: rate / self.rate }
+        };
+        ends.windows(2).map(part).collect()
+    }
+
+    /// The measure below which this share of the rate comes about; nothing without a finite rate above zero.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        if !(self.rate > 0.0 && self.rate.is_finite()) {
+            return None;
+        }
+        let excess = |x: f64| share - self.between(0.0, libm::exp(x)) / self.rate;
+        let [mut low, mut high] = self.hazard_range().map(libm::log);
+        // Doubling the distance brackets any quantile of a finite rate soon.
+        let mut step = high - low;
+        while excess(low) < 0.0 && low > -700.0 {
+            (low, step) = (low - step, 2.0 * step);
+        }
+        while excess(high) > 0.0 && high < 700.0 {
+            (high, step) = (high + step, 2.0 * step);
+        }
+        Some(libm::exp(sign_change(low, high, excess(low), excess(high), excess)))
+    }
+}
+
+/// The probability of at least one event in some years, for events at this annual rate that do not depend on each other.
+pub fn probability_in(years: f64, rate: f64) -> f64 {
+    -libm::expm1(-rate * years)
+}
+
+/// The interval of the annual rate that the uncertainty of a fitted curve gives; nothing for an end that is not finite.
+///
+/// With a bootstrap, the interval of the rates of its curves. Otherwise the rates of the lower and the upper end of the pointwise
+/// band, which lie at least as far apart as those of any curve inside the band.
+pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
+    /// Points of the band; between them the probability is linear in the logarithm.
+    const POINTS: u32 = 240;
+    let finite = |rate: f64| Some(rate).filter(|rate| rate.is_finite());
+    let of_fit = |fit: &_| match FragilityCurve::of(fit) {
+        Ok(curve) => AnnualRate::new(hazard, &curve).rate,
+        // A curve that falls exceeds the limit at any small measure.
+        Err(_) => f64::INFINITY,
+    };
+    if let Some(found) = assessment.bootstrap_interval(of_fit) {
+        return Interval { low: found.low.and_then(finite), high: found.high.and_then(finite) };
+    }
+    let levels = hazard.levels();
+    let [median, beta] = [assessment.fit.median(), assessment.fit.dispersion().abs()];
+    let from = libm::log(levels[0].min(median * libm::exp(-6.0 * beta)));
+    let to = libm::log(levels[levels.len() - 1].max(median * libm::exp(6.0 * beta)));
+    let at = |point: u32| libm::exp(from + (to - from) * f64::from(point) / f64::from(POINTS));
+    let at: Vec<f64> = (0..=POINTS).map(at).collect();
+    let band = assessment.band(&at);
+    let rate = |probability: fn(&Interval) -> f64| {
+        let probabilities: Vec<f64> = band.iter().map(probability).collect();
+        let curve = FragilityCurve::tabulated(&at, &probabilities).ok()?;
+        finite(AnnualRate::new(hazard, &curve).rate)
+    };
+    Interval { low: rate(|ends| ends.low.unwrap_or(0.0)), high: rate(|ends| ends.high.unwrap_or(1.0)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hazard `k0 m^−k` at these levels.
+    fn power_law(k0: f64, k: f64, levels: &[f64]) -> HazardCurve {
+        let rates: Vec<f64> = levels.iter().map(|level| k0 * libm::exp(-k * libm::log(*level))).collect();
+        HazardCurve::new(levels, &rates).unwrap()
+    }
+
+    fn levels() -> Vec<f64> {
+        (0..20).map(|i| 0.05 * libm::exp(0.2 * f64::from(i))).collect()
+    }
+
+    #[track_caller]
+    fn near(value: f64, exact: f64, tolerance: f64) {
+        assert!((value / exact - 1.0).abs() <= tolerance, "{value:e}, exactly {exact:e}");
+    }
+
+    /// λ = k0 median^−k exp(k²β²/2) (Cornell et al. 2002, eq. 8), also far outside the levels and for narrow curves.
+    #[test]
+    fn a_power_law_and_a_lognormal_curve_have_the_closed_form() {
+        for (k, median, beta) in
+            [(2.5, 0.6, 0.4), (1.0, 0.3, 0.05), (4.0, 1.0, 0.9), (3.0, 30.0, 0.3), (3.0, 0.001, 0.3), (12.0, 0.5, 1.0)]
+        {
+            let hazard = power_law(1e-4, k, &levels());
+            let found = AnnualRate::new(&hazard, &FragilityCurve::lognormal(median, beta).unwrap());
+            let exact = 1e-4 * libm::exp(-k * libm::log(median) + 0.5 * k * k * beta * beta);
+            near(found.rate, exact, 1e-10);
+            let sum: f64 = found.deaggregation().iter().map(|part| part.rate).sum();
+            near(sum, exact, 1e-10);
+        }
+    }
+
+    /// The logistic curve has λ = k0 median^−k πkβ/sin(πkβ) (a beta function), infinite from kβ = 1 on.
+    #[test]
+    fn a_power_law_and_a_logistic_curve_have_the_closed_form() {
+        for (k, median, beta) in [(2.5, 0.6, 0.2), (1.0, 0.3, 0.05), (2.0, 3.0, 0.49)] {
+            let found = AnnualRate::new(&power_law(1e-4, k, &levels()), &FragilityCurve::Logistic { median, beta });
+            let angle = std::f64::consts::PI * k * beta;
+            near(found.rate, 1e-4 * libm::exp(-k * libm::log(median)) * angle / libm::sin(angle), 1e-12);
+        }
+        let found =
+            AnnualRate::new(&power_law(1e-4, 3.0, &levels()), &FragilityCurve::Logistic { median: 0.5, beta: 0.4 });
+        assert_eq!((found.rate, found.quantile(0.5)), (f64::INFINITY, None));
+    }
+
+    /// A step gives the hazard at its place: inside and outside of the levels, and on one of them.
+    #[test]
+    fn a_step_gives_the_hazard_itself() {
+        let hazard = HazardCurve::new(&[0.1, 0.2, 0.4, 1.0], &[1e-2, 4e-3, 4e-3, 1e-5]).unwrap();
+        for median in [0.03, 0.1, 0.13, 0.3, 0.5, 1.0, 2.0] {
+            let step = FragilityCurve::lognormal(median, 0.0).unwrap();
+            near(AnnualRate::new(&hazard, &step).rate, hazard.rate(median), 1e-14);
+            // Half a table's step of 1e-9 changes the rate by that times the slope of the hazard.
+            let table =
+                FragilityCurve::tabulated(&[median * (1.0 - 1e-9), median * (1.0 + 1e-9)], &[0.0, 1.0]).unwrap();
+            near(AnnualRate::new(&hazard, &table).rate, hazard.rate(median), 1e-8);
+        }
+    }
+
+    /// A probability of p at all levels of a table gives p times the hazard at the least level, within the hazard's range.
+    #[test]
+    fn a_constant_probability_gives_its_part_of_the_hazard() {
+        let hazard = power_law(1e-4, 2.0, &levels());
+        let found = AnnualRate::new(&hazard, &FragilityCurve::tabulated(&[0.1, 1.0], &[0.3, 0.3]).unwrap());
+        near(found.rate, 0.3 * hazard.rates()[0], 1e-13);
+        near(found.above_hazard, 0.3 * hazard.rates()[19], 1e-13);
+        assert_eq!(found.below_hazard, 0.0);
+    }
+
+    /// A table of a lognormal curve every h = 0.004 β has its rate, but for the h²/12 β² of linear interpolation.
+    #[test]
+    fn a_table_of_a_curve_has_its_rate() {
+        let hazard = HazardCurve::new(&[0.1, 0.3, 0.5, 1.2], &[1e-2, 4e-3, 3e-4, 1e-5]).unwrap();
+        let curve = FragilityCurve::lognormal(0.5, 0.4).unwrap();
+        let at: Vec<f64> = (0..=4000).map(|i| 0.5 * libm::exp(0.4 * (f64::from(i) / 250.0 - 8.0))).collect();
+        let probabilities: Vec<f64> = at.iter().map(|m| curve.probability(*m)).collect();
+        let table = FragilityCurve::tabulated(&at, &probabilities).unwrap();
+        near(AnnualRate::new(&hazard, &table).rate, AnnualRate::new(&hazard, &curve).rate, 2e-6);
+    }
+
+    #[test]
+    fn quantiles_divide_the_rate() {
+        let hazard = HazardCurve::new(&[0.1, 0.3, 0.5, 1.2], &[1e-2, 4e-3, 3e-4, 1e-5]).unwrap();
+        for median in [0.01, 0.5, 20.0] {
+            let found = AnnualRate::new(&hazard, &FragilityCurve::lognormal(median, 0.4).unwrap());
+            for share in [0.05, 0.5, 0.95] {
+                near(found.between(0.0, found.quantile(share).unwrap()) / found.rate, share, 1e-10);
+            }
+        }
+    }
+
+    #[test]
+    fn rates_become_probabilities() {
+        near(probability_in(50.0, 1.0 / 475.0), 0.099_912_373_747_740_74, 1e-12);
+        near(probability_in(1.0, 1e-12), 1e-12, 1e-12);
+    }
+}
