@@ -19,6 +19,7 @@ from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, fragility, intensity
 from rocking_block._frame import Frame, FrameRun, frame
 from rocking_block._pulse import Pulse
+from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
 from rocking_block._record import Record, read_record
 from rocking_block._run import Counts, Energy, Event, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
@@ -27,6 +28,7 @@ from rocking_block._table import Table
 from rocking_block._tie import Tie
 
 __all__ = [
+    "AnnualRate",
     "Block",
     "Building",
     "Counts",
@@ -36,6 +38,7 @@ __all__ = [
     "Fragility",
     "Frame",
     "FrameRun",
+    "Hazard",
     "Peak",
     "Pulse",
     "Record",
@@ -43,6 +46,7 @@ __all__ = [
     "Search",
     "Table",
     "Tie",
+    "annual_rate",
     "blocks",
     "floor_motions",
     "fmu_path",
@@ -51,6 +55,7 @@ __all__ = [
     "frame",
     "intensity",
     "outcomes",
+    "read_hazard",
     "read_record",
     "search_damping",
     "search_overturning",

@@ -216,6 +216,29 @@ def fragility(
     return axes
 
 
+def annual_rate(found: _engine.AnnualRate, im: str, unit: str, ax: Axes | None, style: dict[str, Any]) -> Axes:
+    """Draws the density of the rate over the logarithm of the measure, its median and the range of 90 %."""
+    axes = _axes(ax, "rate", (7.0, 4.0))
+    number = _add(axes, "rate")
+    low, high = found.quantile(0.001), found.quantile(0.999)
+    edges = np.geomspace(low, high, 301)
+    parts = [found.between(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    density = np.array(parts) / np.diff(np.log(edges)) / found.rate
+    middle = np.sqrt(edges[:-1] * edges[1:])
+    (line,) = axes.plot(middle, density, **_style({"label": f"{found.rate:.3g} per year"} | _look(number, None), style))
+    inside = (middle >= found.quantile(0.05)) & (middle <= found.quantile(0.95))
+    axes.fill_between(middle, density, where=inside.tolist(), color=line.get_color(), alpha=0.18, lw=0, label="90 % of the rate")
+    axes.axvline(found.quantile(0.5), color=line.get_color(), lw=0.8, ls="--")
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set(xlabel=f"{im} [{unit}]" if unit else im, ylabel="share of the rate per unit of ln IM")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(loc="best", frameon=False, fontsize="small")
+    return axes
+
+
 def table(
     table: _Columns,
     heading: Callable[[str], str],

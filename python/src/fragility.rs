@@ -12,7 +12,7 @@ type Ends = (f64, f64);
 
 /// A curve with its uncertainty and predictive power; the Python class of the same name has the documentation.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
-pub struct Fragility(Assessment);
+pub struct Fragility(pub Assessment);
 
 #[pymethods]
 impl Fragility {

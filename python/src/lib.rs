@@ -11,6 +11,7 @@
 //! | `frame` | columns under a beam → the equivalent block, and the forces of the columns |
 //! | `studies` | many blocks under many ground motions → a column each |
 //! | `fragility` | outcomes over an intensity measure → a curve |
+//! | `risk` | a hazard curve and a fragility curve → an annual rate |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `search` | a range → the values at which the outcome changes |
 //! | `work` | long work → its result, while Python shows progress and handles Ctrl-C |
@@ -25,6 +26,7 @@ mod frame;
 mod history;
 mod options;
 mod record;
+mod risk;
 mod search;
 mod studies;
 mod work;
@@ -53,6 +55,8 @@ mod _engine {
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
     #[pymodule_export]
     use super::record::{Record, intensity, read_record};
+    #[pymodule_export]
+    use super::risk::{AnnualRate, check_hazard, measure_scale, read_hazard};
     #[pymodule_export]
     use super::search::{search_damping, search_overturning};
     #[pymodule_export]

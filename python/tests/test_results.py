@@ -193,7 +193,7 @@ def test_everything_public_is_documented(name):
 
 def test_the_examples_in_docstrings_hold():
     found = doctest.DocTestFinder()
-    modules = ["_block", "_fmu", "foundations", "_fragility", "_pulse", "_record", "_run", "_search", "_studies", "_table", "_toml"]
+    modules = ["_block", "_fmu", "foundations", "_fragility", "_pulse", "_rate", "_record", "_run", "_search", "_studies", "_table", "_toml"]
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     for name in modules:
         for test in found.find(importlib.import_module(f"rocking_block.{name}")):

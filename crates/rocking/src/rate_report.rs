@@ -259,7 +259,12 @@ impl RateReport {
         for Probability { years, probability, interval } in &self.probabilities {
             let interval = ends(*interval, |probability| format!("{} %", percent(probability)));
             // Writing to a String never fails.
-            let _ = writeln!(text, "probability   {} % in {years} {}{interval}", percent(*probability), if *years == 1.0 { "year" } else { "years" });
+            let _ = writeln!(
+                text,
+                "probability   {} % in {years} {}{interval}",
+                percent(*probability),
+                if *years == 1.0 { "year" } else { "years" }
+            );
         }
         if let [Some(low), Some(middle), Some(high)] = self.quantiles {
             let _ = writeln!(text, "comes from    {im}: half below {middle:.4}, 90 % between {low:.4} and {high:.4}");
@@ -280,7 +285,11 @@ impl RateReport {
     /// Writes the deaggregation as CSV, in full precision.
     pub fn table(&self) -> String {
         let unit = self.hazard.im.strip_suffix(']').and_then(|text| text.split_once(" [")).map_or("1", |parts| parts.1);
-        let mut table = format!("# rocking-block {} rate\n# {}\n", env!("CARGO_PKG_VERSION"), self.text().trim_end().replace('\n', "\n# "));
+        let mut table = format!(
+            "# rocking-block {} rate\n# {}\n",
+            env!("CARGO_PKG_VERSION"),
+            self.text().trim_end().replace('\n', "\n# ")
+        );
         let _ = writeln!(table, "from [{unit}],to [{unit}],hazard [1/year],probability [1],rate [1/year],share [1]");
         for PartReport { from, to, hazard, probability, rate, share } in &self.deaggregation {
             let [to, hazard] = [to, hazard].map(|value| value.map_or(String::new(), |value| format!("{value:?}")));

@@ -113,7 +113,7 @@ pub fn probability_in(years: f64, rate: f64) -> f64 {
 /// band, which lie at least as far apart as those of any curve inside the band.
 pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     /// Points of the band; between them the probability is linear in the logarithm.
-    const POINTS: u32 = 240;
+    const POINTS: u32 = 160;
     let finite = |rate: f64| Some(rate).filter(|rate| rate.is_finite());
     let of_fit = |fit: &_| match FragilityCurve::of(fit) {
         Ok(curve) => AnnualRate::new(hazard, &curve).rate,

@@ -18,6 +18,7 @@ const COMMANDS: [&str; 12] = [
     "figures",
     "foundations",
     "fragility",
+    "rate",
     "completions",
     "man",
 ];

@@ -5,6 +5,7 @@ mod findings;
 mod fragility;
 mod friction;
 mod lanes;
+mod rate;
 mod search;
 mod spectrum;
 mod stopping_rule;

@@ -1,0 +1,126 @@
+"""Annual rates compared with closed forms and with scipy's quadrature."""
+
+import pickle
+import warnings
+from math import exp
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import expit, ndtr
+
+import rocking_block as rb
+
+LEVELS = np.array([0.05, 0.1, 0.2, 0.5, 1.0, 2.0])
+RATES = np.array([3e-2, 8e-3, 2e-3, 1.5e-4, 2e-5, 1e-6])
+
+
+@pytest.fixture
+def hazard():
+    return rb.Hazard(LEVELS, RATES, im="PGV", unit="m/s")
+
+
+def integral(probability):
+    """∫ P |dH| of a hazard that is linear in logarithms, by scipy, with both ends continued."""
+    x, y = np.log(LEVELS), np.log(RATES)
+    ends = np.concatenate([[x[0] - 30], x, [x[-1] + 30]])
+    slopes = np.diff(y) / np.diff(x)
+    slopes = np.concatenate([slopes[:1], slopes, slopes[-1:]])
+    starts = np.concatenate([[0], range(len(x))])
+    total = 0.0
+    for k, slope in enumerate(slopes):
+        i = starts[k]
+
+        def density(t, i=i, slope=slope):
+            return probability(exp(t)) * -slope * exp(y[i] + slope * (t - x[i]))
+
+        points = np.linspace(ends[k], ends[k + 1], 40)
+        total += sum(quad(density, a, b, epsabs=1e-17, epsrel=1e-12)[0] for a, b in zip(points[:-1], points[1:]))
+    return total
+
+
+@pytest.mark.parametrize(("median", "beta"), [(0.5, 0.4), (0.15, 0.1), (3.0, 0.6)])
+def test_the_rate_of_a_lognormal_curve_is_that_of_scipy(hazard, median, beta):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = rb.annual_rate(hazard, (median, beta))
+    exact = integral(lambda m: ndtr(np.log(m / median) / beta))
+    assert found.rate == pytest.approx(exact, rel=1e-10)
+    table = found.deaggregation
+    assert table["rate"].sum() == pytest.approx(found.rate, rel=1e-12) and table.units["from"] == "m/s"
+    assert found.between(0.0, found.quantile(0.3)) == pytest.approx(0.3 * found.rate, rel=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore:.*of the rate")
+def test_the_rate_of_a_fitted_curve_has_an_interval_about_it(hazard):
+    random = np.random.default_rng(3)
+    pgv = np.exp(random.normal(np.log(0.5), 0.7, 80))
+    outcome = np.where(np.log(pgv / 0.5) / 0.4 + random.normal(size=80) > 0, "overturned", "completed")
+    table = rb.Table({"PGV": pgv, "outcome": outcome}, {"PGV": "m/s"})
+    for link, cdf in (("probit", ndtr), ("logit", expit)):
+        fit = rb.fragility(table, "PGV", link=link)
+        found = rb.annual_rate(hazard, fit)
+        assert found.rate == pytest.approx(integral(lambda m: cdf(np.log(m / fit.median) / fit.beta)), rel=1e-9)
+        low, high = found.rate_ci
+        assert low < found.rate < high
+    # The ends are the rates of the ends of the band, here at other points.
+    x = np.geomspace(0.02, 8.0, 80)
+    ends = [rb.annual_rate(hazard, (x, band)).rate for band in fit.band(x)]
+    assert found.rate_ci == pytest.approx(ends, rel=0.01)
+    boot = rb.annual_rate(hazard, rb.fragility(table, "PGV", intervals="bootstrap", samples=50))
+    assert boot.rate_ci[0] < boot.rate < boot.rate_ci[1]
+    again = pickle.loads(pickle.dumps(found))
+    assert (again.rate, again.rate_ci, repr(again)) == (found.rate, found.rate_ci, repr(found))
+    assert set(found.extrapolated) == {"below_hazard", "above_hazard", "below_rows", "above_rows"}
+
+
+def test_a_rate_is_that_of_the_program(rocking, hazard, tmp_path):
+    lines = [f"{level},{rate}" for level, rate in zip(100 * LEVELS, RATES)]
+    (tmp_path / "hazard.csv").write_text("\n".join(["PGV [cm/s],rate [1/year]", *lines]))
+    told = rocking.json("rate", tmp_path / "hazard.csv", "--median", "0.5", "--beta", "0.4", "--im", "PGV")
+    read = rb.read_hazard(tmp_path / "hazard.csv")
+    assert (read.im, read.unit) == ("PGV", "m/s") and np.allclose(read.levels, LEVELS, rtol=1e-15)
+    found = rb.annual_rate(read, (0.5, 0.4))
+    assert (told["rate"], told["return_period"]) == (found.rate, found.return_period)
+    assert [part["rate"] for part in told["deaggregation"]] == found.deaggregation["rate"].tolist()
+    assert told["probabilities"][1] == {"years": 50.0, "probability": found.probability(50.0), "interval": [None, None]}
+
+
+@pytest.mark.filterwarnings("ignore:.*of the rate")
+def test_measures_relative_to_a_block_need_the_block(hazard):
+    table = rb.Table({"p PGV/(g tan alpha)": [0.3, 0.5, 0.6, 0.9, 1.0, 1.4], "outcome": ["completed", "overturned"] * 3})
+    fit = rb.fragility(table, "p PGV/(g tan alpha)")
+    found = rb.annual_rate(hazard, fit, alpha=0.2, p=1.5)
+    factor = 1.5 / (9.81 * np.tan(0.2))
+    assert found.rate == pytest.approx(rb.annual_rate(hazard, (fit.median / factor, fit.beta)).rate, rel=1e-12)
+    with pytest.raises(ValueError, match="alpha is missing; expected that of the block"):
+        rb.annual_rate(hazard, fit)
+
+
+def test_a_step_gives_the_hazard_and_extrapolation_a_warning(hazard):
+    assert rb.annual_rate(hazard, (0.5, 0.0)).rate == pytest.approx(1.5e-4, rel=1e-14)
+    assert rb.annual_rate(hazard, ([0.1, 0.2], [0.0, 0.0])).rate == 0.0
+    with pytest.warns(UserWarning, match="% of the rate come from PGV above 2, the greatest level of the hazard curve"):
+        rb.annual_rate(hazard, (1.9, 0.3))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: rb.Hazard([0.2, 0.1], [0.2, 0.1]), "found the level 0.1 at place 2; expected levels that increase"),
+        (lambda: rb.Hazard([0.1, 0.2], [0.1, 0.2]), "found the rate 0.2 at the level 0.2; expected rates"),
+        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), (0.0, 0.4)), "found the median 0; expected"),
+        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), (1.0, -0.4)), "found the dispersion -0.4; expected"),
+        (lambda: rb.annual_rate(rb.Hazard([0.1, 0.2], [0.2, 0.1]), ([1, 2], [0, 2])), "found the probability 2 at the level 2"),
+    ],
+)
+def test_curves_that_are_none_are_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_a_rate_becomes_a_picture(hazard, tmp_path):
+    axes = rb.annual_rate(hazard, (0.5, 0.4)).plot()
+    assert axes.get_xlabel() == "PGV [m/s]"
+    axes.figure.savefig(tmp_path / "rate.png")
+    assert "return period" in rb.annual_rate(hazard, (0.5, 0.4))._repr_html_()
