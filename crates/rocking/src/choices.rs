@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use crate::fragility::LossProgram;
 use rocking_block::block::Foundation;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::OnSeparation;
@@ -40,6 +41,14 @@ pub fn pulse_shape() -> impl TypedValueParser<Value = PulseShape> {
         (PulseShape::OneCosine, "Type B: one cosine of acceleration"),
         (PulseShape::C1, "Type C1: one cycle of displacement and back"),
         (PulseShape::C2, "Type C2: two cycles of displacement and back"),
+    ])
+}
+
+/// Program of loss assessment.
+pub fn loss_program() -> impl TypedValueParser<Value = LossProgram> {
+    choice(&[
+        (LossProgram::Pelicun, "Component library: fragility.csv and fragility.json"),
+        (LossProgram::OpenQuake, "Fragility model: NRML 0.5"),
     ])
 }
 

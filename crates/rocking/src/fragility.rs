@@ -1,7 +1,7 @@
 //! `rocking fragility`: the table of a sweep → fragility curves.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
@@ -13,11 +13,15 @@ use crate::formats::PictureOptions;
 use crate::fragility_report::{FragilityReport, MeasureReport, RowCounts, SurfaceReport};
 use crate::input;
 use crate::output::{NamedFile, Pending, check_distinct};
+use crate::relative_measure::BlockScales;
 use crate::report::{ReportOptions, WrittenFiles};
 use rocking_block::words::Words;
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
-use rocking_studies::fragility::{Assessment, Ida, Limit, Link, Surface, SweepTable, Uncertainty, sufficiency_beside};
+use rocking_studies::fragility::{
+    Assessment, ExportedCurve, Ida, Limit, Link, Surface, SweepTable, Uncertainty, sufficiency_beside,
+};
+use rocking_studies::intensity::Measure;
 
 /// Options of `rocking fragility`.
 #[derive(Parser)]
@@ -57,6 +61,17 @@ pub struct Options {
     /// Picture of incremental dynamic analysis, peaks over the levels of a sweep; SVG or PNG by its extension
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     ida: Option<PathBuf>,
+    /// Write the curve for a program of loss assessment
+    #[arg(long, value_parser = choices::loss_program(), value_name = "PROGRAM", requires = "export_to", help_heading = "Export")]
+    export: Option<LossProgram>,
+    /// Folder for `fragility.csv` and `fragility.json` of pelicun, or file for the NRML of OpenQuake
+    #[arg(long, value_name = "PATH", requires = "export", help_heading = "Export")]
+    export_to: Option<PathBuf>,
+    /// Identifier of the component of pelicun, or taxonomy of OpenQuake's assets
+    #[arg(long, value_name = "ID", default_value = "rocking.block", help_heading = "Export")]
+    id: String,
+    #[command(flatten)]
+    block: BlockScales,
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
@@ -69,14 +84,23 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let plot = options.picture.plot.as_deref();
     explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
     explicit.refuse_unless(bootstrap.is_some(), &["seed"], "without --bootstrap")?;
+    explicit.refuse_unless(options.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
     check("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
-    for option in ["plot", "surface", "ida"].into_iter().filter(|option| explicit.has(option)) {
+    for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {
         anyhow::ensure!(im.len() == 1, "--{option} with {} measures; expected one --im", im.len());
     }
     let format = options.picture.format()?;
     let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
+    let exports = options.export_files();
     let outputs = [("plot", plot), ("ida", ida.as_deref())];
-    check_distinct(&[NamedFile::new("the table", &options.table)], &NamedFile::of_options(outputs))?;
+    let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));
+    let outputs: Vec<_> = outputs.collect();
+    check_distinct(&[NamedFile::new("the table", &options.table)], &NamedFile::of_options(outputs.iter().copied()))?;
+    if options.export == Some(LossProgram::Pelicun) {
+        let folder = options.export_to.as_deref().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+    }
+    let export_files = exports.iter().map(|path| Pending::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let picture = plot.map(Pending::new).transpose()?;
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
     let (name, text) = input::text(&options.table)?;
@@ -95,6 +119,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     };
     let uncertainty = bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, *seed));
     let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
+    let mut exported = Vec::new();
     let mut intervals = None;
     for measure in im {
         let heading = table.heading(measure)?;
@@ -118,9 +143,13 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         } else if format.is_some() {
             svg = Some(charts::curve(&blocks, &assessment, heading, *limit, *ci)?);
         }
+        if let Some(program) = options.export {
+            exported = options.exported(program, &name, heading, &assessment, explicit).with_context(at)?;
+        }
         measures.push(MeasureReport::of(heading, &assessment, sufficiency));
     }
-    let mut pictures = Vec::new();
+    let mut pictures: Vec<(Pending, Vec<u8>)> =
+        export_files.into_iter().zip(exported.into_iter().map(String::into_bytes)).collect();
     if let (Some(file), Some(format), Some(svg)) = (picture, format, svg) {
         pictures.push((file, format.encode(&svg)?));
     }
@@ -142,4 +171,57 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     };
     let written = WrittenFiles::new(outputs);
     options.report.print("fragility", &written, &[], &(result.text() + &written.lines()), &result)
+}
+
+/// A program of loss assessment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossProgram {
+    /// The component library of pelicun.
+    Pelicun,
+    /// The fragility model of OpenQuake.
+    OpenQuake,
+}
+
+impl Words for LossProgram {
+    const WORDS: &'static [(&'static str, LossProgram)] =
+        &[("pelicun", LossProgram::Pelicun), ("openquake", LossProgram::OpenQuake)];
+}
+
+impl Options {
+    /// Returns the files of the export.
+    fn export_files(&self) -> Vec<PathBuf> {
+        match (self.export, &self.export_to) {
+            (Some(LossProgram::Pelicun), Some(folder)) => {
+                ["fragility.csv", "fragility.json"].map(|file| folder.join(file)).to_vec()
+            }
+            (Some(LossProgram::OpenQuake), Some(file)) => vec![file.clone()],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Returns the contents of these files.
+    fn exported(
+        &self,
+        program: LossProgram,
+        table: &str,
+        heading: &str,
+        found: &Assessment,
+        explicit: &ExplicitOptions,
+    ) -> anyhow::Result<Vec<String>> {
+        let name = heading.split(" [").next().unwrap_or(heading);
+        let measure: Measure = name.parse().map_err(anyhow::Error::msg)?;
+        let (base, factor) = self.block.base(measure, explicit)?;
+        let table = table.rsplit(['/', '\\']).next().unwrap_or(table);
+        let description = format!(
+            "{} over {heading} in {} rows of {table}, by rocking-block {}",
+            self.limit,
+            found.data.observations().len(),
+            env!("CARGO_PKG_VERSION")
+        );
+        let curve = ExportedCurve::new(&self.id, base, factor, &found.fit, self.limit, &description, self.block.g)?;
+        Ok(match program {
+            LossProgram::Pelicun => curve.pelicun()?.to_vec(),
+            LossProgram::OpenQuake => vec![curve.openquake()?],
+        })
+    }
 }

@@ -21,6 +21,7 @@
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
 //! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
+//! | [`relative_measure`] | options of a block → the measure of records behind a measure relative to the block |
 //! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
 //! | [`search`] | range → the values at which the outcome changes |
 //! | [`record`] | accelerograms → their contents and intensity measures |
@@ -68,6 +69,8 @@ mod frame;
 mod spectrum;
 
 mod sweep;
+
+mod relative_measure;
 
 mod fragility_report;
 

@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, Parser};
 
-use crate::checks::{check, checked};
+use crate::checks::check;
 use crate::choices;
 use crate::explicit_options::ExplicitOptions;
 use crate::formats::{PictureOptions, check_table};
 use crate::input;
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::rate_report::{CurveReport, HazardReport, RateReport};
+use crate::relative_measure::BlockScales;
 use crate::report::{ReportOptions, WrittenFiles};
-use rocking_block::block::Common;
 use rocking_block::words::Words;
 use rocking_charts::fragility::probability_of;
 use rocking_studies::fragility::{Assessment, Cases, Interval, Limit, Link, SweepTable, Uncertainty};
@@ -31,15 +31,8 @@ pub struct Options {
     reading: HazardReading,
     #[command(flatten)]
     fragility: FragilityOptions,
-    /// Slenderness angle of the block, for a measure relative to it such as "p PGV/(g tan alpha)" [rad]
-    #[arg(long, value_name = "RAD", help_heading = "Block")]
-    alpha: Option<f64>,
-    /// Frequency parameter of the block, for the same [rad/s]
-    #[arg(long, value_name = "RAD/S", help_heading = "Block")]
-    p: Option<f64>,
-    /// Gravitational acceleration, also for levels in g [m/s2]
-    #[arg(long, value_name = "M/S2", default_value_t = Common::default().gravity, help_heading = "Block")]
-    g: f64,
+    #[command(flatten)]
+    block: BlockScales,
     /// Years for which the probability of exceeding the limit is reported
     #[arg(long, value_name = "YEARS,...", value_delimiter = ',', default_values_t = [1.0, 50.0], help_heading = "Results")]
     years: Vec<f64>,
@@ -128,7 +121,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         "no fragility curve; expected --table and --im, or --median and --beta"
     );
     check("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
-    check("g", options.g, |x| x > 0.0, "an acceleration above 0")?;
+    check("g", options.block.g, |x| x > 0.0, "an acceleration above 0")?;
     for &years in &options.years {
         check("years", years, |x| x > 0.0, "a number of years above 0")?;
     }
@@ -142,7 +135,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let picture = plot.map(Pending::new).transpose()?;
     let csv_file = csv.map(Pending::new).transpose()?;
 
-    let fragility = options.fragility.read(options.g)?;
+    let fragility = options.fragility.read(options.block.g)?;
     let (file, hazard) = options.hazard(&fragility, explicit)?;
     let found = AnnualRate::new(&hazard, &fragility.curve);
     anyhow::ensure!(
@@ -201,31 +194,14 @@ impl Options {
         let name = fragility.heading.as_deref().map(|heading| parts(heading).0);
         let measure = name.and_then(|name| name.parse::<Measure>().ok());
         let relative = measure.filter(|measure| Measure::OF_BLOCK.contains(measure));
-        explicit.refuse_unless(relative.is_some(), &["alpha"], "without a measure relative to the block")?;
-        explicit.refuse_unless(
-            relative.is_some_and(|measure| measure != Measure::PgaToUplift),
-            &["p"],
-            "on this measure",
-        )?;
-        let (base, factor) = match relative {
-            None => (name.map(String::from), 1.0),
+        let (base, factor) = match measure {
             Some(measure) => {
-                let need = |value: Option<f64>, option: &str| {
-                    value.with_context(|| format!("no --{option}; expected that of the block, for {measure}"))
-                };
-                let alpha = match measure {
-                    Measure::PeriodToBlock => 1.0,
-                    _ => need(
-                        checked("alpha", self.alpha, |x| x > 0.0 && x < 1.5, "an angle above 0 and below 1.5 rad")?,
-                        "alpha",
-                    )?,
-                };
-                let p = match measure {
-                    Measure::PgaToUplift => 1.0,
-                    _ => need(checked("p", self.p, |x| x > 0.0, "a frequency above 0 rad/s")?, "p")?,
-                };
-                let (of_record, factor) = measure.beside_scales(alpha, p, self.g);
-                (Some(of_record.to_string()), factor)
+                let (base, factor) = self.block.base(measure, explicit)?;
+                (Some(base.to_string()), factor)
+            }
+            None => {
+                explicit.refuse_unless(false, &["alpha", "p"], "without a measure relative to the block")?;
+                (name.map(String::from), 1.0)
             }
         };
         let HazardReading { site, hazard_unit, investigation_time } = &self.reading;
@@ -234,9 +210,8 @@ impl Options {
             unit: hazard_unit.clone(),
             site: site.clone(),
             years: *investigation_time,
-            gravity: self.g,
+            gravity: self.block.g,
         };
-        // The folder of a file may name its measure.
         let (name, text) = input::text(&self.hazard)?;
         let hazard = read_hazard(&name, &text, &options).with_context(|| name.clone())?;
         let unit = fragility.heading.as_deref().and_then(|heading| parts(heading).1);

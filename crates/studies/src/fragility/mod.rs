@@ -20,6 +20,7 @@
 //! | `bootstrap` | observations of several records → intervals from resampled records |
 //! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
 //! | `assessment` | cases, a measure → its curve with intervals and quality |
+//! | `export` | a lognormal curve → the files of pelicun and OpenQuake |
 //! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
 //!
 //! ```
@@ -36,6 +37,7 @@ mod assessment;
 mod bootstrap;
 mod clusters;
 mod data;
+mod export;
 mod ida;
 mod likelihood;
 mod observation;
@@ -50,6 +52,7 @@ pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use clusters::Independence;
 pub use data::Data;
+pub use export::{ExportError, ExportedCurve};
 pub use ida::{Ida, Response};
 pub use likelihood::Link;
 pub use observation::{FitError, Observation};
