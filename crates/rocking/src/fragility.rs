@@ -92,14 +92,14 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let format = options.picture.format()?;
     let ida_format = ida.as_deref().map(PictureFormat::of).transpose()?;
     let exports = options.export_files();
-    let outputs = [("plot", plot), ("ida", ida.as_deref())];
-    let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));
-    let outputs: Vec<_> = outputs.collect();
-    check_distinct(&[NamedFile::new("the table", &options.table)], &NamedFile::of_options(outputs.iter().copied()))?;
     if options.export == Some(LossProgram::Pelicun) {
         let folder = options.export_to.as_deref().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
     }
+    let outputs = [("plot", plot), ("ida", ida.as_deref())];
+    let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));
+    let outputs: Vec<_> = outputs.collect();
+    check_distinct(&[NamedFile::new("the table", &options.table)], &NamedFile::of_options(outputs.iter().copied()))?;
     let export_files = exports.iter().map(|path| Pending::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let picture = plot.map(Pending::new).transpose()?;
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
