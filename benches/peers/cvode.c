@@ -1,12 +1,12 @@
 /*
- * The block of docs/model.md by SUNDIALS CVODE, as an engineer would do it: variable-order Adams or BDF, events by
- * CVodeRootInit with directions, stops at the kinks of the excitation, a new start after each event.
+ * Solves the block of docs/model.md with SUNDIALS CVODE, as an engineer would: variable-order Adams or BDF, events by
+ * CVodeRootInit with directions, stops at the kinks of the excitation, a restart after each event.
  *
- *   cvode CASE METHOD TOLERANCE time SECONDS    repeats the run for so much CPU time; one line of JSON
+ *   cvode CASE METHOD TOLERANCE time SECONDS    repeats the run for this CPU time; one line of JSON
  *   cvode CASE METHOD TOLERANCE trace           the rotation at multiples of the case's dt; one line of JSON
  *
- * METHOD is adams-fixed, adams-newton or bdf-newton; for records followed by what happens at a sample: -restart (stop
- * and start anew), -stop (stop, and go on with the history) or -through (nothing).
+ * METHOD is adams-fixed, adams-newton or bdf-newton; for records followed by the action at a sample: -restart (stop
+ * and restart), -stop (stop, and continue with the history) or -through (none).
  *
  * State: theta, theta_dot, v, v_dot, and on the rigid base theta, theta_dot. Forces are per mass.
  */
@@ -35,7 +35,7 @@ struct block {
     double t_end, dt;
     double record_dt, record_samples;
     double *record;
-    /* What follows from them; lengths in m, K and C per mass. */
+    /* Derived values; lengths in m, K and C per mass. */
     double r0, i0, b, h, omega_v, k, c, delta_s, restitution;
 };
 
@@ -77,7 +77,7 @@ static double ground(const struct run *run, double t)
     return run->a0 + run->slope * (t - run->t0);
 }
 
-/* R0 sin phi and R0 cos phi with phi = alpha + s theta: how far the corner is from the centre of mass. */
+/* R0 sin phi and R0 cos phi with phi = alpha + s theta: the corner's distances from the centre of mass. */
 struct arms {
     double reach, height;
 };
@@ -166,7 +166,7 @@ static int right_hand_side(sunrealtype t, N_Vector y, N_Vector rate, void *data)
     return 0;
 }
 
-/* Reaction of what touches, gap of what does not: each ends the regime as it falls through zero. */
+/* Reactions of touching corners, gaps of the others: a fall through zero ends the regime. */
 static int surfaces(sunrealtype t, N_Vector state, sunrealtype *out, void *data)
 {
     const struct run *run = data;
@@ -201,7 +201,7 @@ static void lift(struct run *run, int i, double t, const double *y)
     run->since[i] = t;
 }
 
-/* Drops corners whose supports would have to pull, now or in the next moment. */
+/* Releases corners whose supports would have to pull, now or in the next moment. */
 static void settle(struct run *run, double t, const double *y)
 {
     const struct block *b = &run->block;
@@ -336,7 +336,7 @@ static struct solver make_solver(struct run *run, const char *method, double tol
     w[0] = tolerance * b->alpha;
     w[1] = tolerance * b->alpha * b->p;
     if (!rigid) {
-        /* A height counts as the velocity that the supports make of it. */
+        /* A height counts as the velocity that the supports would give it. */
         w[3] = tolerance * b->r0 * b->alpha * b->p;
         w[2] = w[3] / b->omega_v;
     }
@@ -360,7 +360,7 @@ static struct solver make_solver(struct run *run, const char *method, double tol
     return s;
 }
 
-/* Adds what the solver counted since its last start. */
+/* Adds the solver's counts since its last start. */
 static void take_counts(struct run *run, const struct solver *s, bool newton)
 {
     long rhs = 0, linear = 0, steps = 0;
@@ -372,7 +372,7 @@ static void take_counts(struct run *run, const struct solver *s, bool newton)
     run->steps += steps;
 }
 
-/* The excitation from `t` on; returns when it next has a kink at which to stop. */
+/* Sets the excitation from `t` on; returns the next kink at which to stop. */
 static double next_piece(struct run *run, enum at_samples at_samples, double t, int *sample)
 {
     const struct block *b = &run->block;
@@ -413,7 +413,7 @@ static void simulate(struct run *run, struct solver *s, bool newton, double *tra
     CVodeSetStopTime(s->memory, stop);
     N_Vector inside = trace ? N_VClone(s->y) : NULL;
     while (t < b->t_end) {
-        /* To a time after the stop, or it would not tell that it came to the stop. */
+        /* To a time after the stop, as otherwise CVODE would not report the stop. */
         int flag = CVode(s->memory, stop + 1.0, s->y, &t, trace ? CV_ONE_STEP : CV_NORMAL);
         if (flag < 0)
             fail("CVODE stopped with", flag);
