@@ -60,7 +60,7 @@ def on_files(files, config):
             files.append(File.generated(config, str(path), abs_src_path=str(ROOT / path)))
     for name, content in {"program": program_reference(), "python": python_reference(), "fmu": fmu_reference()}.items():
         files.append(File.generated(config, f"reference/{name}.md", content=content))
-    for name in ("style.css", "math.woff2", "iframe-worker.js"):
+    for name in ("style.css", "math.woff2", "search_frame.js"):
         files.append(File.generated(config, name, abs_src_path=str(Path(__file__).with_name(name))))
     return files
 
@@ -72,7 +72,7 @@ def on_page_markdown(markdown, page, config, files):
 
 def on_post_page(output, page, config):
     """Has a page opened from a disk load the worker of its search from there."""
-    shim = os.path.relpath("iframe-worker.js", PurePosixPath(page.file.dest_uri).parent)
+    shim = os.path.relpath("search_frame.js", PurePosixPath(page.file.dest_uri).parent)
     return output.replace("https://unpkg.com/iframe-worker/shim", shim)
 
 
