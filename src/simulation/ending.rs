@@ -48,7 +48,7 @@ impl std::fmt::Display for Ending {
     }
 }
 
-/// The result of [`Simulation::advance`].
+/// The result of [`Simulation::advance`](crate::simulation::Simulation::advance).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
     /// The requested time was reached.
