@@ -1,5 +1,5 @@
 //! modelDescription.xml → the code's table of variables; sources → `RockingBlock.fmu` of FMI 2.0 and
-//! `RockingBlock-fmi3.fmu` of FMI 3.0.
+//! `RockingBlock-fmi3.fmu` of FMI 3.0, or `RockingBlock-wasm.fmu` if the target is WebAssembly.
 //!
 //! The script runs before its own crate is compiled. It therefore makes cargo compile the crate once more, for the shared
 //! libraries inside the FMUs (`build/library.rs`). That inner run lacks the feature `fmu`: it makes only the table, and
@@ -22,11 +22,12 @@ use std::path::{Path, PathBuf};
 const GUARD: &str = "ROCKING_BLOCK_INNER";
 
 /// Sources of the FMU.
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 13] = [
     "build.rs",
     "build",
     "crates/fmu2",
     "crates/fmu3",
+    "crates/fmu3-wasm",
     "crates/records",
     "modelDescription.xml",
     "src",

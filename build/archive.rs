@@ -1,8 +1,8 @@
-//! Description, library, documentation, licences and bill of materials → the FMU; same sources, same bytes.
+//! Description, binaries, documentation, licences and bill of materials → the FMU; same sources, same bytes.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::description::{Description, Variable};
 use crate::fmi3::Fmi3Only;
@@ -14,12 +14,24 @@ use super::{container, date, library, licences};
 /// The attribute of modelDescription.xml before which the date is inserted.
 const NEXT_TO_DATE: &str = "variableNamingConvention=";
 
-/// Packs the FMU for one version of FMI.
+/// The layered standard of FMUs in WebAssembly: the folder of its manifest, and the manifest. The draft gives itself no version.
+const MANIFEST: (&str, &str) = (
+    "extra/org.modelica.fmi-ls-wasm",
+    r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmi-ls:fmiLayeredStandardManifest
+  xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+  fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm"
+  fmi-ls:fmi-ls-version="0.1.0"
+  fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>
+"#,
+);
+
+/// Packs an FMU.
 pub fn pack(
     version: Version,
     fmu: &Path,
     description: &Description,
-    binary: &Path,
+    binaries: BTreeMap<String, Vec<u8>>,
     papers: BTreeMap<String, Vec<u8>>,
 ) -> Result<(), String> {
     let load = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
@@ -27,14 +39,23 @@ pub fn pack(
     let packed = match version {
         Version::Fmi2 => &description.packed,
         Version::Fmi3 => &description.fmi3.packed,
+        Version::Wasm => &of_components(&description.fmi3.packed)?,
     };
     // The GUID is not computed from the date: another commit of the same sources has the same interface.
     let dated = format!("generationDateAndTime=\"{}\" {NEXT_TO_DATE}", date::generation()?);
     files.insert("modelDescription.xml".to_string(), packed.replacen(NEXT_TO_DATE, &dated, 1).into_bytes());
-    files.insert(library::place(version)?, load(binary)?);
+    files.extend(binaries);
     files.insert("terminalsAndIcons/terminalsAndIcons.xml".to_string(), description.terminals.clone().into_bytes());
-    if let Version::Fmi2 = version {
-        files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
+    match version {
+        Version::Fmi2 => {
+            files.insert("model.png".to_string(), load(Path::new("documentation/model.png"))?);
+        }
+        Version::Fmi3 => {}
+        // The first name is the draft's, the second that of FMI 3.0 (fmi3LayeredStandardManifest.xsd).
+        Version::Wasm => files.extend(
+            ["manifest.xml", "fmi-ls-manifest.xml"]
+                .map(|name| (format!("{}/{name}", MANIFEST.0), MANIFEST.1.as_bytes().to_vec())),
+        ),
     }
     for format in ["png", "svg"] {
         let picture = load(&Path::new("documentation/model").with_extension(format))?;
@@ -44,14 +65,23 @@ pub fn pack(
         .replace("<!-- version -->", &crate::variable("CARGO_PKG_VERSION")?)
         .replace("<!-- variables -->", &tables(description, version));
     files.insert("documentation/index.html".to_string(), page.into_bytes());
-    let foreign = |path: &Path| path.components().any(|part| part.as_os_str() == licences::MINGW);
-    let with_mingw = licences::with_mingw()?;
-    for path in
-        super::files(Path::new("documentation/licenses"))?.into_iter().filter(|path| with_mingw || !foreign(path))
-    {
+    let linked = licences::c_library()?.map(|library| library.name);
+    let foreign = licences::C_LIBRARIES.into_iter().map(|library| library.name).filter(|&name| Some(name) != linked);
+    let kept = |path: &PathBuf| !foreign.clone().any(|name| path.components().any(|part| part.as_os_str() == name));
+    for path in super::files(Path::new("documentation/licenses"))?.into_iter().filter(kept) {
         files.insert(path.to_string_lossy().replace('\\', "/"), load(&path)?);
     }
     container::write(fmu, &files)
+}
+
+/// Returns the description with a model identifier for each component: Co-Simulation keeps that of the other FMUs.
+fn of_components(packed: &str) -> Result<String, String> {
+    let [(co_simulation, _), (model_exchange, _)] = library::COMPONENTS;
+    let element = |identifier: &str| format!("<ModelExchange modelIdentifier=\"{identifier}\"");
+    let (before, after) = packed
+        .split_once(&element(co_simulation))
+        .ok_or_else(|| format!("modelDescription.xml of FMI 3.0 has no {}", element(co_simulation)))?;
+    Ok(format!("{before}{}{after}", element(model_exchange)))
 }
 
 /// Returns the page for a version of FMI. Text between `<!-- FMI 2.0 -->` or `<!-- FMI 3.0 -->` and `<!-- end -->` belongs to one
@@ -59,7 +89,7 @@ pub fn pack(
 fn of_version(page: &str, version: Version) -> Result<String, String> {
     let (kept_mark, dropped_mark) = match version {
         Version::Fmi2 => ("<!-- FMI 2.0 -->", "<!-- FMI 3.0 -->"),
-        Version::Fmi3 => ("<!-- FMI 3.0 -->", "<!-- FMI 2.0 -->"),
+        Version::Fmi3 | Version::Wasm => ("<!-- FMI 3.0 -->", "<!-- FMI 2.0 -->"),
     };
     let mut parts = page.split(dropped_mark);
     let mut kept = parts.next().unwrap_or_default().to_string();
@@ -70,7 +100,7 @@ fn of_version(page: &str, version: Version) -> Result<String, String> {
     let kept = kept.replace(kept_mark, "").replace("<!-- end -->", "");
     Ok(match version {
         Version::Fmi2 => kept,
-        Version::Fmi3 => kept.replace("fmi2", "fmi3"),
+        Version::Fmi3 | Version::Wasm => kept.replace("fmi2", "fmi3"),
     })
 }
 
@@ -86,7 +116,7 @@ fn tables(description: &Description, version: Version) -> String {
     ] {
         let fmi3_only = match version {
             Version::Fmi2 => &[][..],
-            Version::Fmi3 => &description.fmi3.fmi3_only,
+            Version::Fmi3 | Version::Wasm => &description.fmi3.fmi3_only,
         };
         let fmi3_only =
             fmi3_only.iter().filter(|fmi3_only| of_fmi3.contains(&fmi3_only.causality.as_str())).map(row_of_fmi3_only);

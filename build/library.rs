@@ -1,26 +1,41 @@
-//! Sources → the shared library of the FMU, compiled by a separate cargo.
+//! Sources → the binaries of the FMUs, compiled by a separate cargo.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::{GUARD, variable};
 
-/// A version of FMI. Each has an FMU with its own library, which exports exactly the functions of its standard.
+/// An FMU. Each has its own libraries, which export exactly the functions of its standard.
 #[derive(Clone, Copy)]
 pub enum Version {
+    /// FMI 2.0.
     Fmi2,
+    /// FMI 3.0.
     Fmi3,
+    /// FMI 3.0 in WebAssembly, after the draft of FMI-LS-WASM.
+    Wasm,
 }
 
+/// The target of [`Version::Wasm`], which is also its folder of binaries.
+const WASM: &str = "wasm32-wasip2";
+
+/// The model identifiers of the components for Co-Simulation and Model Exchange, and the feature that chooses the component.
+pub const COMPONENTS: [(&str, &str); 2] = [("rocking_block", ""), ("rocking_block_me", "model-exchange")];
+
 impl Version {
-    pub const ALL: [Version; 2] = [Version::Fmi2, Version::Fmi3];
+    /// Returns the FMUs for the target.
+    pub fn of_target() -> Result<&'static [Version], String> {
+        Ok(if variable("TARGET")? == WASM { &[Version::Wasm] } else { &[Version::Fmi2, Version::Fmi3] })
+    }
 
     /// Returns the name of the FMU's file.
     pub fn file(self) -> &'static str {
         match self {
             Version::Fmi2 => "RockingBlock.fmu",
             Version::Fmi3 => "RockingBlock-fmi3.fmu",
+            Version::Wasm => "RockingBlock-wasm.fmu",
         }
     }
 
@@ -29,27 +44,54 @@ impl Version {
         match self {
             Version::Fmi2 => "ROCKING_BLOCK_FMU",
             Version::Fmi3 => "ROCKING_BLOCK_FMI3",
+            Version::Wasm => "ROCKING_BLOCK_WASM",
         }
     }
 
-    /// Returns the crate of the library that exports the functions of this version.
-    fn library(self) -> &'static str {
+    /// Returns the crate of the libraries that export the functions of this version.
+    pub fn library(self) -> &'static str {
         match self {
             Version::Fmi2 => "rocking-block-fmu2",
             Version::Fmi3 => "rocking-block-fmu3",
+            Version::Wasm => "rocking-block-fmu3-wasm",
         }
     }
 }
 
-/// Compiles the libraries of all versions. They have their own target folder, since the outer one is locked while this script
-/// runs. The solver is compiled once for all of them.
-pub fn build(out: &Path) -> Result<[PathBuf; 2], String> {
+/// Compiles the binaries of all FMUs for the target, and returns them by path inside the FMU. The solver is compiled once for all.
+pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Vec<u8>>>, String> {
+    let load = |path: PathBuf| std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()));
+    let file = |version: Version| version.library().replace('-', "_");
+    if let [Version::Wasm] = versions {
+        let component = |(identifier, feature): (&str, &str)| {
+            let content = load(compile(out, versions, feature)?.join(file(Version::Wasm) + ".wasm"))?;
+            Ok((format!("binaries/{WASM}/{identifier}.wasm"), content))
+        };
+        return Ok(vec![COMPONENTS.into_iter().map(component).collect::<Result<_, String>>()?]);
+    }
+    let folder = compile(out, versions, "")?;
+    let os = variable("CARGO_CFG_TARGET_OS")?;
+    let (prefix, suffix) = match os.as_str() {
+        "windows" => ("", "dll"),
+        "macos" => ("lib", "dylib"),
+        _ => ("lib", "so"),
+    };
+    let library = |&version: &Version| {
+        let content = load(folder.join(format!("{prefix}{}.{suffix}", file(version))))?;
+        Ok(BTreeMap::from([(place(version)?, content)]))
+    };
+    versions.iter().map(library).collect()
+}
+
+/// Compiles the libraries, and returns their folder. They have their own target folder, since the outer one is locked while this
+/// script runs.
+fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, String> {
     let target_dir = out.join("library");
     let (host, target) = (variable("HOST")?, variable("TARGET")?);
     let release = variable("PROFILE")? == "release";
     let mut command = inner_cargo()?;
-    command.arg("build");
-    for version in Version::ALL {
+    command.args(["build", "--features", feature]);
+    for version in versions {
         command.args(["--package", version.library()]);
     }
     command.args(["--locked", "--target-dir"]);
@@ -70,18 +112,11 @@ pub fn build(out: &Path) -> Result<[PathBuf; 2], String> {
         let told = String::from_utf8_lossy(&output.stderr);
         return Err(format!("the FMUs' libraries do not compile ({}):\n{told}", output.status));
     }
-    let os = variable("CARGO_CFG_TARGET_OS")?;
-    let (prefix, suffix) = match os.as_str() {
-        "windows" => ("", "dll"),
-        "macos" => ("lib", "dylib"),
-        _ => ("lib", "so"),
-    };
-    let file = |version: Version| format!("{prefix}{}.{suffix}", version.library().replace('-', "_"));
-    Ok(Version::ALL.map(|version| folder.join(file(version))))
+    Ok(folder)
 }
 
-/// Returns the path of the binary inside the FMU.
-pub fn place(version: Version) -> Result<String, String> {
+/// Returns the path of a native binary inside the FMU.
+fn place(version: Version) -> Result<String, String> {
     let os = variable("CARGO_CFG_TARGET_OS")?;
     let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
     let (system, suffix) = match os.as_str() {

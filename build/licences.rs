@@ -7,7 +7,8 @@ use std::process::Command;
 
 use cargo_metadata::{Metadata, MetadataCommand, PackageId};
 
-use super::{library, sbom};
+use super::library::{self, Version};
+use super::sbom;
 
 /// Third-party crates inside Rust's standard library, and their licences.
 pub const IN_STANDARD_LIBRARY: [(&str, &str); 10] = [
@@ -23,19 +24,39 @@ pub const IN_STANDARD_LIBRARY: [(&str, &str); 10] = [
     ("rustc-demangle", "MIT OR Apache-2.0"),
 ];
 
-/// The runtime linked into Windows libraries, and its folder below documentation/licenses.
-pub const MINGW: &str = "mingw-w64";
+/// A C library linked into binaries of one kind of target.
+#[derive(Clone, Copy)]
+pub struct CLibrary {
+    /// Its name, and its folder below documentation/licenses.
+    pub name: &'static str,
+    pub licence: &'static str,
+    pub website: &'static str,
+    /// The end of the targets' names.
+    target: &'static str,
+}
 
-/// Returns true if the library contains parts of it.
-pub fn with_mingw() -> Result<bool, String> {
-    Ok(crate::variable("TARGET")?.ends_with("-windows-gnu"))
+/// The C libraries that a compiler links into binaries.
+pub const C_LIBRARIES: [CLibrary; 2] = [
+    CLibrary { name: "mingw-w64", licence: "ZPL-2.1", website: "https://www.mingw-w64.org", target: "-windows-gnu" },
+    CLibrary {
+        name: "wasi-libc",
+        licence: "MIT AND BSD-2-Clause",
+        website: "https://github.com/WebAssembly/wasi-libc",
+        target: "-wasip2",
+    },
+];
+
+/// Returns the C library in the binaries for the target.
+pub fn c_library() -> Result<Option<CLibrary>, String> {
+    let target = crate::variable("TARGET")?;
+    Ok(C_LIBRARIES.into_iter().find(|library| target.ends_with(library.target)))
 }
 
 /// Returns files for the FMU by path: `documentation/licenses` and the bill of materials.
-pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
+pub fn collect(versions: &[Version]) -> Result<BTreeMap<String, Vec<u8>>, String> {
     let metadata = metadata()?;
     let root = metadata.root_package().ok_or("cargo metadata has no root package")?.id.clone();
-    let linked = linked(&metadata)?;
+    let linked = linked(&metadata, versions)?;
     let mut files = BTreeMap::from([(sbom::PLACE.to_string(), sbom::write(&metadata, &linked)?.into_bytes())]);
     let place = |name: &str| format!("documentation/licenses/{name}");
     let mut index = String::from(
@@ -45,8 +66,8 @@ pub fn collect() -> Result<BTreeMap<String, Vec<u8>>, String> {
     for (name, licence) in IN_STANDARD_LIBRARY {
         let _ = writeln!(index, "  and in it {name}: {licence}");
     }
-    if with_mingw()? {
-        let _ = writeln!(index, "{MINGW}: ZPL-2.1 and others https://www.mingw-w64.org");
+    if let Some(CLibrary { name, licence, website, .. }) = c_library()? {
+        let _ = writeln!(index, "{name}: {licence} and others {website}");
     }
     for id in linked {
         let package = &metadata[&id];
@@ -84,20 +105,16 @@ fn metadata() -> Result<Metadata, String> {
     MetadataCommand::parse(told(command)?).map_err(|e| format!("cargo metadata: {e}"))
 }
 
-/// Returns the root and its run-time dependencies, without build and test dependencies and macros. `cargo tree` knows the optional
+/// Returns the root, the glue of WebAssembly, and their run-time dependencies, without build and test dependencies and macros. `cargo tree` knows the optional
 /// dependencies that are really used; `cargo metadata` does not.
-fn linked(metadata: &Metadata) -> Result<BTreeSet<PackageId>, String> {
+fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageId>, String> {
     let mut command = library::inner_cargo()?;
-    command.args([
-        "tree",
-        "--package",
-        "rocking-block",
-        "--edges",
-        "normal,no-proc-macro",
-        "--no-default-features",
-        "--locked",
-        "--no-dedupe",
-    ]);
+    command.args(["tree", "--edges", "normal,no-proc-macro", "--no-default-features", "--locked", "--no-dedupe"]);
+    command.args(["--package", "rocking-block"]);
+    // The glue of the other versions is the project's own.
+    if let [wasm @ Version::Wasm] = versions {
+        command.args(["--package", wasm.library()]);
+    }
     command.args(["--prefix", "none", "--format", "{p}", "--target", &crate::variable("TARGET")?]);
     let tree = told(command)?;
     // `name vVERSION`, and the folder of a local package.

@@ -20,11 +20,13 @@ use crate::SOURCES;
 use crate::description::Description;
 use library::Version;
 
-/// Packs an FMU for each version of FMI, next to the program under construction.
+/// Packs the FMUs for the target, next to the program under construction.
 pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
     // OUT_DIR is <target>/<profile>/build/<package>-<hash>/out.
     let profile = out.ancestors().nth(3).ok_or("OUT_DIR is not where cargo puts it")?;
-    let fmus = Version::ALL.map(|version| (version, profile.join(version.file())));
+    let versions = Version::of_target()?;
+    let fmus: Vec<(Version, PathBuf)> =
+        versions.iter().map(|&version| (version, profile.join(version.file()))).collect();
     // A missing file makes cargo run this script again: an FMU if somebody removed it, and the stamp if the sources
     // changed and a `cargo check` did not pack them.
     let stamp = out.join("packed");
@@ -39,10 +41,10 @@ pub fn pack(out: &Path, description: &Description) -> Result<(), String> {
             _ => Ok(()),
         };
     }
-    let papers = licences::collect()?;
-    let libraries = library::build(out)?;
-    for ((version, fmu), library) in fmus.iter().zip(libraries) {
-        archive::pack(*version, fmu, description, &library, papers.clone())?;
+    let papers = licences::collect(versions)?;
+    let binaries = library::build(out, versions)?;
+    for ((version, fmu), binaries) in fmus.iter().zip(binaries) {
+        archive::pack(*version, fmu, description, binaries, papers.clone())?;
     }
     std::fs::write(&stamp, "").map_err(|e| format!("{}: {e}", stamp.display()))?;
     // The files get the age of the newest source: cargo treats files newer than the start of this script as changed.

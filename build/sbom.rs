@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 
 use crate::read;
 
-use super::{library, licences};
+use super::library;
+use super::licences::{self, CLibrary};
 
 /// Path of the bill inside the FMU.
 pub const PLACE: &str = "documentation/sbom.cdx.json";
@@ -20,13 +21,13 @@ pub fn write(metadata: &Metadata, linked: &BTreeSet<PackageId>) -> Result<String
     let checksums = checksums(&read("Cargo.lock")?);
     let (standard, standard_library) = standard_library()?;
     let mut components = vec![standard_library];
-    if licences::with_mingw()? {
+    if let Some(CLibrary { name, licence, website, .. }) = licences::c_library()? {
         components.push(json!({
             "type": "library",
-            "bom-ref": licences::MINGW,
-            "name": licences::MINGW,
-            "licenses": [{ "expression": "ZPL-2.1" }],
-            "externalReferences": [{ "type": "website", "url": "https://www.mingw-w64.org" }],
+            "bom-ref": name,
+            "name": name,
+            "licenses": [{ "expression": licence }],
+            "externalReferences": [{ "type": "website", "url": website }],
         }));
     }
     let mut dependencies = Vec::new();

@@ -105,6 +105,7 @@ calls! {
     GetOutputDerivatives "fmi3GetOutputDerivatives" EVENT | STEP | LOOKING | ENDED | TERMINATED | ERROR;
     GetClock "fmi3GetClock" NEVER;
     SetClock "fmi3SetClock" NEVER;
+    SetInputDerivatives "fmi3SetInputDerivatives" NEVER;
     GetIntervalDecimal "fmi3GetIntervalDecimal" NEVER;
     GetIntervalFraction "fmi3GetIntervalFraction" NEVER;
     GetShiftDecimal "fmi3GetShiftDecimal" NEVER;
@@ -190,6 +191,7 @@ impl Call {
             Call::GetNumberOfVariableDependencies | Call::GetVariableDependencies => {
                 "providesPerElementDependencies is false; ModelStructure has the dependencies"
             }
+            Call::SetInputDerivatives => "FMI 3.0 has no derivatives of inputs",
             _ => "this FMU has no clocks",
         }
     }

@@ -28,7 +28,7 @@ impl Instance {
             let (knowns, seed): (Vec<u32>, Vec<f64>) = others.into_iter().unzip();
             return self.directional_derivative(unknowns, &knowns, &seed, time, sensitivities);
         }
-        fits(self.sizes(knowns), seed.len())?;
+        fits(self.value_count(knowns), seed.len())?;
         let (mut direction, mut rest) = (Direction::default(), seed);
         for known in knowns {
             let (components, others) = rest.split_at(self.size(known));
@@ -67,7 +67,7 @@ impl Instance {
             }
             return Ok(Status::Ok);
         }
-        fits(self.sizes(knowns), sensitivities.len())?;
+        fits(self.value_count(knowns), sensitivities.len())?;
         let mut places = sensitivities.iter_mut();
         for known in knowns {
             for (i, place) in (0..self.size(known)).zip(&mut places) {
@@ -84,7 +84,8 @@ impl Instance {
         fmi3_only(*reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only))
     }
 
-    fn sizes(&self, references: &[u32]) -> usize {
+    /// Returns the number of values of several variables.
+    pub fn value_count(&self, references: &[u32]) -> usize {
         references.iter().map(|reference| self.size(reference)).sum()
     }
 }
