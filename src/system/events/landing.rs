@@ -86,7 +86,7 @@ impl Change<'_> {
     }
 }
 
-/// Returns the landing with this vertical rate after it (m/s), reduced if the landing would create energy.
+/// Returns the velocities after a landing with this rate after it (m/s or rad/s), which is reduced if the landing would create energy.
 pub(super) fn without_gain(
     block: &Block,
     before: Velocities,

@@ -1,10 +1,10 @@
 //! Random blocks with friction, ties and an eccentric centre of mass: energy, mirror images, and limits.
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime, Tie};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Tie};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
-use rocking_block::system::events::EventKind;
+use rocking_block::system::events::{Event, EventKind};
 
 use crate::cases::cases;
 
@@ -110,6 +110,35 @@ macro_rules! ensure {
     };
 }
 
+/// How often a foot slides or grips, or a tie tightens or slackens, again and again in no time.
+#[derive(Default)]
+struct Repetitions {
+    last: Vec<(EventKind, f64)>,
+    kind: Option<EventKind>,
+    now: u32,
+    most: u32,
+}
+
+impl Repetitions {
+    fn count(&mut self, event: &Event, no_time: f64) {
+        // Impacts on the rigid base come ever faster as the block comes to rest.
+        if matches!(event.kind, EventKind::LiftOff(_) | EventKind::Landing(_)) {
+            self.last.clear();
+            return;
+        }
+        match self.last.iter_mut().find(|(kind, _)| *kind == event.kind) {
+            Some((_, time)) => {
+                self.now = if event.time - *time < no_time { self.now + 1 } else { 0 };
+                *time = event.time;
+            }
+            None => self.last.push((event.kind, event.time)),
+        }
+        if self.now > self.most {
+            (self.most, self.kind) = (self.now, Some(event.kind));
+        }
+    }
+}
+
 /// Runs a block; fails if its energies or forces are wrong.
 fn check(draw: &Draw) -> Result<(), String> {
     let Some((mut simulation, inputs)) = draw.start(1.0, 1e-10) else { return Ok(()) };
@@ -118,22 +147,33 @@ fn check(draw: &Draw) -> Result<(), String> {
     let end = 12.0 / block.p;
     let mut input = 0.0_f64;
     let mut progress = Some(Progress::Reached);
+    let mut repeated = Repetitions::default();
     while simulation.time() < end && !matches!(progress, Some(Progress::Ended(..))) {
         let before = simulation.energies().kinetic;
-        let mut landed = false;
+        let [mut lands, mut lifts] = [false; 2];
         simulation
             .settle(&inputs, &mut |event| {
-                landed |= matches!(event.kind, EventKind::Landing(_)) && event.before == Regime::Separated;
+                lands |= matches!(event.kind, EventKind::Landing(_));
+                lifts |= matches!(event.kind, EventKind::LiftOff(_));
+                repeated.count(event, 1e-9 / block.p);
             })
             .map_err(|error| error.to_string())?;
         let after = simulation.energies();
         input = input.max(after.input.abs()).max(after.total.abs());
         let size = barrier + input;
-        ensure!(!landed || after.kinetic - before <= 1e-12 * size, "a landing makes {} J", after.kinetic - before);
+        // Where a corner lifts, its pivot changes, which may add energy (docs/lift_off.md).
+        ensure!(
+            !lands || lifts || after.kinetic - before <= 1e-12 * size,
+            "a landing makes {} J",
+            after.kinetic - before
+        );
         let now = simulation.time();
         let until = (now + 0.05 / block.p).min(end);
-        progress = simulation.advance_to_event(until, now, &inputs, &mut |_| ()).map_err(|error| error.to_string())?;
+        let reached =
+            simulation.advance_to_event(until, now, &inputs, &mut |event| repeated.count(event, 1e-9 / block.p));
+        progress = reached.map_err(|error| error.to_string())?;
         let energies = simulation.energies();
+        ensure!(repeated.most < 2, "{:?} comes {} times at once, at {now} s", repeated.kind, repeated.most + 1);
         let size = barrier + input.max(energies.input.abs());
         ensure!(energies.residual.abs() < 1e-8 * size, "{energies:?} at {} s", simulation.time());
         let seen = simulation.observe(&inputs);
