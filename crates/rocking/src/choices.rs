@@ -2,14 +2,13 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::fragility::LossProgram;
 use rocking_block::block::Foundation;
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::words::Words;
 use rocking_charts::picture::PictureFormat;
 use rocking_charts::spectrum::Abscissa;
-use rocking_studies::fragility::Link;
+use rocking_studies::fragility::{Link, LossProgram};
 
 /// Returns a parser of the words of these values.
 fn choice<T: Words + Send + Sync>(values: &[(T, &'static str)]) -> impl TypedValueParser<Value = T> + use<T> {

@@ -19,7 +19,7 @@ use rocking_block::words::Words;
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
-    Assessment, ExportedCurve, Ida, Limit, Link, Surface, SweepTable, Uncertainty, sufficiency_beside,
+    Assessment, ExportedCurve, Ida, Limit, Link, LossProgram, Surface, SweepTable, Uncertainty, sufficiency_beside,
 };
 use rocking_studies::intensity::Measure;
 
@@ -171,20 +171,6 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     };
     let written = WrittenFiles::new(outputs);
     options.report.print("fragility", &written, &[], &(result.text() + &written.lines()), &result)
-}
-
-/// A program of loss assessment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LossProgram {
-    /// The component library of pelicun.
-    Pelicun,
-    /// The fragility model of OpenQuake.
-    OpenQuake,
-}
-
-impl Words for LossProgram {
-    const WORDS: &'static [(&'static str, LossProgram)] =
-        &[("pelicun", LossProgram::Pelicun), ("openquake", LossProgram::OpenQuake)];
 }
 
 impl Options {

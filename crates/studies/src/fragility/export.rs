@@ -1,12 +1,27 @@
 //! A lognormal curve → the component library of pelicun, or the fragility model of OpenQuake.
 
 use quick_xml::escape::escape;
+use rocking_block::words::Words;
 use serde_json::json;
 
 use crate::fragility::likelihood::Link;
 use crate::fragility::regression::Fit;
 use crate::intensity::Measure;
 use crate::run::limit::Limit;
+
+/// A program of loss assessment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossProgram {
+    /// The component library of pelicun.
+    Pelicun,
+    /// The fragility model of OpenQuake.
+    OpenQuake,
+}
+
+impl Words for LossProgram {
+    const WORDS: &'static [(&'static str, LossProgram)] =
+        &[("pelicun", LossProgram::Pelicun), ("openquake", LossProgram::OpenQuake)];
+}
 
 /// The reason why a curve cannot be exported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -52,7 +52,7 @@ pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use clusters::Independence;
 pub use data::Data;
-pub use export::{ExportError, ExportedCurve};
+pub use export::{ExportError, ExportedCurve, LossProgram};
 pub use ida::{Ida, Response};
 pub use likelihood::Link;
 pub use observation::{FitError, Observation};
