@@ -142,6 +142,30 @@ fn two_ties_that_break_at_once() {
     }
 }
 
+/// An impact turns the velocity of a tendon's dashpot, whose force then exceeds the strength in that instant.
+#[test]
+fn an_impact_that_breaks_a_tendon() {
+    let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation: Foundation::Rigid, ..Common::default() });
+    let weight = plain.mass * plain.gravity;
+    // The pretension changes little with the elongation; the dashpot adds some tenths of the weight at the impact.
+    let tendon = Tie {
+        ground: [0.0, -1.0],
+        stiffness: 1e-3 * weight / plain.b,
+        pretension: 0.4 * weight,
+        damping: weight / (plain.b * plain.p),
+        ..Tie::default()
+    };
+    for (strength, breaks) in [(0.45, true), (0.8, false)] {
+        let block = plain.with_ties(&[Tie { strength: strength * weight, ..tendon }]).unwrap();
+        let mut events = vec![];
+        released(block, 0.15).advance(1.5, &Inputs::default(), &mut |event| events.push(*event)).unwrap();
+        let impact = events.iter().find(|event| matches!(event.kind, EventKind::Landing(_))).unwrap().time;
+        let broken: Vec<f64> =
+            events.iter().filter(|event| event.kind == EventKind::Break(0)).map(|event| event.time).collect();
+        assert_eq!(broken, if breaks { vec![impact] } else { vec![] }, "{events:?}");
+    }
+}
+
 /// A block that is held down at rest sinks as far as its supports yield to weight and pretension, and stays.
 #[test]
 fn a_pretensioned_block_rests() {
