@@ -104,7 +104,7 @@ def test_commands_print_what_the_pages_say(tmp_path):
                 assert not printed or told == printed, command
     assert len(place.printed) > 10
     pictures = place.pictures()
-    assert len(pictures) == 7
+    assert len(pictures) == 8
     for drawn, shown in pictures.items():
         assert drawn.read_bytes() == shown.read_bytes(), f"{shown} is not what the commands of the pages draw"
 
