@@ -156,4 +156,8 @@ def frame(columns: int, column: Block, beam_mass: float) -> Frame:
     'completed'
     """
     mass = number("beam_mass", beam_mass)
-    return Frame(columns, column, mass, Block(**_engine.frame_block(columns, column, mass), foundation="rigid"))
+    alpha, p, gamma, total, restitution_factor, g = _engine.frame_block(columns, column, mass)
+    block = Block(
+        alpha=alpha, p=p, gamma=gamma, mass=total, restitution_factor=restitution_factor, g=g, foundation="rigid"
+    )
+    return Frame(columns, column, mass, block)

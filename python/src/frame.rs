@@ -13,27 +13,11 @@ fn of_engine(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<fr
     frame::Frame::new(columns, column.get().block, beam_mass).map_err(invalid)
 }
 
-/// Returns the parameters of the block that rocks like the frame.
+/// Returns α, p, γ, mass, factor on the restitution, and gravity of the block that rocks like the frame.
 #[pyfunction]
-pub fn frame_block<'py>(
-    py: Python<'py>,
-    columns: i64,
-    column: &Bound<'py, Block>,
-    beam_mass: f64,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn frame_block(columns: i64, column: &Bound<Block>, beam_mass: f64) -> PyResult<(f64, f64, f64, f64, f64, f64)> {
     let block = of_engine(columns, column, beam_mass)?.block;
-    let parameters = PyDict::new(py);
-    for (name, value) in [
-        ("alpha", block.alpha),
-        ("p", block.p),
-        ("gamma", block.gamma),
-        ("mass", block.mass),
-        ("restitution_factor", block.restitution_factor),
-        ("g", block.gravity),
-    ] {
-        parameters.set_item(name, value)?;
-    }
-    Ok(parameters)
+    Ok((block.alpha, block.p, block.gamma, block.mass, block.restitution_factor, block.gravity))
 }
 
 /// Returns the columns of a frame's response from those of its block: `u`, `v`, `u_ddot`, `v_ddot`, `H`, `N`, `a_gx`, `a_gz`.

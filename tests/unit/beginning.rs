@@ -261,7 +261,6 @@ fn beginning(draw: &Draw) -> [f64; 10] {
         restitution_factor: draw.of("restitution_factor"),
         eccentricity: draw.of("eccentricity"),
         friction: draw.of("friction"),
-        ..Common::default()
     };
     let block = if draw.of("parameterization") == 1.0 {
         let [alpha, p, eta, xi_v] = ["alpha", "p", "eta", "xi_v"].map(|name| draw.of(&format!("dimensionless.{name}")));

@@ -113,7 +113,10 @@ pub fn probability_in(years: f64, rate: f64) -> f64 {
 /// band, which lie at least as far apart as those of any curve inside the band.
 pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     /// Points of the band; between them the probability is linear in the logarithm.
-    const POINTS: u32 = 160;
+    const POINTS: u32 = 240;
+    /// Upper end of the band below which it is left out, and the number of halvings of the measure to get there.
+    const NEGLIGIBLE: f64 = 1e-9;
+    const HALVINGS: usize = 30;
     let finite = |rate: f64| Some(rate).filter(|rate| rate.is_finite());
     let of_fit = |fit: &_| match FragilityCurve::of(fit) {
         Ok(curve) => AnnualRate::new(hazard, &curve).rate,
@@ -125,7 +128,10 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     }
     let levels = hazard.levels();
     let [median, beta] = [assessment.fit.median(), assessment.fit.dispersion().abs()];
-    let from = libm::log(levels[0].min(median * libm::exp(-6.0 * beta)));
+    let greatest = levels[0].min(median);
+    let mut halves = std::iter::successors(Some(greatest), |measure| Some(0.5 * measure)).take(HALVINGS);
+    let negligible = halves.find(|&measure| assessment.band(&[measure])[0].high.unwrap_or(1.0) < NEGLIGIBLE);
+    let from = libm::log(negligible.unwrap_or(greatest));
     let to = libm::log(levels[levels.len() - 1].max(median * libm::exp(6.0 * beta)));
     let at = |point: u32| libm::exp(from + (to - from) * f64::from(point) / f64::from(POINTS));
     let at: Vec<f64> = (0..=POINTS).map(at).collect();
@@ -135,7 +141,9 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
         let curve = FragilityCurve::tabulated(&at, &probabilities).ok()?;
         finite(AnnualRate::new(hazard, &curve).rate)
     };
-    Interval { low: rate(|ends| ends.low.unwrap_or(0.0)), high: rate(|ends| ends.high.unwrap_or(1.0)) }
+    // A band that reaches down to the smallest measures bounds no rate.
+    let high = negligible.and_then(|_| rate(|ends| ends.high.unwrap_or(1.0)));
+    Interval { low: rate(|ends| ends.low.unwrap_or(0.0)), high }
 }
 
 #[cfg(test)]
