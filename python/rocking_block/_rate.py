@@ -291,7 +291,7 @@ def annual_rate(
         places["above_rows"] = f"above {found.rows[1]:.4g}, the greatest value in the rows of the fragility curve"
     for name, share in found.extrapolated.items():
         if share >= _NOTABLE:
-            message = f"{100 * share:.3g} % of the rate come from {hazard.im or 'measures'} {places[name]}"
+            message = f"{100 * share:.3g} % of the rate comes from {hazard.im or 'measures'} {places[name]}"
             warnings.warn(message, stacklevel=2)
     return found
 

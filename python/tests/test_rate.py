@@ -100,7 +100,7 @@ def test_measures_relative_to_a_block_need_the_block(hazard):
 def test_a_step_gives_the_hazard_and_extrapolation_a_warning(hazard):
     assert rb.annual_rate(hazard, (0.5, 0.0)).rate == pytest.approx(1.5e-4, rel=1e-14)
     assert rb.annual_rate(hazard, ([0.1, 0.2], [0.0, 0.0])).rate == 0.0
-    with pytest.warns(UserWarning, match="% of the rate come from PGV above 2, the greatest level of the hazard curve"):
+    with pytest.warns(UserWarning, match="% of the rate comes from PGV above 2, the greatest level of the hazard curve"):
         rb.annual_rate(hazard, (1.9, 0.3))
 
 

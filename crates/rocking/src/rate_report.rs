@@ -234,7 +234,7 @@ impl RateReport {
         ];
         let notable =
             parts.into_iter().filter_map(|(share, place)| Some((share.filter(|share| *share >= NOTABLE)?, place)));
-        let notable = notable.map(|(share, place)| format!("{} % of the rate come from {im} {place}", percent(share)));
+        let notable = notable.map(|(share, place)| format!("{} % of the rate comes from {im} {place}", percent(share)));
         remarks.iter().map(|remark| format!("{file}: {remark}")).chain(notable).collect()
     }
 
@@ -310,5 +310,9 @@ fn percent(share: f64) -> String {
 
 /// Formats a return period.
 fn period(years: f64) -> String {
-    if years < 1e7 { rocking_charts::numerals::significant(years, 3) } else { format!("{years:.2e}") }
+    match years {
+        ..1e7 => rocking_charts::numerals::significant(years, 3),
+        ..1e12 => format!("{years:.2e}"),
+        _ => "more than 1e12".into(),
+    }
 }
