@@ -71,8 +71,7 @@ pub fn observe<P: Scalar, T: Beside<P>>(
     support_heights: [T; 2],
     forcing: Forcing<T>,
 ) -> Observation<T> {
-    let reaction = [x.reaction[0] * block.mass, x.reaction[1] * block.mass];
-    let horizontal = x.horizontal * block.mass;
+    let Strain { reaction, horizontal, uplift, friction_demand } = strain(block, regime, x, support_heights);
     let power = x.powers(block, regime, forcing);
     Observation {
         regime,
@@ -89,13 +88,43 @@ pub fn observe<P: Scalar, T: Beside<P>>(
         horizontal,
         base_moment: (reaction[0] - reaction[1]) * block.b,
         corner: x.corner,
-        uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
-        friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
+        uplift,
+        friction_demand,
         slip_rate: x.slip_rate,
         tension: forces::tie::tensions(block, &forcing.ties, x),
         power: [power[0] * block.mass, power[1] * block.mass],
         friction_power: forces::friction::power(horizontal, x.slip_rate),
         tie_power: forces::tie::power(block, &forcing.ties, x) * block.mass,
+    }
+}
+
+/// The quantities of an observation whose greatest values are peaks, besides θ; units are those of [`Observation`].
+pub struct Strain<T> {
+    /// Vertical reactions.
+    pub reaction: [T; 2],
+    /// Horizontal reaction.
+    pub horizontal: T,
+    /// Gaps under the corners.
+    pub uplift: [T; 2],
+    /// Friction demand.
+    pub friction_demand: T,
+}
+
+/// Returns these quantities; `support_heights` are the heights of the supports.
+#[inline(always)]
+pub fn strain<P: Scalar, T: Beside<P>>(
+    block: &Block<P>,
+    regime: Regime,
+    x: &Instant<T>,
+    support_heights: [T; 2],
+) -> Strain<T> {
+    let reaction = x.reaction.map(|reaction| reaction * block.mass);
+    let horizontal = x.horizontal * block.mass;
+    Strain {
+        reaction,
+        horizontal,
+        uplift: Corner::each(|corner| uplift(regime, x, support_heights, corner)),
+        friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::block::ties::MOST_TIES;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{Beside, Real};
-use crate::simulation::outputs::Observation;
+use crate::simulation::outputs::{Observation, Strain, strain};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::{landing, lift_off};
 
@@ -224,7 +224,16 @@ where
     /// The quantities whose greatest values are peaks, with all rates.
     #[inline(always)]
     pub fn channels_inlined(&self) -> Channels<R> {
-        channels(&self.observe_rates())
+        let tops = self.support_heights.map(|Sample { value, rate }| Dual::new(value, rate));
+        let x = self.with_rates(self.forcing_rate());
+        let Strain { reaction, horizontal, uplift, friction_demand } = strain(self.block, self.regime, &x, tops);
+        Channels {
+            theta: sample(x.theta),
+            reaction: reaction.map(sample),
+            horizontal: sample(horizontal),
+            uplift: uplift.map(sample),
+            friction_demand: sample(friction_demand),
+        }
     }
 
     /// The same without rates that need dual numbers: zeros stand for H and the friction demand, and on the rigid base for the

@@ -272,6 +272,7 @@ impl System {
 
     /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the
     /// distance of H from the limit of friction.
+    #[inline]
     pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
         if self.block.friction > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
             let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
