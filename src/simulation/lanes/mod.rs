@@ -53,7 +53,7 @@ pub struct Lane {
     support_heights: (f64, [Sample; 2]),
     /// The step that comes next.
     attempt: Attempt,
-    /// Whether a short step would suffice but for the errors of earlier ones.
+    /// Whether a short step would suffice if earlier steps had made no errors.
     grows: bool,
     /// Whether a short step has just made too great an error here.
     short_failed: bool,

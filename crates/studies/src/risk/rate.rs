@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(found.below_hazard, 0.0);
     }
 
-    /// A table of a lognormal curve every h = 0.004 β has its rate, but for the h²/12 β² of linear interpolation.
+    /// A lognormal curve tabulated every h = 0.004 β has its rate, within the h²/12 β² of linear interpolation.
     #[test]
     fn a_table_of_a_curve_has_its_rate() {
         let hazard = HazardCurve::new(&[0.1, 0.3, 0.5, 1.2], &[1e-2, 4e-3, 3e-4, 1e-5]).unwrap();

@@ -9,7 +9,7 @@ use crate::studies::labels;
 
 const HAZARD: &str = "PGV [cm/s],rate [1/year]\n5,2e-2\n10,5e-3\n20,1e-3\n50,9e-5\n100,1.2e-5\n200,9e-7\n";
 
-/// Three levels of four rows, of which more exceed the limit the stronger they are.
+/// Three levels of four rows; more rows exceed the limit at each greater level.
 const TABLE: &str = "row,record,PGV [m/s],p PGV/(g tan alpha) [1],outcome,peak.theta/alpha [1]\n0,a,0.2,0.3,completed,0.2\n\
     1,b,0.2,0.3,completed,0.2\n2,c,0.2,0.3,completed,0.2\n3,d,0.2,0.3,completed,0.2\n4,a,0.4,0.6,completed,0.3\n\
     5,b,0.4,0.6,overturned,6\n6,c,0.4,0.6,completed,0.3\n7,d,0.4,0.6,completed,0.3\n8,a,0.8,1.2,overturned,6\n\
