@@ -4,6 +4,8 @@
 //! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated as well, so that inputs
 //! may be any functions of time.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Foundation};
@@ -131,13 +133,14 @@ impl Simulation {
     /// energies, of the end of its run.
     pub fn set_states(&mut self, time: f64, states: &States) {
         let [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots, friction, ties] = *states;
-        let (block, regime) = (*self.block(), self.regime());
+        let (system, regime) = (Arc::clone(&self.system), self.regime());
+        let block = &system.block;
         if time != self.pose.time {
             self.events_in_this_instant = 0;
         }
         self.pose.time = time;
         let held = self.is_frozen().then_some(self.pose);
-        let [w, w_dot] = foot_height(&block, regime, [theta, theta_dot, v, v_dot]);
+        let [w, w_dot] = foot_height(block, regime, [theta, theta_dot, v, v_dot]);
         self.pose.state = State::from([theta, theta_dot, w, w_dot]);
         self.pose.footing = match self.pose.footing {
             grips @ Footing::Grips { .. } => grips,
@@ -207,12 +210,13 @@ impl Simulation {
         let offsets = self.piece.map(|piece| piece.offsets);
         let foreseen = self.foreseen().filter(|foreseen| foreseen.pose.time == self.pose.time);
         self.begin_exchange();
-        let block = self.system.block;
+        let system = Arc::clone(&self.system);
+        let block = &system.block;
         let excitation = self.excitation(inputs);
         if let Some(Foreseen { pose, peaks, .. }) = foreseen {
             (self.pose, self.peaks) = (pose, peaks);
         }
-        let mut now = self.now(&block, &excitation);
+        let mut now = self.now(block, &excitation);
         if let Some(Foreseen { surface, .. }) = foreseen {
             now = self.apply(surface, &now, observer)?;
         }
@@ -286,20 +290,21 @@ impl Simulation {
         if self.ending.is_some() {
             return;
         }
-        let (block, excitation) = (*self.block(), self.excitation(inputs));
-        let there = self.now(&block, &excitation);
+        let (system, excitation) = (Arc::clone(&self.system), self.excitation(inputs));
+        let block = &system.block;
+        let there = self.now(block, &excitation);
         let channels = there.channels();
         if !channels.candidates().iter().all(|(_, sample)| sample.value.is_finite() && sample.rate.is_finite()) {
             return;
         }
         let last = self.piece.and_then(|piece| piece.last);
         if let Some(last) = last.filter(|last| last.time < there.time) {
-            let law = AnyLaw::of(&block, &last);
+            let law = AnyLaw::of(block, &last);
             match law.extended() {
                 Some(law) => {
-                    self.take_in_step::<EXTENDED>(Motion::under(law, &block, &last, &excitation), &last, &there)
+                    self.take_in_step::<EXTENDED>(Motion::under(law, block, &last, &excitation), &last, &there)
                 }
-                None => self.take_in_step::<4>(Motion::under(law, &block, &last, &excitation), &last, &there),
+                None => self.take_in_step::<4>(Motion::under(law, block, &last, &excitation), &last, &there),
             }
         }
         self.peaks.include(&channels);

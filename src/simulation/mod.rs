@@ -12,6 +12,8 @@ pub mod peaks;
 mod settings;
 mod stepping;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Corner, Regime, TieStates};
@@ -58,7 +60,8 @@ pub struct Slip {
 /// A block in motion. It is a plain value: a copy continues exactly as the original does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    system: System,
+    /// Shared, so that a step can borrow it while the rest of the simulation changes.
+    system: Arc<System>,
     settings: Settings,
     pulse: Pulse,
     pose: Pose,
@@ -110,7 +113,7 @@ impl Simulation {
         let system = System { block, flies, slowest: System::SLOWEST };
         let excitation = Excitation::from_time(time, inputs, &pulse, &block);
         let mut simulation = Simulation {
-            system,
+            system: Arc::new(system),
             settings: Settings { tolerance: settings.tolerance.clamp(least, most), ..settings },
             pulse,
             pose: system.beginning(initial, time, &excitation),
@@ -171,9 +174,9 @@ impl Simulation {
     /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
     pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let Some(Pending { surface, piece }) = self.pending.take() else { return Ok(()) };
-        let block = self.system.block;
-        let excitation = Excitation::from_time(piece, inputs, &self.pulse, &block);
-        let now = self.now(&block, &excitation);
+        let system = Arc::clone(&self.system);
+        let excitation = Excitation::from_time(piece, inputs, &self.pulse, &system.block);
+        let now = self.now(&system.block, &excitation);
         self.apply(surface, &now, observer).map(|_| ())
     }
 
@@ -196,12 +199,13 @@ impl Simulation {
         at_event: AtEvent,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Progress, SimulationError> {
-        let block = self.system.block;
+        let system = Arc::clone(&self.system);
+        let block = &system.block;
         let mut budget = stepping::MOST_STEPS;
         while self.pose.time < until && self.ending.is_none() {
             let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
-            let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, &block);
-            self.smooth_piece(stop, &block, &excitation, &mut budget, at_event, observer)?;
+            let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, block);
+            self.smooth_piece(stop, block, &excitation, &mut budget, at_event, observer)?;
             if self.pending.is_some() {
                 return Ok(Progress::Reached);
             }

@@ -1,5 +1,8 @@
 //! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
 
+#[cfg(feature = "lanes")]
+use std::sync::Arc;
+
 use crate::block::Regime;
 use crate::block::{Block, Foundation};
 use crate::excitation::Excitation;
@@ -121,9 +124,10 @@ impl Simulation {
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let block = &{ self.system.block };
+        let system = Arc::clone(&self.system);
         let since = self.pose.time;
-        let piece = SmoothPiece { block, excitation, since, stop, end: stop, at_event: AtEvent::Apply, single: true };
+        let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
+        let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: true };
         self.steps(&piece, start, budget, observer)
     }
 
