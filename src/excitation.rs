@@ -66,28 +66,43 @@ pub struct Inputs<T = f64> {
 impl Inputs {
     /// The sum of both, with the reference of `self`.
     pub fn plus(&self, others: &Inputs) -> Inputs {
-        let others = others.moved_to(self.time);
         let sum = |a: Ramp, b: Ramp| Ramp { value: a.value + b.value, rate: a.rate + b.rate };
-        Inputs {
-            time: self.time,
-            a_gx: sum(self.a_gx, others.a_gx),
-            a_gz: sum(self.a_gz, others.a_gz),
-            f_x: sum(self.f_x, others.f_x),
-            f_z: sum(self.f_z, others.f_z),
-            m_y: sum(self.m_y, others.m_y),
-        }
+        self.with(&others.moved_to(self.time), sum)
     }
 
     /// The same inputs with their reference at another time.
     pub fn moved_to(&self, time: f64) -> Inputs {
         let elapsed = time - self.time;
+        Inputs { time, ..self.with(self, |ramp, _| ramp.moved(elapsed)) }
+    }
+
+    /// The values at the reference time, held constant.
+    pub fn held(&self) -> Inputs {
+        self.with(self, |ramp, _| Ramp::held(ramp.value))
+    }
+
+    /// The line from these values to the values of `end`, each at its reference time.
+    pub fn line_to(&self, end: &Inputs) -> Inputs {
+        let duration = end.time - self.time;
+        self.with(end, |a, b| Ramp { value: a.value, rate: (b.value - a.value) / duration })
+    }
+
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let Inputs { time, a_gx, a_gz, f_x, f_z, m_y } = self;
+        time.is_finite()
+            && [a_gx, a_gz, f_x, f_z, m_y].iter().all(|ramp| ramp.value.is_finite() && ramp.rate.is_finite())
+    }
+
+    /// Combines each input with that of `others`, and keeps the reference time.
+    fn with(&self, others: &Inputs, combine: impl Fn(Ramp, Ramp) -> Ramp) -> Inputs {
         Inputs {
-            time,
-            a_gx: self.a_gx.moved(elapsed),
-            a_gz: self.a_gz.moved(elapsed),
-            f_x: self.f_x.moved(elapsed),
-            f_z: self.f_z.moved(elapsed),
-            m_y: self.m_y.moved(elapsed),
+            time: self.time,
+            a_gx: combine(self.a_gx, others.a_gx),
+            a_gz: combine(self.a_gz, others.a_gz),
+            f_x: combine(self.f_x, others.f_x),
+            f_z: combine(self.f_z, others.f_z),
+            m_y: combine(self.m_y, others.m_y),
         }
     }
 }

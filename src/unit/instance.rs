@@ -20,9 +20,7 @@ use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::Seen;
-use crate::unit::substep::Substep;
-use crate::unit::values::{PerInput, Values};
-use crate::unit::variables::Input;
+use crate::unit::values::Values;
 
 /// Settings of the run, known before it begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,16 +46,16 @@ pub struct Unit {
     phase: Phase,
     experiment: Experiment,
     values: Values,
-    /// Rates of the inputs.
-    rates: PerInput,
+    /// The importer's inputs, linear in time.
+    inputs: Inputs,
     /// Whether rates were set since the last step. Otherwise the next step holds the inputs constant.
     rates_are_new: bool,
     /// The block in motion; before initialization ends, a preview from the present values.
     simulation: Option<Simulation>,
     /// Inputs plus the FMU's own records at the present time.
-    inputs: Inputs,
-    /// A part of a step whose inputs are known in advance; see [`substeps`].
-    substep: Option<Substep>,
+    acting: Inputs,
+    /// The inputs at the end of the present part of a step, if they are known in advance; see [`substeps`].
+    at_end: Option<Inputs>,
     /// Planned end of a communication step that was left early (s).
     left: Option<f64>,
     /// The FMU's own records, once they are read. Saved states share them; serialized states contain them, so that resuming
@@ -66,7 +64,7 @@ pub struct Unit {
     /// Model Exchange: the continuous states, as set or as the last event left them.
     states: States,
     /// Model Exchange: the inputs at the end of the last completed step.
-    last_inputs: PerInput,
+    last_inputs: Inputs,
     /// Cached observation and energies at the present time.
     #[serde(skip)]
     observed: Seen,
@@ -91,15 +89,15 @@ impl Unit {
             phase: Phase::Instantiated,
             experiment: Experiment::default(),
             values: Values::default(),
-            rates: PerInput::default(),
+            inputs: Inputs::default(),
             rates_are_new: false,
             simulation: None,
-            inputs: Inputs::default(),
-            substep: None,
+            acting: Inputs::default(),
+            at_end: None,
             left: None,
             ground: None,
             states: States::default(),
-            last_inputs: PerInput::default(),
+            last_inputs: Inputs::default(),
             observed: Seen::default(),
         }
     }
@@ -121,7 +119,7 @@ impl Unit {
 
     /// Whether this can be a state of this FMU. A checksum cannot tell, since anyone can compute one.
     pub fn is_valid(&self) -> bool {
-        let times = [self.experiment.start, self.inputs.time, self.left.unwrap_or(0.0)];
+        let times = [self.experiment.start, self.acting.time, self.left.unwrap_or(0.0)];
         let looked_at = matches!(self.phase, Phase::SettingAhead | Phase::LookingIn);
         let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.values.are_valid()
@@ -131,9 +129,9 @@ impl Unit {
                 Interface::ModelExchange => !stepped,
             }
             && !looked_at
-            && times.iter().chain(&self.rates).chain(&self.states).chain(&self.last_inputs).all(|x| x.is_finite())
+            && times.iter().chain(&self.states).all(|x| x.is_finite())
+            && [&self.inputs, &self.last_inputs].into_iter().chain(&self.at_end).all(Inputs::is_finite)
             && self.ground.as_ref().is_none_or(|ground| ground.is_valid())
-            && self.substep.as_ref().is_none_or(Substep::is_valid)
             && match &self.simulation {
                 Some(simulation) => {
                     self.ground.is_some()
@@ -160,6 +158,7 @@ impl Unit {
             return Err(Fault::new(format!("tolerance = {tolerance:?}; expected a finite number > 0")));
         }
         self.experiment = Experiment { tolerance, start, stop };
+        self.inputs.time = start;
         self.forget();
         let [least, most] = Settings::TOLERANCES;
         let followed = |tolerance: f64| tolerance.clamp(least, most);
@@ -201,20 +200,14 @@ impl Unit {
     ///
     /// Allocates no memory unless it fails.
     pub fn advance(&mut self, time: f64, step: f64, observer: &mut dyn FnMut(&Event)) -> Result<Progress, Fault> {
+        let present = self.present_inputs();
         let until = self.begin_step(time, step)?;
-        if !self.rates_are_new {
-            self.rates = PerInput::default();
-        }
-        let inputs = self.values.inputs(time, &self.rates);
-        let progress = self.go_on(until, &inputs, |simulation, until, inputs| {
-            simulation.advance(until, inputs, observer).map(|progress| (progress, false))
+        self.inputs = Inputs { time, ..if self.rates_are_new { present } else { present.held() } };
+        let (progress, _) = self.go_on(until, |simulation, until, acting| {
+            simulation.advance(until, acting, observer).map(|progress| (progress, false))
         })?;
         self.rates_are_new = false;
-        let elapsed = self.time() - time;
-        for (input, rate) in Input::ALL.into_iter().zip(self.rates) {
-            self.values[input.variable()] += rate * elapsed;
-        }
-        Ok(progress.0)
+        Ok(progress)
     }
 
     /// Refuses an impossible communication step, adopts the master's time, and returns the step's end (s).
@@ -247,23 +240,22 @@ impl Unit {
         Ok(left.take().filter(|end| (end - until).abs() <= rounding && *end > time).unwrap_or(until))
     }
 
-    /// Advances to `until` (s) under these inputs and the FMU's own records, from sample to sample.
+    /// Advances to `until` (s) under the inputs and the FMU's own records, from sample to sample.
     ///
     /// `advance` steps over one interval between samples, and returns its progress and whether it stopped there.
     fn go_on(
         &mut self,
         until: f64,
-        inputs: &Inputs,
         mut advance: impl FnMut(&mut Simulation, f64, &Inputs) -> Result<(Progress, bool), SimulationError>,
     ) -> Result<(Progress, bool), Fault> {
-        let Unit { phase, simulation, inputs: acting, ground, observed, .. } = self;
+        let Unit { phase, simulation, inputs, acting, ground, observed, .. } = self;
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
             return Err(Fault::new("there is no block yet"));
         };
         *observed = Seen::default();
         let (progress, stopped) = loop {
-            let (sum, stop) = with_ground(inputs, ground, simulation.time());
-            *acting = sum;
+            let stop;
+            (*acting, stop) = with_ground(inputs, ground, simulation.time());
             match advance(simulation, stop.min(until), acting) {
                 Ok((Progress::Reached, false)) if stop < until => {}
                 Ok(progress) => break progress,
@@ -283,14 +275,27 @@ impl Unit {
         Ok((progress, stopped))
     }
 
-    /// Returns inputs plus the FMU's own records at the present time, and the end of their validity (s).
-    fn acting(&self, inputs: &Inputs) -> (Inputs, f64) {
-        self.ground.as_ref().map_or((*inputs, f64::INFINITY), |ground| with_ground(inputs, ground, self.time()))
+    /// Returns the importer's inputs with the present time as their reference.
+    fn present_inputs(&self) -> Inputs {
+        self.inputs.moved_to(self.time())
+    }
+
+    /// Makes the present time the reference of the inputs, before they change.
+    fn begin_inputs(&mut self) {
+        self.inputs = self.present_inputs();
+        if self.at_end.take().is_some() {
+            self.inputs = self.inputs.held();
+        }
+    }
+
+    /// Returns inputs plus the FMU's own records at `time` (s), and the end of their validity (s).
+    fn with_records(&self, inputs: &Inputs, time: f64) -> (Inputs, f64) {
+        self.ground.as_ref().map_or((*inputs, f64::INFINITY), |ground| with_ground(inputs, ground, time))
     }
 
     /// Applies the event at which a step was left, if any, under the present inputs.
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
-        let Unit { phase, simulation, inputs: acting, observed, .. } = self;
+        let Unit { phase, simulation, acting, observed, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
         *observed = Seen::default();
         simulation.settle(acting, observer).map_err(|error| {
@@ -315,11 +320,9 @@ impl Unit {
     fn take_up_values(&mut self) {
         if self.phase.is_initialized() {
             let time = self.simulation.as_ref().map_or(self.experiment.start, Simulation::piece_time);
-            let inputs = self.values.inputs(time, &self.rates);
-            self.substep = None;
-            self.inputs = self.ground.as_ref().map_or(inputs, |ground| with_ground(&inputs, ground, time).0);
+            (self.acting, _) = self.with_records(&Inputs { time, ..self.inputs }, time);
             if let Some(simulation) = &mut self.simulation {
-                simulation.change_inputs(&self.inputs);
+                simulation.change_inputs(&self.acting);
             }
             self.observed = Seen::default();
         } else {
@@ -352,30 +355,30 @@ impl Unit {
         self.observed = Seen::default();
     }
 
-    /// Returns the block in motion and its inputs; before initialization ends, a preview from the present values.
+    /// Returns the block in motion and the inputs that act on it; before initialization ends, a preview from the present values.
     fn preview(&mut self) -> Result<(&Simulation, Inputs), Fault> {
         if self.simulation.is_none() {
             let block = self.block()?;
             let ground = self.ground()?;
-            let Unit { values, experiment, rates, .. } = self;
-            let (inputs, _) = with_ground(&values.inputs(experiment.start, rates), &ground, experiment.start);
+            let Unit { values, experiment, inputs, .. } = self;
+            let (acting, _) = with_ground(inputs, &ground, experiment.start);
             let mut simulation = Simulation::new(
                 block,
                 values.settings(experiment.tolerance),
                 values.pulse(),
                 &values.initial(),
                 experiment.start,
-                &inputs,
+                &acting,
             );
-            self.inputs = inputs;
+            self.acting = acting;
             if self.interface == Interface::ModelExchange {
                 simulation.begin_exchange();
             }
             self.simulation = Some(simulation);
         }
-        let Unit { simulation, inputs, .. } = self;
+        let Unit { simulation, acting, .. } = self;
         let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
-        Ok((simulation, *inputs))
+        Ok((simulation, *acting))
     }
 }
 

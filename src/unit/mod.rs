@@ -4,12 +4,12 @@
 //! | --- | --- |
 //! | [`variables`] | modelDescription.xml → a table of variables |
 //! | [`fmi3_only`] | values of the parameters that exist only in FMI 3.0 |
-//! | [`values`] | values of variables → block, pulse, settings, inputs |
+//! | [`inputs`] | the variables of inputs ↔ ramps |
+//! | [`values`] | values of parameters → block, pulse, settings |
 //! | [`records`] | files or arrays of samples → the FMU's own ground motion |
 //! | [`derived`] | a calculated parameter → the source of its value |
 //! | [`outputs`] | an output → the source of its value and its derivatives |
 //! | [`life_cycle`] | the states of an instance |
-//! | [`substep`] | a part of a communication step |
 //! | [`instance`] | calls → a block in motion; variables, [derivatives](instance::derivatives), [Model Exchange](instance::exchange), [parts of steps](instance::substeps) |
 //! | [`snapshot`] | an instance ↔ bytes |
 
@@ -17,6 +17,8 @@ pub mod fault;
 pub mod variables;
 
 pub mod fmi3_only;
+
+pub mod inputs;
 
 pub mod values;
 
@@ -27,8 +29,6 @@ pub mod derived;
 pub mod outputs;
 
 pub mod life_cycle;
-
-pub mod substep;
 
 pub mod instance;
 

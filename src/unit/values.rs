@@ -1,21 +1,18 @@
-//! Values of variables → block, initial state, pulse, settings and calculated parameters.
+//! Values of parameters → block, initial state, pulse, settings and calculated parameters.
 //!
-//! Names every variable of modelDescription.xml except the outputs, once.
+//! Names every parameter of modelDescription.xml, once.
 
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
-use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
+use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 use crate::unit::fmi3_only::Fmi3OnlyValues;
-use crate::unit::variables::{Causality, Choice, Input, Parameter, Text, VARIABLES, Variable, choices};
+use crate::unit::variables::{Causality, Choice, Parameter, Text, VARIABLES, Variable, choices};
 
-/// One number for each input, in the order of [`Input::ALL`].
-pub type PerInput = [f64; Input::ALL.len()];
-
-/// Values of all variables that the importer sets.
+/// Values of all parameters that the importer sets.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Values {
-    /// Numbers by value reference, 0 for other variables. Integers, enumerations and Booleans (0 or 1) are stored as reals.
+    /// Numbers by value reference; start values for other variables. Integers, enumerations and Booleans (0 or 1) are stored as reals.
     numbers: Vec<f64>,
     /// Texts, in the order of [`Text::ALL`].
     texts: [String; Text::ALL.len()],
@@ -408,44 +405,6 @@ impl Values {
                 choices::OnOverturning::Hold => OnOverturning::Hold,
             },
         }
-    }
-
-    /// Returns the present values of the inputs.
-    pub fn present_inputs(&self) -> PerInput {
-        Input::ALL.map(|input| self[input.variable()])
-    }
-
-    /// Returns the inputs from `time` (s) on, with these rates.
-    pub fn inputs(&self, time: f64, rates: &PerInput) -> Inputs {
-        inputs(time, self.present_inputs(), rates)
-    }
-}
-
-/// Returns inputs with these values and rates at `time` (s).
-pub fn inputs(time: f64, values: PerInput, rates: &PerInput) -> Inputs {
-    inputs_of(time, |input| Ramp { value: values[input as usize], rate: rates[input as usize] })
-}
-
-/// Returns inputs with reference time `time` (s).
-pub(super) fn inputs_of<T>(time: T, of: impl Fn(Input) -> Ramp<T>) -> Inputs<T> {
-    Inputs {
-        time,
-        a_gx: of(Input::AGx),
-        a_gz: of(Input::AGz),
-        f_x: of(Input::FX),
-        f_z: of(Input::FZ),
-        m_y: of(Input::MY),
-    }
-}
-
-/// Returns one of the inputs.
-pub fn ramp(inputs: &Inputs, input: Input) -> Ramp {
-    match input {
-        Input::AGx => inputs.a_gx,
-        Input::AGz => inputs.a_gz,
-        Input::FX => inputs.f_x,
-        Input::FZ => inputs.f_z,
-        Input::MY => inputs.m_y,
     }
 }
 

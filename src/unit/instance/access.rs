@@ -30,14 +30,15 @@ impl Unit {
             metadata.admits(real(value)).map_err(Fault::new)?;
         }
         let mut states = self.states;
+        self.begin_inputs();
         for (&reference, &value) in references.iter().zip(values) {
-            let Metadata { variable, role, .. } = VARIABLES[reference as usize];
-            if let Role::Output(output) = role {
+            let (variable, value) = (VARIABLES[reference as usize].variable, real(value));
+            match VARIABLES[reference as usize].role {
+                Role::Input(input) => self.inputs[input].value = value,
                 // Continuous states are the only outputs that can be set.
-                state(output).into_iter().for_each(|i| states[i] = real(value));
-                continue;
+                Role::Output(output) => state(output).into_iter().for_each(|i| states[i] = value),
+                Role::Parameter(_) | Role::Text(_) | Role::Derived(_) => self.values[variable] = value,
             }
-            self.values[variable] = real(value);
             if Values::is_of_ground(variable) {
                 self.ground = None;
             }
@@ -92,7 +93,8 @@ impl Unit {
     pub fn get(&mut self, kind: Kind, reference: u32) -> Result<f64, Fault> {
         let metadata = known(reference, kind)?;
         match metadata.role {
-            Role::Parameter(_) | Role::Input(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
+            Role::Input(input) => Ok(self.present_inputs()[input].value),
+            Role::Parameter(_) | Role::Text(_) => Ok(self.values[metadata.variable]),
             Role::Derived(parameter) => match (derived(parameter), &self.simulation) {
                 (DerivedSource::Block(of), Some(simulation)) => Ok(of(simulation.block())),
                 (DerivedSource::Block(of), None) => Ok(of(&self.block()?)),
@@ -103,9 +105,9 @@ impl Unit {
                     return Ok(value);
                 }
                 self.preview()?;
-                let Unit { simulation, inputs, observed, .. } = self;
+                let Unit { simulation, acting, observed, .. } = self;
                 let simulation = simulation.as_ref().ok_or_else(|| Fault::new("there is no block yet"))?;
-                Ok(source(output).value(observed, simulation, inputs))
+                Ok(source(output).value(observed, simulation, acting))
             }
         }
     }

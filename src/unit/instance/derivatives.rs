@@ -15,7 +15,7 @@ use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
-use crate::unit::values::{GivenBlock, PerInput, Values, inputs, inputs_of};
+use crate::unit::values::{GivenBlock, Values};
 use crate::unit::variables::{Fmi3Only, Input, Kind, Output, Role, VARIABLES, Variable};
 use rocking_records::{Record, Unit as RecordUnit};
 
@@ -200,18 +200,17 @@ impl Unit {
     ) -> Result<Derivatives, Fault> {
         finite(Fmi3Only::Time.name(), time)?;
         unknowns.iter().try_for_each(|&reference| output(reference, "can be differentiated").map(|_| ()))?;
-        let (mut components, mut states) = (PerInput::default(), None::<States>);
+        let (mut along, mut states) = (Inputs::default(), None::<States>);
         for (&reference, &component) in knowns.iter().zip(direction) {
             finite(known(reference, Kind::Real)?.name, component)?;
             match known(reference, Kind::Real)?.role {
                 Role::Output(output) if let Some(i) = state(output) => states.get_or_insert_default()[i] += component,
-                _ => components[input(reference, "or a state is a direction")?.0 as usize] += component,
+                _ => along[input(reference, "or a state is a direction")?.0].value += component,
             }
         }
-        let (records, _) = self.acting(&Inputs { time: self.time(), ..Inputs::default() });
-        components[Input::AGx as usize] += time * records.a_gx.rate;
-        components[Input::AGz as usize] += time * records.a_gz.rate;
-        let along = inputs(0.0, components, &PerInput::default());
+        let (records, _) = self.with_records(&Inputs { time: self.time(), ..Inputs::default() }, self.time());
+        along.a_gx.value += time * records.a_gx.rate;
+        along.a_gz.value += time * records.a_gz.rate;
         let (simulation, at) = self.preview()?;
         let (observed, energies) = match states {
             None => (simulation.observe_direction(&at, &along, time), Energies::default()),
@@ -238,7 +237,7 @@ impl Unit {
         let unscaled = self.unscaled(direction)?;
         let (simulation, inputs) = self.preview()?;
         let simulation = simulation.clone();
-        let values = &self.values;
+        let (values, given) = (&self.values, self.inputs);
         let records = [(&ground.horizontal, 0), (&ground.vertical, 1)].map(|(record, place)| {
             let unscaled = unscaled.as_ref().map(|ground| [&ground.horizontal, &ground.vertical][place]);
             record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), place))
@@ -252,14 +251,15 @@ impl Unit {
         let time = Dual64::new(simulation.time(), direction.time);
         let motion =
             records.each_ref().map(|record| record.as_ref().map_or(Dual64::from(0.0), |record| record.at(time)));
-        let acting = inputs_of(time, |input| {
-            let value = of(input.variable());
-            Ramp::held(match input {
-                Input::AGx => value + motion[0],
-                Input::AGz => value + motion[1],
-                Input::FX | Input::FZ | Input::MY => value,
-            })
-        });
+        let input = |input: Input| Dual64::new(given[input].value, direction.of(input.variable()));
+        let acting = Inputs {
+            time,
+            a_gx: Ramp::held(input(Input::AGx) + motion[0]),
+            a_gz: Ramp::held(input(Input::AGz) + motion[1]),
+            f_x: Ramp::held(input(Input::FX)),
+            f_z: Ramp::held(input(Input::FZ)),
+            m_y: Ramp::held(input(Input::MY)),
+        };
         let pulse = acting_pulse(values.pulse_of(of), time);
         let forcing = Excitation::new(&acting, pulse.as_ref(), block.mass).at(time);
         let forcing = Forcing { ties: simulation.ties(), ..forcing };

@@ -1,12 +1,12 @@
 //! Model Exchange: the importer's solver steps the block.
 
+use crate::excitation::Inputs;
 use crate::simulation::exchange::{INDICATORS, STATES, States, nominals};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::instance::{Interface, Unit, with_ground};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{Seen, state};
-use crate::unit::values::inputs;
 use crate::unit::variables::Output;
 
 /// Information for the importer after an event.
@@ -37,22 +37,23 @@ impl Unit {
             return Err(Fault::new("there is no block yet"));
         };
         let time = simulation.time();
-        let (sum, end) = with_ground(&self.values.inputs(time, &self.rates), ground, time);
-        (self.inputs, self.observed) = (sum, Seen::default());
+        let end;
+        (self.acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
+        self.observed = Seen::default();
         let before = simulation.clone();
-        simulation.pass_events(&self.inputs, end, observer).map_err(|error| {
+        simulation.pass_events(&self.acting, end, observer).map_err(|error| {
             // Transitions that lead nowhere may leave numbers that are not finite.
             *simulation = before;
             self.phase = Phase::Error;
             Fault::new(error.to_string())
         })?;
-        let after = simulation.states(&self.inputs);
+        let after = simulation.states(&self.acting);
         // Events leave the works unchanged, except for the energy of a tie that breaks.
         self.states[..6].copy_from_slice(&after[..6]);
         if !simulation.block().ties.is_empty() {
             self.states[9] = after[9];
         }
-        self.last_inputs = self.values.present_inputs();
+        self.last_inputs = self.inputs;
         let next_time = [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {
             ended: simulation.ending().is_some() && !simulation.is_frozen(),
@@ -143,15 +144,13 @@ impl Unit {
         };
         let (last, time) = (simulation.last_completed(), simulation.time());
         if last < time {
-            let now = self.values.present_inputs();
-            let rates = std::array::from_fn(|i| (now[i] - self.last_inputs[i]) / (time - last));
-            let over = inputs(last, self.last_inputs, &rates);
+            let over = Inputs { time: last, ..self.last_inputs }.line_to(&Inputs { time, ..self.inputs });
             let over = match &self.ground {
                 Some(ground) => with_ground(&over, ground, simulation.piece_time()).0,
                 None => over,
             };
             simulation.complete_step(&over);
-            self.last_inputs = now;
+            self.last_inputs = self.inputs;
             self.observed = Seen::default();
         }
     }

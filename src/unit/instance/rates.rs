@@ -5,7 +5,6 @@ use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
 use crate::unit::outputs::{Rates, source};
-use crate::unit::values::PerInput;
 use crate::unit::variables::{Kind, Metadata};
 
 impl Unit {
@@ -18,13 +17,13 @@ impl Unit {
                 return Err(Fault::new(format!("derivative of {} = {value}; expected a finite number", metadata.name)));
             }
         }
-        if !self.rates_are_new {
-            self.rates = PerInput::default();
-            self.rates_are_new = true;
+        self.begin_inputs();
+        if !std::mem::replace(&mut self.rates_are_new, true) {
+            self.inputs = self.inputs.held();
         }
         for (&reference, &value) in references.iter().zip(values) {
             let (input, _) = input(reference, "has set derivatives")?;
-            self.rates[input as usize] = value;
+            self.inputs[input].rate = value;
         }
         self.take_up_values();
         Ok(())

@@ -9,8 +9,6 @@ use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::instance::Unit;
 use crate::unit::life_cycle::Phase;
-use crate::unit::substep::Substep;
-use crate::unit::values::{PerInput, inputs, ramp};
 use crate::unit::variables::Input;
 
 /// Progress of a part.
@@ -41,13 +39,13 @@ impl Unit {
 
     /// Whether [`Unit::do_substep`] needs the inputs of a new part.
     pub fn needs_substep(&self) -> bool {
-        self.substep.is_none()
+        self.at_end.is_none()
     }
 
     /// Whether the block is at rest and stays so unless the inputs change.
     pub fn rests(&self) -> bool {
         let Some(simulation) = &self.simulation else { return false };
-        let (inputs, end) = self.acting(&self.values.inputs(self.time(), &PerInput::default()));
+        let (inputs, end) = self.with_records(&self.present_inputs(), self.time());
         end == f64::INFINITY && simulation.rests(&inputs)
     }
 
@@ -55,26 +53,22 @@ impl Unit {
     ///
     /// They can be set by [`Unit::set_ahead`] until [`Unit::end_setting_ahead`].
     pub fn begin_setting_ahead(&mut self, end: f64) {
-        let at_end = self.values.present_inputs();
-        self.substep = Some(Substep { end, over: Inputs::default(), at_end });
+        self.at_end = Some(Inputs { time: end, ..self.present_inputs() });
         self.phase = Phase::SettingAhead;
     }
 
     /// Sets an input at the end of the new part.
     pub fn set_ahead(&mut self, input: Input, value: f64) {
-        if let Some(substep) = &mut self.substep {
-            substep.at_end[input as usize] = value;
+        if let Some(at_end) = &mut self.at_end {
+            at_end[input].value = value;
         }
     }
 
     /// Makes the inputs linear between their present values and those at the end of the part.
     pub fn end_setting_ahead(&mut self) {
         self.phase = Phase::StepComplete;
-        let time = self.time();
-        if let Some(substep) = &mut self.substep {
-            let here = self.values.present_inputs();
-            let rates = std::array::from_fn(|i| (substep.at_end[i] - here[i]) / (substep.end - time));
-            substep.over = inputs(time, here, &rates);
+        if let Some(at_end) = &self.at_end {
+            self.inputs = self.present_inputs().line_to(at_end);
         }
     }
 
@@ -87,25 +81,17 @@ impl Unit {
         after: Option<f64>,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Reached, Fault> {
-        let held = |unit: &Unit| unit.values.inputs(unit.time(), &PerInput::default());
-        let (end, over) =
-            self.substep.as_ref().map_or_else(|| (until, held(self)), |substep| (substep.end, substep.over));
-        let (progress, stopped) = self.go_on(end.min(until), &over, |simulation, until, inputs| match after {
+        let end = self.at_end.map_or(until, |at_end| at_end.time.min(until));
+        let (progress, stopped) = self.go_on(end, |simulation, until, acting| match after {
             Some(after) => {
-                let progress = simulation.advance_to_event(until, after, inputs, observer)?;
+                let progress = simulation.advance_to_event(until, after, acting, observer)?;
                 Ok((progress.unwrap_or(Progress::Reached), progress.is_none()))
             }
-            None => Ok((simulation.advance(until, inputs, observer)?, false)),
+            None => Ok((simulation.advance(until, acting, observer)?, false)),
         })?;
         let time = self.time();
-        if let Some(substep) = self.substep.take() {
-            let inside = time < substep.end;
-            let here = substep.over.moved_to(time);
-            for input in Input::ALL {
-                let value = if inside { ramp(&here, input).value } else { substep.at_end[input as usize] };
-                self.values[input.variable()] = value;
-            }
-            self.substep = inside.then_some(substep);
+        if let Some(at_end) = self.at_end.take_if(|at_end| time >= at_end.time) {
+            self.inputs = at_end;
         }
         Ok(match progress {
             Progress::Ended(ending, time) => Reached::Ended(ending, time),
