@@ -16,6 +16,17 @@ pub struct Ground {
     pub vertical: Option<Record>,
 }
 
+/// The ground motion between two samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece {
+    /// The inputs, linear in time.
+    pub inputs: Inputs,
+    /// Time of the next sample of any record (s).
+    pub end: f64,
+    /// Indices of the last samples of both records; those of the next piece are near.
+    samples: [usize; 2],
+}
+
 impl Ground {
     fn records(&self) -> impl Iterator<Item = &Record> {
         self.horizontal.iter().chain(&self.vertical)
@@ -65,40 +76,47 @@ impl Ground {
         format!("horizontal {}; vertical {}", of(&self.horizontal), of(&self.vertical))
     }
 
-    /// Returns the inputs between the samples around `time` (s), and the time of the next sample (s).
-    ///
-    /// The reference time of the inputs is that of the last sample of any record.
-    pub fn piece_at(&self, time: f64) -> (Inputs, f64) {
+    /// Returns the piece around `time` (s). The reference time of its inputs is that of the last sample of any record.
+    pub fn piece_at(&self, time: f64) -> Piece {
         let last = |record: &Record| match record.sample_at(time) {
             Some(i) if i + 1 < record.acceleration.len() => record.sample_time(i),
             Some(_) => record.start_time + record.duration(),
             None => f64::NEG_INFINITY,
         };
         let beginning = self.records().map(last).reduce(f64::max).filter(|beginning| beginning.is_finite());
-        self.inputs_from(beginning.unwrap_or(time))
+        self.piece_from(beginning.unwrap_or(time))
     }
 
     /// Returns the inputs from `time` (s) on, and the end of their validity: the next sample of any record (s).
     pub fn inputs_from(&self, time: f64) -> (Inputs, f64) {
-        let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
-        self.inputs_near(time, &mut [guess(&self.horizontal), guess(&self.vertical)])
+        let Piece { inputs, end, .. } = self.piece_from(time);
+        (inputs, end)
     }
 
-    /// Returns the same as [`Ground::inputs_from`], with the search for the samples before `time` beginning at these indices.
-    ///
-    /// Stores the indices found, so that going from sample to sample needs no search.
-    pub fn inputs_near(&self, time: f64, [horizontal, vertical]: &mut [usize; 2]) -> (Inputs, f64) {
-        let mut until = f64::INFINITY;
+    /// Returns the piece from `time` (s), the reference time of its inputs, to the next sample of any record.
+    pub fn piece_from(&self, time: f64) -> Piece {
+        let guess = |record: &Option<Record>| record.as_ref().map_or(0, |record| record.guess(time));
+        self.piece_near(time, [guess(&self.horizontal), guess(&self.vertical)])
+    }
+
+    /// Returns the piece that begins where `piece` ends.
+    pub fn piece_after(&self, piece: &Piece) -> Piece {
+        self.piece_near(piece.end, piece.samples)
+    }
+
+    /// Returns the piece from `time` (s) on; the search for the samples before `time` begins at these indices.
+    fn piece_near(&self, time: f64, [mut horizontal, mut vertical]: [usize; 2]) -> Piece {
+        let mut end = f64::INFINITY;
         let mut ramp = |record: &Option<Record>, near: &mut usize| match record {
             Some(record) => {
-                let (ramp, end) = ramp_from(record, time, near);
-                until = until.min(end);
+                let (ramp, end_of_ramp) = ramp_from(record, time, near);
+                end = end.min(end_of_ramp);
                 ramp
             }
             None => Ramp::default(),
         };
-        let (a_gx, a_gz) = (ramp(&self.horizontal, horizontal), ramp(&self.vertical, vertical));
-        (Inputs { time, a_gx, a_gz, ..Inputs::default() }, until)
+        let (a_gx, a_gz) = (ramp(&self.horizontal, &mut horizontal), ramp(&self.vertical, &mut vertical));
+        Piece { inputs: Inputs { time, a_gx, a_gz, ..Inputs::default() }, end, samples: [horizontal, vertical] }
     }
 }
 
@@ -224,8 +242,8 @@ mod tests {
             let inputs = Inputs { time, ..Inputs::default() };
             let after = time > ground.end().unwrap();
             assert_eq!(ground.inputs_from(time) == (inputs, f64::INFINITY), after || dt == 1e-20, "{start} {dt}");
-            let (piece, until) = ground.piece_at(time);
-            assert!(piece.time <= time && time < until, "{start} {dt}: {piece:?} until {until}");
+            let piece = ground.piece_at(time);
+            assert!(piece.inputs.time <= time && time < piece.end, "{start} {dt}: {piece:?}");
         }
     }
 }

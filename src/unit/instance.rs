@@ -253,11 +253,11 @@ impl Unit {
             return Err(Fault::new("there is no block yet"));
         };
         *observed = Seen::default();
+        let mut piece = ground.piece_at(simulation.time());
         let (progress, stopped) = loop {
-            let stop;
-            (*acting, stop) = with_ground(inputs, ground, simulation.time());
-            match advance(simulation, stop.min(until), acting) {
-                Ok((Progress::Reached, false)) if stop < until => {}
+            *acting = if ground.is_empty() { *inputs } else { piece.inputs.plus(inputs) };
+            match advance(simulation, piece.end.min(until), acting) {
+                Ok((Progress::Reached, false)) if piece.end < until => piece = ground.piece_after(&piece),
                 Ok(progress) => break progress,
                 Err(error) => {
                     *phase = Phase::Error;
@@ -387,6 +387,6 @@ fn with_ground(inputs: &Inputs, ground: &Ground, time: f64) -> (Inputs, f64) {
     if ground.is_empty() {
         return (*inputs, f64::INFINITY);
     }
-    let (piece, end) = ground.piece_at(time);
-    (piece.plus(inputs), end)
+    let piece = ground.piece_at(time);
+    (piece.inputs.plus(inputs), piece.end)
 }

@@ -99,7 +99,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
             };
             self.outcomes.push(None);
             let mut lane = Box::new(Lane::new(simulation, tag));
-            lane.send(stop, &schedule.inputs);
+            lane.send(stop, schedule.inputs());
             let begun = ActiveRun { number, run, schedule, flights };
             match self.active.get_mut(tag) {
                 Some(ended) => *ended = begun,
@@ -134,7 +134,7 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         let ActiveRun { run, schedule, .. } = &mut self.active[lane.tag];
         schedule.stopped(run, lane.simulation());
         match schedule.next_stop(lane.simulation()) {
-            Some(stop) => lane.send(stop, &schedule.inputs),
+            Some(stop) => lane.send(stop, schedule.inputs()),
             None => self.end(lane, None),
         }
         self.outcomes[self.active[lane.tag].number].is_none()

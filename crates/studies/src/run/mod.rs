@@ -22,7 +22,7 @@ use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
 use rocking_block::block::{Regime, TieStates};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
-use rocking_block::ground::Ground;
+use rocking_block::ground::{Ground, Piece};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Ending, Energies, Initial, Settings, Simulation, SimulationError, Slip};
@@ -167,8 +167,8 @@ impl Run {
         let mut schedule = self.schedule(&simulation);
         schedule.check(&simulation);
         while let Some(stop) = schedule.next_stop(&simulation) {
-            sliding.follow(&simulation, stop, &schedule.inputs);
-            if simulation.advance(stop, &schedule.inputs, &mut |_| ()).is_err() {
+            sliding.follow(&simulation, stop, schedule.inputs());
+            if simulation.advance(stop, schedule.inputs(), &mut |_| ()).is_err() {
                 break;
             }
             schedule.stopped(self, &simulation);
@@ -209,12 +209,12 @@ impl Run {
         mut row: impl FnMut(f64, &Simulation, &Inputs),
     ) -> Result<(), SimulationError> {
         let mut schedule = self.schedule(simulation);
-        row(0.0, simulation, &schedule.inputs);
+        row(0.0, simulation, schedule.inputs());
         schedule.check(simulation);
         while let Some(stop) = schedule.next_stop(simulation) {
-            simulation.advance(stop, &schedule.inputs, events)?;
+            simulation.advance(stop, schedule.inputs(), events)?;
             if let Some(done) = schedule.stopped(self, simulation) {
-                row(done, simulation, &schedule.inputs);
+                row(done, simulation, schedule.inputs());
             }
         }
         Ok(())
@@ -223,7 +223,6 @@ impl Run {
     /// The schedule of a run at its start.
     pub(super) fn schedule(&self, simulation: &Simulation) -> Schedule {
         let start = simulation.time();
-        let (inputs, until) = self.ground.inputs_from(start);
         let Run { duration, output_step, ref block, .. } = *self;
         let stopping_rule = duration.is_none().then(|| self.stopping_rule());
         let next_check = stopping_rule.map_or(f64::INFINITY, |rule| rule.next_check(block));
@@ -236,12 +235,10 @@ impl Run {
             start,
             duration,
             output_step: if output_step > 0.0 { output_step } else { f64::INFINITY },
-            inputs,
-            until,
+            piece: self.ground.piece_from(start),
             stopping_rule,
             next_check,
             end,
-            samples: [0; 2],
             rows: 0,
             stop: start,
         }
@@ -271,23 +268,24 @@ pub(super) struct Schedule {
     start: f64,
     duration: Option<f64>,
     output_step: f64,
-    /// Inputs to the next stop.
-    pub(super) inputs: Inputs,
-    /// Time until which they hold (s).
-    until: f64,
+    /// The piece of the ground motion that leads to the next stop.
+    piece: Piece,
     stopping_rule: Option<StoppingRule>,
     /// Time of the next check of the stopping rule (s).
     next_check: f64,
     /// Time at which the run is over (s), as far as known.
     end: f64,
-    /// Numbers of the last samples of both records.
-    samples: [usize; 2],
     /// Number of rows so far, excluding the first.
     rows: u64,
     stop: f64,
 }
 
 impl Schedule {
+    /// The inputs until the next stop.
+    pub(super) fn inputs(&self) -> &Inputs {
+        &self.piece.inputs
+    }
+
     /// Whether the simulation has ended; a block that is held is shown for the given duration.
     fn is_over(&self, simulation: &Simulation) -> bool {
         let is_held = simulation.is_frozen() && self.duration.is_some();
@@ -305,7 +303,7 @@ impl Schedule {
     /// Time of the next stop (s), unless the run is over.
     pub(super) fn next_stop(&mut self, simulation: &Simulation) -> Option<f64> {
         let continues = simulation.time() < self.end && !self.is_over(simulation);
-        self.stop = self.until.min(self.next_row()).min(self.next_check);
+        self.stop = self.piece.end.min(self.next_row()).min(self.next_check);
         continues.then_some(self.stop)
     }
 
@@ -319,8 +317,8 @@ impl Schedule {
     /// Records that the run has reached the stop, or ended before; returns the fraction done if a row is due.
     pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
         let ended = self.is_over(simulation);
-        if !ended && self.stop == self.until {
-            (self.inputs, self.until) = run.ground.inputs_near(self.stop, &mut self.samples);
+        if !ended && self.stop == self.piece.end {
+            self.piece = run.ground.piece_after(&self.piece);
         }
         self.check(simulation);
         let Schedule { start, end, .. } = *self;
@@ -366,7 +364,7 @@ mod tests {
                 stops <= most,
                 "{duration} s in rows of {output_step} s do not end: {stops} stops, the last at {stop} s"
             );
-            simulation.advance(stop, &schedule.inputs, &mut |_| ()).unwrap();
+            simulation.advance(stop, schedule.inputs(), &mut |_| ()).unwrap();
             if schedule.stopped(&run, &simulation).is_some() {
                 rows.push(simulation.time());
             }
