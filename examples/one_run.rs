@@ -32,7 +32,7 @@ fn counted(simulation: &mut Simulation, ground: &Ground, end: f64) -> f64 {
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let case = arguments.next().unwrap_or_default();
-    let sine = |amplitude, period| Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 };
+    let sine = |amplitude, period| Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE };
     let (block, pulse, ground, end) = match case.as_str() {
         "sine" => (block(0.25, 1.0, 40.0, 0.1, 0.0), sine(4.0, 1.2566), Ground::default(), 10.0),
         "flight" => (block(0.3, 2.5, 80.0, 0.02, 0.6), sine(4.0, 0.8), Ground::default(), 4.0),

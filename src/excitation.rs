@@ -1,6 +1,6 @@
 //! Inputs over a step and the built-in pulse → the forcing, per unit of the block's mass, at any time of a smooth piece.
 
-use std::f64::consts::{PI, TAU};
+mod pulse;
 
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +8,8 @@ use crate::block::ties::NO_TIES;
 use crate::block::{Block, TieStates};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, Real, Scalar};
+use pulse::Wave;
+pub use pulse::{Pulse, PulseShape};
 
 /// A value that changes linearly in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -107,116 +109,6 @@ impl Inputs {
     }
 }
 
-/// Shape of the pulse that is added to the horizontal ground acceleration; cycloidal pulses of the paper's Table I.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(i32)]
-pub enum PulseShape {
-    /// No pulse.
-    None = 1,
-    /// Type A: one sine in acceleration, `a_p = ω_p v_p/2`.
-    OneSine = 2,
-    /// Type B: one cosine in acceleration, `a_p = ω_p v_p`.
-    OneCosine = 3,
-    /// Type C1: `v_g = v_p [sin(ω_p t + φ) − sin φ]`, which brings the ground back after one and a half half-cycles.
-    C1 = 4,
-    /// Type C2: the same with one more cycle.
-    C2 = 5,
-}
-
-/// A ground pulse; outside its duration it is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pulse<T = f64> {
-    /// Its shape.
-    pub shape: PulseShape,
-    /// Amplitude a_p of the acceleration (m/s²).
-    pub amplitude: T,
-    /// Period T_p (s).
-    pub period: T,
-    /// Time at which it begins (s).
-    pub start: T,
-}
-
-impl Pulse {
-    /// No pulse at all.
-    pub const NONE: Pulse = Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0 };
-
-    /// Duration (s): T_p, or (n + ½ − φ/π) T_p for type Cn.
-    pub fn duration(&self) -> f64 {
-        let cycles = match self.shape {
-            PulseShape::None => 0.0,
-            PulseShape::OneSine | PulseShape::OneCosine => 1.0,
-            PulseShape::C1 => 1.5 - C1_PHASE / PI,
-            PulseShape::C2 => 2.5 - C2_PHASE / PI,
-        };
-        cycles * self.period
-    }
-
-    /// Time at which it ends (s).
-    pub fn end(&self) -> f64 {
-        self.start + self.duration()
-    }
-
-    /// Whether it acts from `time` on: the beginning counts as inside, the end as outside.
-    pub fn acts_at(&self, time: f64) -> bool {
-        self.shape != PulseShape::None && self.start <= time && time < self.end()
-    }
-
-    /// The first beginning or end later than `time` (s).
-    pub fn next_kink(&self, time: f64) -> Option<f64> {
-        match self.shape {
-            PulseShape::None => None,
-            PulseShape::OneSine | PulseShape::OneCosine | PulseShape::C1 | PulseShape::C2 => {
-                [self.start, self.end()].into_iter().find(|&kink| kink > time)
-            }
-        }
-    }
-
-    /// Its acceleration at `time` (m/s²).
-    pub fn acceleration(&self, time: f64) -> f64 {
-        if self.acts_at(time) { self.wave().at(time) } else { 0.0 }
-    }
-}
-
-impl<T: Elementary> Pulse<T> {
-    fn wave(&self) -> Wave<T> {
-        let phase = match self.shape {
-            PulseShape::None | PulseShape::OneSine => 0.0,
-            PulseShape::OneCosine => 0.5 * PI,
-            PulseShape::C1 => 0.5 * PI + C1_PHASE,
-            PulseShape::C2 => 0.5 * PI + C2_PHASE,
-        };
-        Wave { amplitude: self.amplitude, omega: T::from(TAU) / self.period, phase, start: self.start }
-    }
-}
-
-/// φ of a type-C1 pulse (rad), 0.0697π: the first positive root of `((2n+1)π − 2φ) tan φ = 2`, which is the paper's
-/// condition `cos[(2n+1)π − φ] + [(2n+1)π − 2φ] sin φ − cos φ = 0` divided by cos φ, for n = 1.
-const C1_PHASE: f64 = 0.21897952247562566;
-
-/// The same of a type-C2 pulse (rad), 0.0410π: n = 2.
-const C2_PHASE: f64 = 0.12872979703677595;
-
-/// `amplitude · sin(ω (t − start) + phase)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Wave<T = f64> {
-    amplitude: T,
-    omega: T,
-    phase: f64,
-    start: T,
-}
-
-impl<T: Scalar> Wave<T> {
-    #[inline]
-    fn at(&self, time: T) -> T {
-        self.amplitude * (self.omega * (time - self.start) + self.phase).sin()
-    }
-
-    #[inline]
-    fn rate_at(&self, time: T) -> T {
-        self.amplitude * self.omega * (self.omega * (time - self.start) + self.phase).cos()
-    }
-}
-
 /// The forcing at one instant, per unit of the block's mass: ground accelerations less the loads' share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forcing<T> {
@@ -256,12 +148,17 @@ pub struct Excitation<T = f64> {
 impl<T: Elementary> Excitation<T> {
     /// The excitation of a block of this mass (kg), with a pulse if there is one that acts.
     pub fn new(inputs: &Inputs<T>, pulse: Option<&Pulse<T>>, mass: T) -> Excitation<T> {
+        let mut x = inputs.a_gx.minus(inputs.f_x, mass);
+        let (constant, wave) = pulse.map_or((None, None), |pulse| (pulse.constant(), pulse.wave()));
+        if let Some(constant) = constant {
+            x.value = x.value + constant;
+        }
         Excitation {
             time: inputs.time,
-            x: inputs.a_gx.minus(inputs.f_x, mass),
+            x,
             z: inputs.a_gz.minus(inputs.f_z, mass),
             moment: Ramp::held(T::from(0.0)).minus(inputs.m_y, -mass),
-            wave: pulse.map(Pulse::wave),
+            wave,
         }
     }
 }
@@ -314,11 +211,10 @@ impl Excitation {
             duration * (start + 0.5 * self.x.rate * duration),
             duration * duration * (0.5 * start + self.x.rate * duration / 6.0),
         );
-        if let Some(Wave { amplitude, omega, phase, start }) = self.wave {
-            let (sin_from, cos_from) = libm::sincos(omega * (from - start) + phase);
-            let (sin_to, cos_to) = libm::sincos(omega * (to - start) + phase);
-            velocity += amplitude / omega * (cos_from - cos_to);
-            way += amplitude / omega * (cos_from * duration - (sin_to - sin_from) / omega);
+        if let Some(wave) = self.wave {
+            let drift = wave.drift(from, to);
+            velocity += drift.0;
+            way += drift.1;
         }
         (velocity, way)
     }
@@ -333,24 +229,8 @@ impl Excitation {
         self.wave.is_none() && [self.x, self.z, self.moment].iter().all(|ramp| ramp.rate == 0.0)
     }
 
-    /// Circular frequency of the pulse that acts (rad/s), zero if none does.
+    /// Greatest circular frequency of the pulse that acts (rad/s), zero if none does.
     pub fn frequency(&self) -> f64 {
-        self.wave.map_or(0.0, |wave| wave.omega)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The paper gives 0.0697π and 0.0410π.
-    #[test]
-    fn phases_of_c_pulses_are_roots_of_the_papers_condition() {
-        for (n, phase, printed) in [(1.0, C1_PHASE, 0.0697), (2.0, C2_PHASE, 0.0410)] {
-            assert!((phase / PI - printed).abs() < 5e-5, "n = {n}: {phase} rad");
-            // A contraction by more than 10 a turn: from any start 20 turns reach the root to rounding.
-            let root = (0..20).fold(0.0, |phase, _| libm::atan(2.0 / ((2.0 * n + 1.0) * PI - 2.0 * phase)));
-            assert_eq!(phase, root, "n = {n}");
-        }
+        self.wave.map_or(0.0, |wave| wave.frequency())
     }
 }

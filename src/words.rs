@@ -1,7 +1,9 @@
 //! A user's choices ↔ their words, the same on the command line, in study files, tables, messages and Python.
 
+use std::fmt;
+
 use crate::block::Foundation;
-use crate::excitation::PulseShape;
+use crate::excitation::{Pulse, PulseShape};
 use crate::simulation::{OnOverturning, OnSeparation};
 
 /// A choice with a word for each value.
@@ -32,7 +34,24 @@ impl Words for PulseShape {
         ("one-cosine", PulseShape::OneCosine),
         ("c1", PulseShape::C1),
         ("c2", PulseShape::C2),
+        ("half-sine", PulseShape::HalfSine),
+        ("rectangular", PulseShape::Rectangular),
+        ("symmetric-ricker", PulseShape::SymmetricRicker),
+        ("antisymmetric-ricker", PulseShape::AntisymmetricRicker),
+        ("gabor", PulseShape::Gabor),
     ];
+}
+
+/// The shape and the numbers of a pulse, without its start.
+impl fmt::Display for Pulse {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Pulse { shape, amplitude, period, phase, cycles, .. } = self;
+        write!(f, "{} pulse, a_p = {amplitude} m/s², T_p = {period} s", shape.word())?;
+        match shape {
+            PulseShape::Gabor => write!(f, ", ν = {phase} rad, γ = {cycles}"),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Words for OnSeparation {

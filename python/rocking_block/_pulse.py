@@ -18,23 +18,30 @@ class Pulse:
 
     Cycloidal pulses of Palmeri & Makris (2008), Table I: type A is "one-sine", type B "one-cosine", each over one
     period; "c1" and "c2" return the ground to its place after one and a half and two and a half periods, minus their
-    phase.
+    phase. "half-sine" lasts half a period, "rectangular" one (Housner, 1963). The Ricker wavelets of Vassiliou & Makris
+    (2011) last 3 and 4 periods. "gabor" is the wavelet of Mavroeidis & Papageorgiou (2003), with velocity
+    A/2 (1 + cos(ω_p τ/γ)) cos(ω_p τ + ν) at τ from its middle, and a_p = ω_p A.
 
     Parameters
     ----------
-    shape : {"one-sine", "one-cosine", "c1", "c2"}
+    shape : {"one-sine", "one-cosine", "c1", "c2", "half-sine", "rectangular", "symmetric-ricker", \
+            "antisymmetric-ricker", "gabor"}
         Shape of the acceleration.
     amplitude : float, optional
-        Amplitude a_p of the acceleration [m/s²]; only a search for it can omit it.
+        Amplitude a_p of the acceleration [m/s²], its peak or ω_p A of "gabor"; only a search for it can omit it.
     period : float
         Period T_p [s], > 0.
     start : float
         Start time [s].
+    phase : float
+        Phase ν of "gabor" [rad].
+    cycles : float
+        Duration γ of "gabor" in periods [1], at least 1.
 
     Raises
     ------
     ValueError
-        An unknown shape, or an invalid number.
+        An unknown shape, or an invalid number; a phase or cycles for a shape without them.
 
     Warns
     -----
@@ -55,10 +62,12 @@ class Pulse:
     amplitude: float | None = None
     period: float = 1.0
     start: float = 0.0
+    phase: float = 0.0
+    cycles: float = 2.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", chosen("shape", self.shape, get_args(Shape)))
-        for name in ("amplitude", "period", "start"):
+        for name in ("amplitude", "period", "start", "phase", "cycles"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name)))
         _engine.check_pulse(self)

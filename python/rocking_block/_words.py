@@ -12,7 +12,9 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 Foundation = Literal["viscoelastic", "rigid"]
-Shape = Literal["one-sine", "one-cosine", "c1", "c2"]
+Shape = Literal[
+    "one-sine", "one-cosine", "c1", "c2", "half-sine", "rectangular", "symmetric-ricker", "antisymmetric-ricker", "gabor"
+]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
 Outcome = Literal["completed", "overturned", "separated", "undecided", "failed"]

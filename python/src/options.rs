@@ -94,21 +94,32 @@ pub struct PulseOptions {
     amplitude: Option<f64>,
     period: f64,
     start: f64,
+    phase: f64,
+    cycles: f64,
 }
 
 impl PulseOptions {
     /// Returns the pulse; a missing amplitude is replaced by `instead`.
     fn pulse(&self, instead: Option<f64>) -> PyResult<Pulse> {
-        let shapes = [PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
-        let shape = choice("shape", &self.shape, &shapes)?;
+        let shapes = PulseShape::WORDS.iter().map(|(_, shape)| *shape).filter(|&shape| shape != PulseShape::None);
+        let shape = choice("shape", &self.shape, &shapes.collect::<Vec<_>>())?;
         let amplitude = instead.or(self.amplitude);
         let missing = || PyValueError::new_err("amplitude is missing; expected that of the pulse, a_p [m/s2]");
         let amplitude = amplitude.ok_or_else(missing)?;
-        let PulseOptions { period, start, .. } = *self;
+        let PulseOptions { period, start, phase, cycles, .. } = *self;
         finite("amplitude", amplitude, |_| true, "a finite acceleration")?;
         finite("period", period, |x| x > 0.0, "a time > 0 s")?;
         finite("start", start, |_| true, "a finite time")?;
-        Ok(Pulse { shape, amplitude, period, start })
+        finite("phase", phase, |_| true, "a finite angle")?;
+        finite("cycles", cycles, |x| x >= 1.0, "a number of at least 1")?;
+        for (name, value, default) in [("phase", phase, Pulse::NONE.phase), ("cycles", cycles, Pulse::NONE.cycles)] {
+            if shape != PulseShape::Gabor && value != default {
+                let message =
+                    format!("{name} = {value} has no effect on a {} pulse; expected it with \"gabor\"", shape.word());
+                return Err(PyValueError::new_err(message));
+            }
+        }
+        Ok(Pulse { shape, amplitude, period, start, phase, cycles })
     }
 
     /// Returns the pulse of an option that may be missing.

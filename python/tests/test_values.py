@@ -128,7 +128,10 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
          'on_separation = "float"; expected one of "terminate", "hold", "fly"'),
         (lambda: BLOCK.run(pulse=rb.Pulse("c1", period=1.0)),
          "amplitude is missing; expected that of the pulse, a_p [m/s2]"),
-        (lambda: rb.Pulse("square", 1.0), 'shape = "square"; expected one of "one-sine", "one-cosine", "c1", "c2"'),
+        (lambda: rb.Pulse("square", 1.0), 'shape = "square"; expected one of "one-sine", "one-cosine", "c1", "c2", "half-sine", "rectangular", '
+         '"symmetric-ricker", "antisymmetric-ricker", "gabor"'),
+        (lambda: rb.Pulse("c1", 1.0, phase=0.5), 'phase = 0.5 has no effect on a c1 pulse; expected it with "gabor"'),
+        (lambda: rb.Pulse("gabor", 1.0, cycles=0.5), "cycles = 0.5; expected a number of at least 1"),
         (lambda: rb.Pulse("c1", 1.0, period=0.0), "period = 0; expected a time > 0 s"),
         (lambda: rb.Record([1.0], 0.01), "acceleration has 1 samples; expected at least two"),
         (lambda: rb.Record([1.0, np.nan], 0.01), "acceleration[1] = NaN; expected a finite number"),

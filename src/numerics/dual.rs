@@ -96,6 +96,12 @@ impl<R: Real> Scalar for Dual<R> {
     }
 
     #[inline(always)]
+    fn exp(self) -> Dual<R> {
+        let power = self.re.exp();
+        Dual::new(power, power * self.eps)
+    }
+
+    #[inline(always)]
     fn sqrt(self) -> Dual<R> {
         let root = self.re.sqrt();
         Dual::new(root, self.eps * R::from(0.5) / root)
@@ -174,6 +180,7 @@ mod tests {
             for (ours, theirs) in [
                 (x.sin(), other(x).sin()),
                 (x.cos(), other(x).cos()),
+                (x.exp(), other(x).exp()),
                 (x.asin(), other(x).asin()),
                 (x.atan2(y), other(x).atan2(other(y))),
                 (x.hypot(y), (other(x) * other(x) + other(y) * other(y)).sqrt()),

@@ -39,6 +39,9 @@ pub trait Scalar:
         self.sin_cos().1
     }
 
+    /// The exponential function, from `libm` as well.
+    fn exp(self) -> Self;
+
     /// The square root.
     fn sqrt(self) -> Self;
 
@@ -96,6 +99,11 @@ impl Scalar for f64 {
     #[inline]
     fn cos(self) -> f64 {
         libm::cos(self)
+    }
+
+    #[inline]
+    fn exp(self) -> f64 {
+        libm::exp(self)
     }
 
     #[inline(always)]

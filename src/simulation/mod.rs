@@ -248,11 +248,12 @@ impl Simulation {
     pub fn is_valid(&self) -> bool {
         let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
         let sums = [sums.initial, sums.input, sums.dashpots, sums.friction, sums.ties, sums.impacts, sums.constraint];
-        let others = [*last_event, pulse.amplitude, pulse.period, pulse.start];
+        let others = [*last_event, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
             && control.is_valid()
             && pulse.period > 0.0
+            && pulse.cycles >= 1.0
             && piece.is_none_or(|piece| piece.is_finite())
             && pose.is_finite()
             && self.slip.now.is_finite()

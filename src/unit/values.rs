@@ -286,6 +286,9 @@ impl Values {
             Parameter::PulseAmplitude | Parameter::PulsePeriod | Parameter::PulseStart => {
                 (self.pulse().shape == PulseShape::None).then_some("a pulse.shape")
             }
+            Parameter::PulsePhase | Parameter::PulseCycles => {
+                (self.pulse().shape != PulseShape::Gabor).then_some("pulse.shape = Gabor")
+            }
             Parameter::RecordScale | Parameter::RecordStart | Parameter::RecordDt => {
                 (!self.has_record()).then_some("record.horizontal or record.vertical")
             }
@@ -384,10 +387,17 @@ impl Values {
                 choices::PulseShape::OneCosine => PulseShape::OneCosine,
                 choices::PulseShape::C1 => PulseShape::C1,
                 choices::PulseShape::C2 => PulseShape::C2,
+                choices::PulseShape::HalfSine => PulseShape::HalfSine,
+                choices::PulseShape::Rectangular => PulseShape::Rectangular,
+                choices::PulseShape::SymmetricRicker => PulseShape::SymmetricRicker,
+                choices::PulseShape::AntisymmetricRicker => PulseShape::AntisymmetricRicker,
+                choices::PulseShape::Gabor => PulseShape::Gabor,
             },
             amplitude: of(Variable::PulseAmplitude),
             period: of(Variable::PulsePeriod),
             start: of(Variable::PulseStart),
+            phase: of(Variable::PulsePhase),
+            cycles: of(Variable::PulseCycles),
         }
     }
 

@@ -207,7 +207,7 @@ fn integers_outside_the_enumeration_are_refused() {
         ("foundation", &[0, 3, c_int::MIN]),
         ("on_separation", &[0, 9]),
         ("on_overturning", &[0, 3]),
-        ("pulse.shape", &[0, 6, -5]),
+        ("pulse.shape", &[0, 11, -5]),
     ];
     for instance in &settable()[..2] {
         let before = all_of(instance);

@@ -120,7 +120,7 @@ impl Motion {
             Some("cosine") => PulseShape::OneCosine,
             _ => return Pulse::NONE,
         };
-        Pulse { shape, amplitude: self.a_p, period: std::f64::consts::TAU / self.omega_p, start: 0.0 }
+        Pulse { shape, amplitude: self.a_p, period: std::f64::consts::TAU / self.omega_p, start: 0.0, ..Pulse::NONE }
     }
 }
 

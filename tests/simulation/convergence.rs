@@ -176,8 +176,13 @@ fn short_steps_lead_from_stop_to_stop() {
 /// In a run with impacts the error in units of α is proportional to the tolerance and below 100 times it.
 #[test]
 fn the_error_follows_the_tolerance() {
-    let pulse =
-        Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: std::f64::consts::TAU / 5.0, start: 0.0 };
+    let pulse = Pulse {
+        shape: PulseShape::OneSine,
+        amplitude: 6.2622,
+        period: std::f64::consts::TAU / 5.0,
+        start: 0.0,
+        ..Pulse::NONE
+    };
     let theta = |tolerance: f64| {
         let settings = Settings { tolerance, ..Settings::default() };
         let mut simulation = Simulation::new(plain(), settings, pulse, &Initial::default(), 0.0, &Inputs::default());

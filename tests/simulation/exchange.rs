@@ -323,7 +323,7 @@ fn first_steps_after_an_event_contain_no_event() {
     let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
     let dimensionless = Dimensionless { alpha: 0.25, p: 2.0, eta: 40.0, xi_v: 0.1 };
     let block = Block::from_dimensionless(&dimensionless, &Common::default()).unwrap();
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 15.0, period: 1.25, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 15.0, period: 1.25, start: 0.0, ..Pulse::NONE };
     let inputs = Inputs::default();
     let inside = Simulation::new(block, settings, pulse, &Initial::default(), 0.0, &inputs);
     let mut outside = Outside::begin(&inside, inputs);

@@ -98,7 +98,17 @@ struct Case {
     steps: Vec<Step>,
 }
 
-const SHAPES: [PulseShape; 4] = [PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
+const SHAPES: [PulseShape; 9] = [
+    PulseShape::OneSine,
+    PulseShape::OneCosine,
+    PulseShape::C1,
+    PulseShape::C2,
+    PulseShape::HalfSine,
+    PulseShape::Rectangular,
+    PulseShape::SymmetricRicker,
+    PulseShape::AntisymmetricRicker,
+    PulseShape::Gabor,
+];
 
 /// Tolerances of 1e-3 to 1e-10.
 fn settings(random: &mut Random) -> Settings {
@@ -173,6 +183,7 @@ impl Case {
             amplitude: lifting * if random.chance(0.3) { 1.0 + random.log(1e-12, 1e-3) } else { random.log(0.3, 10.0) },
             period: TAU / (random.log(0.2, 20.0) * p),
             start: if random.chance(0.5) { 0.0 } else { random.unit() / p },
+            ..Pulse::NONE
         };
         let pulse = if random.chance(0.2) { Pulse::NONE } else { pulse };
         let kind = random.next() % 4;
@@ -218,8 +229,13 @@ impl Case {
         let above = random.log(1e-15, 1e-3);
         let factor = random.one_of(&[1.0, 1.0 + f64::EPSILON, 1.0 + above, 1.0 + above]);
         let (p, amplitude) = (block.p, factor * lifting(&block));
-        let mut pulse =
-            Pulse { shape: random.one_of(&SHAPES), amplitude, period: TAU / (random.log(1.0, 12.0) * p), start: 0.0 };
+        let mut pulse = Pulse {
+            shape: random.one_of(&SHAPES),
+            amplitude,
+            period: TAU / (random.log(1.0, 12.0) * p),
+            start: 0.0,
+            ..Pulse::NONE
+        };
         let mut steps = vec![Step { size: 20.0 / p, parts: 1, values: [0.0; 5], rates: [0.0; 5] }];
         if random.chance(0.5) {
             pulse = Pulse::NONE;

@@ -31,7 +31,7 @@ impl Step {
 /// Returns the first events and the peaks, with each step divided into equal parts.
 fn run(block: Block, initial: &Initial, steps: &[Step], parts: u32) -> (Vec<Event>, Peaks) {
     let settings = Settings { tolerance: 1e-10, on_separation: OnSeparation::Fly, ..Settings::default() };
-    let pulse = Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::None, amplitude: 0.0, period: 1.0, start: 0.0, ..Pulse::NONE };
     let mut simulation = Simulation::new(block, settings, pulse, initial, 0.0, &steps[0].inputs(0.0));
     let (mut events, mut time) = (Vec::new(), 0.0);
     for step in steps {
@@ -150,7 +150,7 @@ fn long_steps_have_the_events_and_peaks_of_short_ones() {
 /// into a constant push.
 #[test]
 fn a_block_at_rest_takes_any_step() {
-    let sine = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.5, start: 0.1 };
+    let sine = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.5, start: 0.1, ..Pulse::NONE };
     for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
         for (pulse, push) in [(Pulse::NONE, 0.0), (sine, 0.0), (Pulse::NONE, 1.5), (sine, 0.5)] {
             let common = Common { foundation, ..Common::default() };

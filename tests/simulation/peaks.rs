@@ -92,7 +92,7 @@ fn peaks_come_from_inside_the_longest_steps() {
         (rigid(0.1, 1.0, 0.0), 1.4),
     ] {
         for period in [0.6, 1.1, 2.3, 4.1] {
-            let pulse = Pulse { shape: PulseShape::C2, amplitude, period, start: 0.1 };
+            let pulse = Pulse { shape: PulseShape::C2, amplitude, period, start: 0.1, ..Pulse::NONE };
             let peaks = |tolerance: f64| {
                 let mut simulation = start(block, pulse, Initial::default(), tolerance);
                 go(&mut simulation, 2.0 * period);

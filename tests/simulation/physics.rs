@@ -11,7 +11,7 @@ use rocking_block::system::impact;
 use crate::blocks::{rigid, supported as block};
 
 pub fn one_sine(amplitude: f64, period: f64) -> Pulse {
-    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 }
+    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE }
 }
 
 pub fn start(block: Block, pulse: Pulse, initial: Initial, tolerance: f64) -> Simulation {

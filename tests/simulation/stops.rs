@@ -25,7 +25,14 @@ struct Case {
 fn cases() -> impl Strategy<Value = Case> {
     let separation = prop_oneof![Just(OnSeparation::Fly), Just(OnSeparation::Hold), Just(OnSeparation::Terminate)];
     let overturning = prop_oneof![Just(OnOverturning::Hold), Just(OnOverturning::Terminate)];
-    let shape = prop_oneof![Just(PulseShape::OneSine), Just(PulseShape::OneCosine), Just(PulseShape::C1)];
+    let shape = prop_oneof![
+        Just(PulseShape::OneSine),
+        Just(PulseShape::OneCosine),
+        Just(PulseShape::C1),
+        Just(PulseShape::Rectangular),
+        Just(PulseShape::SymmetricRicker),
+        Just(PulseShape::Gabor)
+    ];
     let block = (0.1..0.5, 15.0..100.0, 0.0..1.0, any::<bool>());
     (block, separation, overturning, 1.0..12.0, shape, -0.9..0.9, -3.0..3.0).prop_map(
         |((alpha, eta, epsilon, rigid), on_separation, on_overturning, amplitude, shape, theta, vertical)| Case {
@@ -50,7 +57,7 @@ fn simulation(case: &Case) -> (Simulation, Inputs) {
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
     let Case { on_separation, on_overturning, .. } = *case;
     let settings = Settings { on_separation, on_overturning, ..Settings::default() };
-    let pulse = Pulse { shape: case.shape, amplitude: case.amplitude, period: 0.6, start: 0.31 };
+    let pulse = Pulse { shape: case.shape, amplitude: case.amplitude, period: 0.6, start: 0.31, ..Pulse::NONE };
     let initial = Initial { theta: case.theta * case.alpha, theta_dot: 0.0, vertical: None };
     let inputs = Inputs { a_gz: Ramp { value: 0.0, rate: case.vertical }, ..Inputs::default() };
     (Simulation::new(block, settings, pulse, &initial, 0.0, &inputs), inputs)

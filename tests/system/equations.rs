@@ -31,7 +31,7 @@ fn excitation(block: &Block) -> Excitation {
         f_z: ramp(-3.0, 5.0),
         m_y: ramp(1.1, -4.0),
     };
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 2.5, period: 0.9, start: 0.1 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 2.5, period: 0.9, start: 0.1, ..Pulse::NONE };
     Excitation::from_time(TIME, &inputs, &pulse, block)
 }
 

@@ -21,7 +21,7 @@ use crate::blocks::squat;
 
 /// Returns a short push that unloads L for a moment after it.
 fn pulse(amplitude: f64) -> Pulse {
-    Pulse { shape: PulseShape::OneSine, amplitude, period: 0.6 * TAU / 8.0, start: 0.0 }
+    Pulse { shape: PulseShape::OneSine, amplitude, period: 0.6 * TAU / 8.0, start: 0.0, ..Pulse::NONE }
 }
 
 fn start(pulse: Pulse) -> Simulation {

@@ -13,6 +13,7 @@ use rocking_block::system::System;
 use rocking_block::system::initial_sensitivity::{InitialSensitivity, Start};
 use rocking_block::unit::instance::{Interface, Unit};
 use rocking_block::unit::variables::{Kind, Metadata, VARIABLES};
+use rocking_block::words::Words;
 
 const XML: &str = include_str!("../../modelDescription.xml");
 
@@ -288,12 +289,13 @@ fn beginning(draw: &Draw) -> [f64; 10] {
     let ties = [tie(1), tie(2)];
     let count = ties.iter().rposition(|tie| tie.stiffness > 0.0).map_or(0, |last| last + 1);
     let block = block.with_ties(&ties[..count]).unwrap();
-    let shapes = [PulseShape::None, PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
     let pulse = Pulse {
-        shape: shapes[draw.of("pulse.shape") as usize - 1],
+        shape: PulseShape::WORDS[draw.of("pulse.shape") as usize - 1].1,
         amplitude: draw.of("pulse.amplitude"),
         period: draw.of("pulse.period"),
         start: draw.of("pulse.start"),
+        phase: draw.of("pulse.phase"),
+        cycles: draw.of("pulse.cycles"),
     };
     let held = |name: &str| Ramp::held(draw.of(name));
     let inputs = Inputs {

@@ -218,7 +218,7 @@ fn a_state_with_a_nan_is_refused() {
     let common = Common::default();
     let dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 31.0, xi_v: 0.13 };
     let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 7.1, period: 0.37, start: 0.11 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 7.1, period: 0.37, start: 0.11, ..Pulse::NONE };
     let initial = Initial { theta: 0.05, theta_dot: 0.2, vertical: Some((0.19, 1.3)) };
     let mut simulation = Simulation::new(block, settings, pulse, &initial, 0.07, &Inputs::default());
     simulation.advance(0.23, &Inputs::default(), &mut |_| ()).unwrap();

@@ -7,6 +7,7 @@ const record = on("excitation", "embedded", "file");
 const supports = on("foundation", "viscoelastic");
 const inStiffness = all(on("shape", "size"), on("supports", "stiffness"));
 const inRatios = (state) => !inStiffness(state);
+const gabor = all(on("excitation", "pulse"), on("pulse", "gabor"));
 const hasVertical = all(record, on("vertical", "file"));
 
 /** Settings for information missing from a file. */
@@ -78,9 +79,13 @@ export const FIELDS = [
   { id: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
   { id: "scale", label: "Scale", unit: "1", value: "2", slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
-    options: [["one-sine", "one sine (type A)"], ["one-cosine", "one cosine (type B)"], ["c1", "type C1"], ["c2", "type C2"]] },
+    options: [["one-sine", "one sine (type A)"], ["one-cosine", "one cosine (type B)"], ["c1", "type C1"], ["c2", "type C2"], ["half-sine", "half sine"],
+      ["rectangular", "rectangular"], ["symmetric-ricker", "symmetric Ricker wavelet"], ["antisymmetric-ricker", "antisymmetric Ricker wavelet"],
+      ["gabor", "Mavroeidis and Papageorgiou"]] },
   { id: "amplitude", label: "Amplitude", symbol: "aₚ", unit: "m/s²", value: "4", slider: [0.2, 20, "log"], group: "ground", when: on("excitation", "pulse") },
   { id: "period", label: "Period", symbol: "Tₚ", unit: "s", value: "0.8", slider: [0.1, 5, "log"], group: "ground", when: on("excitation", "pulse") },
+  { id: "phase", label: "Phase", symbol: "ν", unit: "rad", value: "0", slider: [-3.14, 3.14], group: "ground", when: gabor },
+  { id: "cycles", label: "Duration in periods", symbol: "γ", unit: "1", value: "2", slider: [1, 5], group: "ground", when: gabor },
   { id: "tilt", label: "Tilt at release", symbol: "θ/α", unit: "1", value: "0.6", slider: [-0.99, 0.99], group: "ground", when: on("excitation", "release") },
   { id: "theta_dot", label: "Velocity at release", symbol: "θ̇", unit: "rad/s", value: "0", slider: [-2, 2], group: "ground", when: on("excitation", "release") },
   ...settings("", "file", on("excitation", "file")),

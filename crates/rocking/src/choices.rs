@@ -40,6 +40,11 @@ pub fn pulse_shape() -> impl TypedValueParser<Value = PulseShape> {
         (PulseShape::OneCosine, "Type B: one cosine of acceleration"),
         (PulseShape::C1, "Type C1: one cycle of displacement and back"),
         (PulseShape::C2, "Type C2: two cycles of displacement and back"),
+        (PulseShape::HalfSine, "Half a sine of acceleration, T_p/2 long"),
+        (PulseShape::Rectangular, "Constant acceleration, T_p long"),
+        (PulseShape::SymmetricRicker, "Symmetric Ricker wavelet, 3 T_p long"),
+        (PulseShape::AntisymmetricRicker, "Antisymmetric Ricker wavelet, 4 T_p long"),
+        (PulseShape::Gabor, "Wavelet of Mavroeidis and Papageorgiou (2003), --cycles T_p long, with --phase"),
     ])
 }
 

@@ -56,6 +56,19 @@ pub struct PulseOptions {
     /// Start time of the pulse [s]
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     start: f64,
+    #[command(flatten)]
+    gabor: GaborOptions,
+}
+
+/// Further parameters of a Gabor pulse.
+#[derive(Args)]
+pub struct GaborOptions {
+    /// Phase nu of the velocity in the middle of a Gabor pulse [rad]
+    #[arg(long, value_name = "RAD", default_value_t = Pulse::NONE.phase)]
+    phase: f64,
+    /// Duration gamma of a Gabor pulse in periods, at least 1
+    #[arg(long, value_name = "N", default_value_t = Pulse::NONE.cycles)]
+    cycles: f64,
 }
 
 /// Excitation of one run.
@@ -169,7 +182,7 @@ pub fn names(files: &[MotionFiles]) -> Vec<String> {
 impl PulseOptions {
     /// Returns the pulse, of shape `none` if there is none.
     fn read(&self, explicit: &ExplicitOptions) -> anyhow::Result<Pulse> {
-        let PulseOptions { shape, amplitude, period, start } = *self;
+        let PulseOptions { shape, amplitude, period, start, .. } = *self;
         let has_shape = shape != PulseShape::None;
         explicit.refuse_unless(has_shape, &["amplitude", "period", "start"], "without --pulse")?;
         check("amplitude", amplitude, |_| true, "a finite acceleration")?;
@@ -179,15 +192,24 @@ impl PulseOptions {
             !has_shape || amplitude != 0.0,
             "--amplitude = 0 m/s2 is not a pulse; expected the amplitude a_p"
         );
-        Ok(Pulse { shape, amplitude, period, start })
+        self.gabor.read(explicit, Pulse { shape, amplitude, period, start, ..Pulse::NONE })
+    }
+}
+
+impl GaborOptions {
+    /// Returns the pulse with its phase and cycles, which only a Gabor pulse has.
+    pub fn read(&self, explicit: &ExplicitOptions, pulse: Pulse) -> anyhow::Result<Pulse> {
+        let GaborOptions { phase, cycles } = *self;
+        explicit.refuse_unless(pulse.shape == PulseShape::Gabor, &["phase", "cycles"], "without --pulse gabor")?;
+        check("phase", phase, |_| true, "a finite angle")?;
+        check("cycles", cycles, |x| x >= 1.0, "a number of at least 1")?;
+        Ok(Pulse { phase, cycles, ..pulse })
     }
 }
 
 /// Describes a pulse, if it has a shape.
 fn describe_pulse(pulse: &Pulse) -> Option<String> {
-    let Pulse { shape, amplitude, period, .. } = pulse;
-    let describe = || format!("{} pulse, a_p = {amplitude} m/s², T_p = {period} s", shape.word());
-    (*shape != PulseShape::None).then(describe)
+    (pulse.shape != PulseShape::None).then(|| pulse.to_string())
 }
 
 /// Returns file and title of a record on one line; the path replaces a missing title.

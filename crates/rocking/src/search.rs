@@ -11,6 +11,7 @@ use crate::accelerograms::Accelerograms;
 use crate::block_options::HoldOptions;
 use crate::checks::{check, check_tolerance};
 use crate::choices;
+use crate::excitation::GaborOptions;
 use crate::explicit_options::ExplicitOptions;
 use crate::formats::check_table;
 use crate::output::{NamedFile, Pending, check_distinct};
@@ -67,6 +68,8 @@ struct Overturning {
     /// Period T_p of the pulse; required without --record [s]
     #[arg(long, value_name = "S")]
     period: Option<f64>,
+    #[command(flatten)]
+    gabor: GaborOptions,
     #[command(flatten)]
     accelerograms: Accelerograms,
     /// Lower end of the range of amplitudes [m/s2] or factors; by default 0, or on a rigid base without a vertical record and without
@@ -197,13 +200,17 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
                 &["restitution-factor"],
                 "on viscoelastic supports; expected --foundation rigid",
             )?;
-            explicit.refuse_unless(!explicit.has("record"), &["pulse", "period"], "with --record")?;
+            explicit.refuse_unless(
+                !explicit.has("record"),
+                &["pulse", "period", "phase", "cycles"],
+                "with --record",
+            )?;
             overturning.search.check_table(&overturning.accelerograms.files().named())?;
             let common = Common { restitution_factor, ..overturning.block.common(foundation) };
             let dimensionless = overturning.block.dimensionless(xi_v, &common, explicit)?;
             let block = overturning.block.tied(&dimensionless, &common, explicit)?;
             warn_of_soft_supports(&block);
-            let (shaking, name, unit) = overturning.shaking(common.gravity)?;
+            let (shaking, name, unit) = overturning.shaking(explicit, common.gravity)?;
             let [least, greatest] = search::usual_strengths(&block, &shaking);
             let (from, to) = (overturning.from.unwrap_or(least), overturning.to.unwrap_or(greatest));
             let scan = overturning.search.scan(from, to, resolution)?;
@@ -235,7 +242,11 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
 
 impl Overturning {
     /// Returns the excitation, with name and unit of the unknown.
-    fn shaking(&self, gravity: f64) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
+    fn shaking(
+        &self,
+        explicit: &ExplicitOptions,
+        gravity: f64,
+    ) -> anyhow::Result<(Shaking, &'static str, &'static str)> {
         let ground = self.accelerograms.read(gravity)?;
         if ground.horizontal.is_some() {
             return Ok((Shaking::Records(ground), "scale", ""));
@@ -244,7 +255,7 @@ impl Overturning {
         anyhow::ensure!(self.pulse != PulseShape::None, "--pulse none overturns no block; expected a pulse");
         let period = self.period.context("--period is missing; expected the period T_p of the pulse, or --record")?;
         check("period", period, |x| x > 0.0, "a time > 0 s")?;
-        let pulse = Pulse { shape: self.pulse, amplitude: 0.0, period, start: 0.0 };
+        let pulse = self.gabor.read(explicit, Pulse { shape: self.pulse, period, ..Pulse::NONE })?;
         Ok((Shaking::Pulse(pulse), "a_p", " m/s2"))
     }
 }

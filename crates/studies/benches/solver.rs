@@ -57,8 +57,13 @@ fn steps(c: &mut Criterion) {
 
 /// The case sine_eta40 of tests/reference, with no stop but its end.
 fn run_pulse() -> Simulation {
-    let pulse =
-        Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: std::f64::consts::TAU / 5.0, start: 0.0 };
+    let pulse = Pulse {
+        shape: PulseShape::OneSine,
+        amplitude: 6.2622,
+        period: std::f64::consts::TAU / 5.0,
+        start: 0.0,
+        ..Pulse::NONE
+    };
     let (block, inputs) = (block(Foundation::Viscoelastic), Inputs::default());
     let mut simulation = Simulation::new(block, Settings::default(), pulse, &Initial::default(), 0.0, &inputs);
     simulation.advance(10.0, &inputs, &mut |_| ()).expect("the run goes through");

@@ -100,7 +100,7 @@ fn make(cube: &LatinHypercube, number: u32, records: &[Record]) -> Made {
     let (pulse, ground) = if number.is_multiple_of(2) {
         let shapes = [PulseShape::OneSine, PulseShape::OneCosine, PulseShape::C1, PulseShape::C2];
         let shape = shapes[number as usize / 2 % shapes.len()];
-        (Pulse { shape, amplitude: greatest, period: TAU / (ratio * p), start: 0.0 }, Ground::default())
+        (Pulse { shape, amplitude: greatest, period: TAU / (ratio * p), start: 0.0, ..Pulse::NONE }, Ground::default())
     } else {
         let record = records[number as usize / 2 % records.len()].clone();
         let factor = greatest / record.peak().acceleration.abs();

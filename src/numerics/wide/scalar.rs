@@ -25,6 +25,11 @@ impl<V: Simd> Scalar for Wide<V> {
     }
 
     #[inline(always)]
+    fn exp(self) -> Wide<V> {
+        Wide::load(&self.store().map(libm::exp))
+    }
+
+    #[inline(always)]
     fn sqrt(self) -> Wide<V> {
         Wide(self.0.sqrt())
     }

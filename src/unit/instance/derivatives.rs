@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::block::{Block, Ties};
-use crate::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
+use crate::excitation::{Excitation, Forcing, Inputs, Pulse, Ramp};
 use crate::ground::{Ground, Varied};
 use crate::numerics::dual::Dual64;
 use crate::simulation::exchange::States;
@@ -301,22 +301,12 @@ fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]:
 
 /// Returns the pulse if it acts at `time`.
 ///
-/// One sine begins and ends at zero; the direction decides whether it acts at these times.
+/// A pulse that begins and ends at zero has derivatives at these times; the direction decides whether it acts.
 fn acting_pulse(pulse: Pulse<Dual64>, time: Dual64) -> Option<Pulse<Dual64>> {
     let since = time - pulse.start;
-    let left = pulse.period - since;
-    let acts = match pulse.shape {
-        PulseShape::None => false,
-        PulseShape::OneSine => [since, left].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps >= 0.0)),
-        PulseShape::OneCosine | PulseShape::C1 | PulseShape::C2 => {
-            let value = Pulse {
-                shape: pulse.shape,
-                amplitude: pulse.amplitude.re,
-                period: pulse.period.re,
-                start: pulse.start.re,
-            };
-            value.acts_at(time.re)
-        }
+    let acts = match pulse.ends_at_zero() {
+        true => [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps >= 0.0)),
+        false => pulse.value().acts_at(time.re),
     };
     acts.then_some(pulse)
 }

@@ -14,7 +14,7 @@ pub struct Known {
 }
 
 /// All known variables of FMI 2.0.
-pub const KNOWNS: [Known; 50] = {
+pub const KNOWNS: [Known; 52] = {
     const fn free(name: &'static str) -> Known {
         Known { name, least: None }
     }
@@ -51,6 +51,8 @@ pub const KNOWNS: [Known; 50] = {
         free("pulse.amplitude"),
         free("pulse.period"),
         free("pulse.start"),
+        free("pulse.phase"),
+        free("pulse.cycles"),
         free("record.scale"),
         free("record.start"),
         from_zero("record.dt"),
@@ -122,7 +124,7 @@ impl Draw {
     pub fn measure(&self, known: &str, sizes: &Sizes) -> f64 {
         let mass = self.of("mass");
         match known {
-            "a_gx" | "a_gz" | "pulse.amplitude" => 1.0,
+            "a_gx" | "a_gz" | "pulse.amplitude" | "pulse.phase" => 1.0,
             "F_x" | "F_z" => mass,
             "M_y" => mass * sizes.r0,
             // On stiff supports a displacement much smaller than the block changes a whole reaction.
@@ -164,7 +166,7 @@ fn strategy() -> impl Strategy<Value = Draw> {
             ("foundation", item(2.0)),
             ("on_separation", item(3.0)),
             ("on_overturning", item(2.0)),
-            ("pulse.shape", item(5.0)),
+            ("pulse.shape", item(10.0)),
             ("initial.settled", item(2.0) - 1.0),
         ]);
         // Some are sometimes exactly zero.
@@ -243,6 +245,7 @@ fn strategy() -> impl Strategy<Value = Draw> {
                 values.push((name, if has { value } else { 0.0 }));
             }
         }
+        values.extend([("pulse.phase", between(-3.0, 3.0)), ("pulse.cycles", between(1.2, 3.0))]);
         Draw { values }
     })
 }

@@ -47,7 +47,7 @@ fn newmarks_block_under_a_rectangular_pulse() {
 #[test]
 fn newmarks_block_under_a_sine_pulse() {
     for (friction, amplitude, period) in [(0.3, 6.0, 0.8), (0.2, 9.0, 0.5), (0.45, 5.0, 1.3), (0.05, 4.0, 0.6)] {
-        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 };
+        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE };
         let mut simulation = start(squat(friction, Foundation::Rigid), pulse, &Inputs::default());
         simulation.advance(30.0, &Inputs::default(), &mut |_| ()).unwrap();
         let [now, total] = slide(friction * G, amplitude, std::f64::consts::TAU / period);

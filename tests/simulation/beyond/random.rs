@@ -94,6 +94,7 @@ impl Draw {
             amplitude: side * self.amplitude * scale,
             period: self.period / block.p,
             start: 0.1,
+            ..Pulse::NONE
         };
         let inputs = Inputs { a_gz: Ramp::held(self.vertical * block.gravity), ..Inputs::default() };
         let initial = Initial { theta: side * self.theta * block.alpha, ..Initial::default() };
@@ -224,7 +225,7 @@ proptest! {
 #[test]
 fn infinite_friction_and_soft_ties_give_the_plain_block() {
     let dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.2, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.2, start: 0.0, ..Pulse::NONE };
     let theta = |foundation, friction, stiffness: f64, eccentricity| {
         let common = Common { foundation, friction, eccentricity, ..Common::default() };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
@@ -265,7 +266,8 @@ fn landings_stop_feet_that_slide() {
         let dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 20.0 + 60.0 * part, xi_v: 0.1 };
         let common = Common { friction: 0.18 + 0.01 * f64::from(i % 12), ..Common::default() };
         let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
-        let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0 + 6.0 * part, period: 1.26, start: 0.0 };
+        let pulse =
+            Pulse { shape: PulseShape::OneSine, amplitude: 6.0 + 6.0 * part, period: 1.26, start: 0.0, ..Pulse::NONE };
         let inputs = Inputs::default();
         let mut simulation = Simulation::new(block, Settings::default(), pulse, &Initial::default(), 0.0, &inputs);
         let mut end = None;

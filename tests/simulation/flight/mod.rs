@@ -32,7 +32,7 @@ fn go(simulation: &mut Simulation, until: f64, inputs: &Inputs) -> Vec<Event> {
 }
 
 fn one_sine(amplitude: f64, period: f64, start: f64) -> Pulse {
-    Pulse { shape: PulseShape::OneSine, amplitude, period, start }
+    Pulse { shape: PulseShape::OneSine, amplitude, period, start, ..Pulse::NONE }
 }
 
 fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
@@ -94,7 +94,7 @@ fn flights_under_a_pulse_keep_the_balance_of_energy() {
         (block(0.259, 2.98, 109.0, 0.0247, 0.504), 15.35, 1.4),
         (block(0.29, 0.32, 40.0, 0.1, 0.3), 12.8, 11.5),
     ] {
-        let pulse = Pulse { shape: PulseShape::C1, amplitude, period, start: 0.0 };
+        let pulse = Pulse { shape: PulseShape::C1, amplitude, period, start: 0.0, ..Pulse::NONE };
         for tolerance in [1e-8, 1e-10] {
             let settings = Settings { tolerance, on_separation: OnSeparation::Fly, ..Settings::default() };
             let inputs = Inputs::default();
@@ -265,7 +265,7 @@ proptest! {
         (theta, theta_dot, height, v_dot) in (-0.3..0.3, -0.8..0.8, -1.0..3.0, -1.0..1.0),
         (amplitude, period) in (-15.0..15.0, 0.2..2.0),
     ) {
-        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.3 };
+        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.3, ..Pulse::NONE };
         let free = block.static_deflection();
         let initial = Initial {
             theta: theta * block.alpha,

@@ -15,7 +15,7 @@ use super::{G, block, close, go, held, seen, start};
 const PUSH: f64 = 7.27;
 
 fn one_cosine(amplitude: f64, start: f64) -> Pulse {
-    Pulse { shape: PulseShape::OneCosine, amplitude, period: 1.0, start }
+    Pulse { shape: PulseShape::OneCosine, amplitude, period: 1.0, start, ..Pulse::NONE }
 }
 
 fn at_rest(block: Block, pulse: Pulse, inputs: &Inputs) -> Simulation {

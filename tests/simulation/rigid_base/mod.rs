@@ -4,6 +4,7 @@ mod flights;
 mod instants;
 mod landings;
 mod properties;
+mod pulses;
 mod restitution;
 
 use rocking_block::block::Block;

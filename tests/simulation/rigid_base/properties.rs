@@ -187,7 +187,7 @@ proptest! {
 /// The uplift peaks with the rotation, even in a step that ends with a landing up to rounding.
 #[test]
 fn the_greatest_uplift_is_that_of_the_greatest_rotation() {
-    let pulse = Pulse { shape: PulseShape::C1, amplitude: 2.645, period: 1.154, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::C1, amplitude: 2.645, period: 1.154, start: 0.0, ..Pulse::NONE };
     let settings =
         Settings { tolerance: Settings::OF_STUDIES, on_separation: OnSeparation::Fly, ..Settings::default() };
     for k in 0..100 {

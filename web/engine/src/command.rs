@@ -52,8 +52,9 @@ impl CommandLine {
                 }
             }
             Excitation::Pulse => {
-                let Pulse { shape, amplitude, period, .. } = inputs.run.pulse;
+                let Pulse { shape, amplitude, period, phase, cycles, .. } = inputs.run.pulse;
                 self.option("pulse", shape.word()).option("amplitude", amplitude).unless("period", period, 1.0);
+                self.unless("phase", phase, Pulse::NONE.phase).unless("cycles", cycles, Pulse::NONE.cycles);
             }
             Excitation::Release => {
                 let Initial { theta, theta_dot, .. } = inputs.run.initial;

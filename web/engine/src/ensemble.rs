@@ -4,6 +4,7 @@
 //! as a file for `rocking sweep` gives the same table.
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical};
+use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_studies::input::parameters::Parameter;
 use rocking_studies::intensity::Measure;
@@ -136,8 +137,12 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     values.extend(others.iter().filter_map(differs));
     values.push(("on_separation", vec![f64::from(inputs.run.settings.on_separation as i32)]));
     if let Some(amplitudes) = amplitudes {
-        values.push(("pulse.shape", vec![f64::from(inputs.run.pulse.shape as i32)]));
-        values.push(("pulse.period", vec![inputs.run.pulse.period]));
+        let Pulse { shape, period, phase, cycles, .. } = inputs.run.pulse;
+        values.push(("pulse.shape", vec![f64::from(shape as i32)]));
+        values.push(("pulse.period", vec![period]));
+        if shape == PulseShape::Gabor {
+            values.extend([("pulse.phase", vec![phase]), ("pulse.cycles", vec![cycles])]);
+        }
         values.push(("pulse.amplitude", amplitudes));
     }
     let swept =

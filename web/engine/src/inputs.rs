@@ -4,7 +4,6 @@ use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation,
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};
-use rocking_block::words::Words;
 use rocking_charts::numerals::significant;
 use rocking_records::Record;
 use rocking_studies::intensity::pga;
@@ -320,11 +319,19 @@ fn pulse(fields: &mut Fields) -> Pulse {
     if shape == PulseShape::None {
         fields.refuse(FieldError::new("pulse", "found none; expected a shape"));
     }
-    Pulse {
+    let pulse = Pulse {
         shape,
         amplitude: fields.number("amplitude", |x| x != 0.0, "an acceleration in m/s², other than 0"),
         period: fields.number("period", |x| x > 0.0, "a time > 0 s"),
-        start: 0.0,
+        ..Pulse::NONE
+    };
+    match shape {
+        PulseShape::Gabor => Pulse {
+            phase: fields.number("phase", |_| true, "an angle in rad"),
+            cycles: fields.number("cycles", |x| x >= 1.0, "a number of at least 1"),
+            ..pulse
+        },
+        _ => pulse,
     }
 }
 
@@ -339,10 +346,7 @@ fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse
     let name = match excitation {
         Excitation::Embedded => records::EMBEDDED.0,
         Excitation::File { name, .. } => name,
-        Excitation::Pulse => {
-            let Pulse { shape, amplitude, period, .. } = pulse;
-            return format!("{} pulse, a_p = {amplitude} m/s², T_p = {period} s", shape.word());
-        }
+        Excitation::Pulse => return pulse.to_string(),
         Excitation::Release => return "free motion".into(),
     };
     let mut parts = Vec::new();

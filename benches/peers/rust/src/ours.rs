@@ -57,7 +57,7 @@ impl Solver for Ours {
         Ours {
             block: Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).expect("a block"),
             settings: Settings { tolerance, ..Settings::default() },
-            pulse: Pulse { shape, amplitude: case.a_p, period, start: 0.0 },
+            pulse: Pulse { shape, amplitude: case.a_p, period, start: 0.0, ..Pulse::NONE },
             initial: Initial {
                 theta: case.theta,
                 theta_dot: case.theta_dot,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use rocking_block::block::Common;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
+use rocking_block::words::Words;
 use rocking_records::{ReadOptions, Record, RecordError, Unit};
 
 /// A row of Table I, and the files of its records.
@@ -169,17 +170,11 @@ fn source(row: &TableRow, folder: Option<&Path>) -> Result<GroundMotion, SourceE
             name,
             label: format!(
                 "{station}: no record at hand, its {} pulse instead, a_p = {amplitude} m/s², T_p = {period} s",
-                match shape {
-                    PulseShape::OneSine => "type A",
-                    PulseShape::OneCosine => "type B",
-                    PulseShape::C1 => "type C1",
-                    PulseShape::C2 => "type C2",
-                    PulseShape::None => "missing",
-                }
+                shape.word()
             ),
             pga,
             ground: Ground::default(),
-            pulse: Pulse { shape, amplitude, period, start: 0.0 },
+            pulse: Pulse { shape, amplitude, period, start: 0.0, ..Pulse::NONE },
         },
     })
 }

@@ -132,14 +132,14 @@ pub fn run(block: Block, pulse: Pulse, ground: Ground) -> Run {
 /// Returns the pulse of Figures 6 to 8.
 pub fn history_pulse() -> Pulse {
     let [amplitude, period] = PULSE;
-    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 }
+    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE }
 }
 
 /// Returns the pulse of Figure 10 (one sine) or 11 (one cosine), with an amplitude over g tan α.
 pub fn spectrum_pulse(number: u8, amplitude: f64, alpha: f64) -> Pulse {
     let shape = if number == 10 { PulseShape::OneSine } else { PulseShape::OneCosine };
     let amplitude = amplitude * Common::default().gravity * libm::tan(alpha);
-    Pulse { shape, amplitude, period: TAU / SPECTRUM_FREQUENCY, start: 0.0 }
+    Pulse { shape, amplitude, period: TAU / SPECTRUM_FREQUENCY, start: 0.0, ..Pulse::NONE }
 }
 
 /// Returns the caption of a figure, with its parameters, or `None` for a number outside [`NUMBERS`].

@@ -47,6 +47,7 @@ impl PulseResponse {
             amplitude: amplitude * g_tan(),
             period: std::f64::consts::TAU / (frequency * P),
             start: 0.0,
+            ..Pulse::NONE
         };
         let outcome = |base| block(ALPHA, P, base).map(|block| run(block, pulse, Ground::default()).outcome());
         let peak = |outcome: &Outcome| (outcome.end == End::Completed).then_some(outcome.peaks.theta / ALPHA);

@@ -104,7 +104,7 @@ fn the_table_has_the_numbers_of_the_solver() {
     stdout(folder.path(), &[&arguments[..], &["--csv", "run.csv", "--plot", "run.svg"]].concat());
     let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
     let block = Block::from_dimensionless(&d, &Common::default()).unwrap();
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.25, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.25, start: 0.0, ..Pulse::NONE };
     let inputs = Inputs::default();
     let mut simulation = Simulation::new(block, Settings::default(), pulse, &Initial::default(), 0.0, &inputs);
     let (t, theta) = (column(&folder.path().join("run.csv"), "t"), column(&folder.path().join("run.csv"), "theta"));

@@ -259,8 +259,12 @@ impl Study for Spectrum {
             study.push(format!("motion {name}: {}", ground.fingerprint()));
         }
         if self.pulse.shape != PulseShape::None {
-            let Pulse { shape, amplitude, period, start } = self.pulse;
-            study.push(format!("pulse {shape:?}, amplitude = {amplitude}, period = {period}, start = {start}"));
+            let Pulse { shape, amplitude, period, start, phase, cycles } = self.pulse;
+            let mut pulse = format!("pulse {shape:?}, amplitude = {amplitude}, period = {period}, start = {start}");
+            if shape == PulseShape::Gabor {
+                pulse.push_str(&format!(", phase = {phase}, cycles = {cycles}"));
+            }
+            study.push(pulse);
         }
         study.push(format!(
             "tolerance = {:e}, on_separation = {:?}, duration = {}, step = {}",

@@ -159,7 +159,9 @@ fn run(number: u32) -> Run {
         eta: 12.0 + 5.0 * (k % 9.0),
         xi_v: 0.1,
     };
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 3.0, period: 0.7, start: 2.0 };
+    // A rectangular pulse is constant, so that lanes follow it.
+    let shape = if number % 12 == 11 { PulseShape::Rectangular } else { PulseShape::OneSine };
+    let pulse = Pulse { shape, amplitude: 3.0, period: 0.7, start: 2.0, ..Pulse::NONE };
     let on_separation = [OnSeparation::Fly, OnSeparation::Fly, OnSeparation::Hold, OnSeparation::Terminate];
     Run {
         block: Block::from_dimensionless(&d, &common).unwrap(),

@@ -29,7 +29,7 @@ fn run(block: Block, pulse: Pulse, initial: Initial, duration: Option<f64>) -> R
 }
 
 fn one_sine(amplitude: f64, period: f64) -> Pulse {
-    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0 }
+    Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.0, ..Pulse::NONE }
 }
 
 /// Bisects to a relative 1e-9 between a value at which nothing happens and one at which it does.

@@ -24,6 +24,10 @@ fn options_of_pulses_and_records_need_one() {
         has_no_effect(&["simulate", "--record", RECORD], &[option, "1"], "without --pulse");
         has_no_effect(&with_record, &[option, "1"], "without --pulse");
     }
+    for option in ["--phase", "--cycles"] {
+        has_no_effect(&with_pulse, &[option, "1"], "without --pulse gabor");
+        has_no_effect(&["search", "overturning", "--period", "1"], &[option, "1"], "without --pulse gabor");
+    }
     let without_record = [&["simulate", "--theta", "0.1"][..], &[&["simulate"], &PULSE[..]].concat(), &with_pulse];
     for command in without_record {
         has_no_effect(command, &["--scale", "2"], "without --record or --vertical");
@@ -132,6 +136,7 @@ fn study_parameters_without_effect_are_refused() {
         ("pulse.amplitude = 5", "a pulse.shape"),
         ("pulse.period = [0.5, 2]", "a pulse.shape"),
         ("pulse.start = 1", "a pulse.shape"),
+        ("pulse.cycles = 3", "pulse.shape = Gabor"),
         ("physical.width = 1", "parameterization = Physical"),
         ("initial.v = 0.1", "initial.settled = false"),
     ] {

@@ -47,7 +47,10 @@ fn histories_compare_the_foundations_of_the_paper() {
     assert_eq!((run.block.alpha, run.block.p), (0.25, 1.0));
     // The pulse of Rinaldi in Table I: one sine, v_p = 1.75 m/s.
     let row = ground_motions::TABLE.iter().find(|row| row.name == "rinaldi").unwrap();
-    assert_eq!(run.pulse, Pulse { shape: row.shape, amplitude: row.amplitude, period: row.period, start: 0.0 });
+    assert_eq!(
+        run.pulse,
+        Pulse { shape: row.shape, amplitude: row.amplitude, period: row.period, start: 0.0, ..Pulse::NONE }
+    );
     assert_eq!(row.shape, PulseShape::OneSine);
     assert!((row.amplitude * row.period / TAU * 2.0 - 1.75).abs() < 0.005);
 }
@@ -174,10 +177,10 @@ fn a_missing_record_is_replaced_by_its_pulse_and_labelled() {
     let folder = tempfile::tempdir().unwrap();
     let told = stdout(folder.path(), &["figures", "--out", "out", "--records", ".", "--only", "14"]);
     let pulses = [
-        "its type C1 pulse instead, a_p = 4.11 m/s²",
+        "its c1 pulse instead, a_p = 4.11 m/s²",
         "a_p = 2.44",
-        "its type C2 pulse instead, a_p = 1.64",
-        "its type A pulse",
+        "its c2 pulse instead, a_p = 1.64",
+        "its one-sine pulse",
     ];
     let table = std::fs::read_to_string(folder.path().join("out/figure_14.csv")).unwrap();
     for pulse in pulses {

@@ -12,7 +12,7 @@ fn run(alpha: f64, foundation: Foundation, amplitude: f64) -> Run {
     let common = Common { foundation, ..Common::default() };
     let block = Block::from_dimensionless(&Dimensionless { alpha, p: 1.5, eta: 60.0, xi_v: 0.2 }, &common).unwrap();
     let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period: 1.3, start: 0.25 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period: 1.3, start: 0.25, ..Pulse::NONE };
     let (initial, ground) = (Initial::default(), Ground::default());
     Run { block, settings, initial, pulse, ground, duration: None, output_step: f64::INFINITY }
 }

@@ -79,7 +79,13 @@ fn rows_equal_single_runs() {
             block: Block::from_dimensionless(&d, &common).unwrap(),
             settings: Settings { tolerance: Settings::OF_STUDIES, ..Settings::default() },
             initial: Initial::default(),
-            pulse: Pulse { shape: PulseShape::OneSine, amplitude: 6.2622, period: 1.2566370614359172, start: 0.0 },
+            pulse: Pulse {
+                shape: PulseShape::OneSine,
+                amplitude: 6.2622,
+                period: 1.2566370614359172,
+                start: 0.0,
+                ..Pulse::NONE
+            },
             ground: Ground::default(),
             duration: None,
             output_step: f64::INFINITY,

@@ -136,7 +136,7 @@ fn a_block_that_lingers_near_alpha_is_followed_to_its_outcome() {
 #[test]
 fn the_shortest_and_the_longest_run() {
     let rigid = block(0.25, 40.0, 0.0, Foundation::Rigid);
-    let weak = Pulse { shape: PulseShape::OneSine, amplitude: 1.0, period: 1.0, start: 0.5 };
+    let weak = Pulse { shape: PulseShape::OneSine, amplitude: 1.0, period: 1.0, start: 0.5, ..Pulse::NONE };
     let outcome = run(rigid, Initial::default(), weak, OnSeparation::Terminate).outcome();
     assert_eq!((outcome.end, outcome.end_time, outcome.peaks.theta), (End::Completed, 1.5, 0.0));
     let elastic = block(0.25, 40.0, 1.0, Foundation::Rigid);
@@ -189,7 +189,8 @@ fn a_duration_that_is_too_short_leaves_the_outcome_undecided() {
         let foundation = if number % 3 == 0 { Foundation::Rigid } else { Foundation::Viscoelastic };
         let block = block(0.06 + 0.2 * alpha, 40.0, 0.1, foundation);
         let amplitude = (1.2 + 4.0 * strength) * block.gravity * block.alpha.tan();
-        let pulse = Pulse { shape: PulseShape::OneCosine, amplitude, period: 0.3 + 2.0 * period, start: 0.0 };
+        let pulse =
+            Pulse { shape: PulseShape::OneCosine, amplitude, period: 0.3 + 2.0 * period, start: 0.0, ..Pulse::NONE };
         let run = run(block, Initial::default(), pulse, OnSeparation::Fly);
         let end = run.outcome().end;
         let short = Run { duration: Some(8.0 * part), ..run };
@@ -216,7 +217,8 @@ fn nothing_happens_after_the_end() {
         let foundation = if number % 3 == 0 { Foundation::Rigid } else { Foundation::Viscoelastic };
         let block = block(0.06 + 0.2 * alpha, 20.0 + 60.0 * eta, 0.2, foundation);
         let amplitude = (1.2 + 4.0 * strength) * block.gravity * block.alpha.tan();
-        let pulse = Pulse { shape: PulseShape::OneCosine, amplitude, period: 0.3 + 2.0 * period, start: 0.0 };
+        let pulse =
+            Pulse { shape: PulseShape::OneCosine, amplitude, period: 0.3 + 2.0 * period, start: 0.0, ..Pulse::NONE };
         let short = run(block, Initial::default(), pulse, OnSeparation::Fly);
         let outcome = short.outcome();
         fell += u32::from(outcome.end == End::Overturned);
@@ -235,7 +237,7 @@ fn nothing_happens_after_the_end() {
 fn a_block_that_separates_on_its_way_over_has_overturned() {
     let block = block(0.2, 60.0, 0.0, Foundation::Viscoelastic);
     let amplitude = 5.0;
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period: 1.2, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period: 1.2, start: 0.0, ..Pulse::NONE };
     let paper = run(block, Initial::default(), pulse, OnSeparation::Terminate);
     let history = paper.history(|_| ()).unwrap();
     let Some((ending, time)) = history.ending else { panic!("{:?}", history.events) };
@@ -270,7 +272,7 @@ fn only_a_block_beyond_alpha_with_growing_rotation_is_on_its_way_over() {
 #[test]
 fn a_held_block_stays_in_the_history() {
     let block = block(0.25, 80.0, 0.8, Foundation::Viscoelastic);
-    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.0, start: 0.0 };
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 6.0, period: 1.0, start: 0.0, ..Pulse::NONE };
     let run = Run { output_step: 0.125, ..run(block, Initial::default(), pulse, OnSeparation::Hold) };
     let over = run.history(|_| ()).unwrap();
     let Some((Ending::Separated, time)) = over.ending else { panic!("{:?}", over.ending) };
