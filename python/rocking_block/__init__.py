@@ -16,7 +16,7 @@ from rocking_block._block import Block
 from rocking_block._building import Building, FloorMotions, floor_motions
 from rocking_block._engine import __version__
 from rocking_block._fmu import fmu_path
-from rocking_block._fragility import Fragility, fragility, intensity
+from rocking_block._fragility import Fragility, export_fragility, fragility, intensity
 from rocking_block._frame import Frame, FrameRun, frame
 from rocking_block._pulse import Pulse
 from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
@@ -48,6 +48,7 @@ __all__ = [
     "Tie",
     "annual_rate",
     "blocks",
+    "export_fragility",
     "floor_motions",
     "fmu_path",
     "foundations",

@@ -203,6 +203,10 @@ class Fragility:
     def probabilities(self, measures: _Floats) -> _Floats: ...
     def intervals(self, measures: _Floats) -> list[_Floats]: ...
 
+def export_fragility(
+    program: str, components: Sequence[tuple[str, str, float, Sequence[tuple[str, Fragility]], str]], g: float
+) -> tuple[list[str], list[str]]: ...
+
 _Hazard = tuple[_Floats, _Floats, str | None, str | None, list[str]]
 
 @disjoint_base

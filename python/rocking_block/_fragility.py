@@ -1,7 +1,10 @@
 """Fragility curves."""
 
-from collections.abc import Mapping
+import os
+import warnings
+from collections.abc import Mapping, Sequence
 from numbers import Real
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -129,6 +132,19 @@ class Fragility(_engine.Fragility):
 
         return _plot.fragility(self, self._limit(), ax, label, color, runs, style)
 
+    def export(self, program: Literal["pelicun", "openquake"], path: str | os.PathLike[str], **options: Any) -> None:
+        """Writes the curve for a program of loss assessment: `export_fragility` with this curve alone.
+
+        Parameters
+        ----------
+        program, path
+            As there.
+        **options
+            `id`, the component of pelicun or the taxonomy of OpenQuake's assets, "rocking.block" by default; and the
+            `alpha`, `p` and `g` of `export_fragility`.
+        """
+        export_fragility({options.pop("id", "rocking.block"): self}, program, path, **options)
+
     def _repr_html_(self) -> str:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         ends = [[f"{end:.4g}" for end in pair] for pair in (self.median_ci, self.beta_ci)]
@@ -163,6 +179,11 @@ def _slip(limit: object) -> float | None:
     except ValueError:
         return None
     return slip if 0.0 < slip < np.inf else None
+
+
+def _limit_word(limit: str | float) -> str:
+    """Returns the word of a limit in the columns of tables."""
+    return limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
 
 
 def fragility(
@@ -249,8 +270,7 @@ def fragility(
     failed = outcome == "failed"
     if "ensemble.samples" in table:
         # The samples of an ensemble count, not the run in its middle; the probability is nan if all samples failed.
-        exceeds = limit if isinstance(limit, str) else "theta/alpha>" + repr(float(limit)).removesuffix(".0")
-        fraction = _numbers(table, f"P({exceeds})")
+        fraction = _numbers(table, f"P({_limit_word(limit)})")
         separated, unknown = np.zeros_like(exceeded), np.isnan(fraction)
         undecided, failed = unknown & (outcome == "undecided"), unknown & (outcome != "undecided")
     tells = ~separated & ~undecided & ~failed
@@ -275,6 +295,79 @@ def fragility(
     how = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         return Fragility(rows, how, what, tick)
+
+
+def export_fragility(
+    curves: Mapping[str, Fragility | Sequence[Fragility]],
+    program: Literal["pelicun", "openquake"],
+    path: str | os.PathLike[str],
+    *,
+    alpha: float | None = None,
+    p: float | None = None,
+    g: float = 9.81,
+) -> None:
+    """Writes lognormal curves for a program of loss assessment.
+
+    Several curves of a component, over one measure and of different limits, are its damage states in the order of their medians.
+
+    Parameters
+    ----------
+    curves : mapping
+        The curve or curves of each component of pelicun, or of each taxonomy of OpenQuake's assets. Identifiers have letters,
+        digits, dots and underscores.
+    program : {"pelicun", "openquake"}
+        pelicun's component library, over PGA, PGV, PFA, PFV, Sa(T) or Sv(T); or OpenQuake's fragility model in NRML 0.5, over
+        PGA, PGV or Sa(T), with the same limits for all components.
+    path : path
+        Folder for pelicun's `fragility.csv` and `fragility.json`, or the file for OpenQuake. Existing files are replaced.
+    alpha, p : float, optional
+        Slenderness [rad] and frequency parameter [rad/s] of the block, for curves over "p PGV/(g tan alpha)" and the like.
+    g : float
+        Gravity of accelerations in g, and for the same [m/s²].
+
+    Raises
+    ------
+    ValueError
+        A logistic or falling curve, a measure that the program does not have, or curves that do not fit together.
+
+    Warns
+    -----
+    UserWarning
+        The curves of two damage states cross at a probability above 0.0001 and below 0.9999.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import rocking_block as rb
+    >>> rows = {"PFV": [0.2, 0.3, 0.4, 0.5, 0.6, 0.8], "outcome": ["completed", "overturned"] * 3}
+    >>> fit = rb.fragility(rb.Table(rows, {"PFV": "m/s"}), im="PFV")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     rb.export_fragility({"E.20.22.102a": fit}, "pelicun", folder)
+    ...     print(open(f"{folder}/fragility.csv").read().split(",")[-6])
+    Peak Floor Velocity
+    """
+    components = []
+    for name, given in curves.items():
+        states = [given] if isinstance(given, Fragility) else given
+        if not isinstance(states, Sequence) or not states or not all(isinstance(state, Fragility) for state in states):
+            raise TypeError(f"curves[{name!r}] = {given!r}; expected a Fragility or several")
+        ims = sorted({state.im for state in states})
+        if len(ims) > 1:
+            raise ValueError(f"found curves over {' and '.join(ims)} for {name}; expected one measure")
+        base, factor = _engine.measure_scale(ims[0], alpha, p, g)
+        limits = [_limit_word(state.limit) for state in states]
+        rows = len(states[0].measures)
+        description = f"{', '.join(limits)} over {ims[0]} in {rows} rows, by rocking-block {_engine.__version__}"
+        components.append((name, base, factor, list(zip(limits, states, strict=True)), description))
+    texts, remarks = _engine.export_fragility(program, components, g)
+    files = [Path(path)]
+    if len(texts) == 2:
+        files[0].mkdir(parents=True, exist_ok=True)
+        files = [files[0] / "fragility.csv", files[0] / "fragility.json"]
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text, encoding="utf-8", newline="\n")
+    for remark in remarks:
+        warnings.warn(remark, stacklevel=2)
 
 
 def _column(table: Any, name: str) -> npt.NDArray[Any]:

@@ -2,7 +2,10 @@
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use rocking_studies::fragility::{Assessment, Case, Interval, Link, Uncertainty};
+use rocking_studies::fragility::{
+    Assessment, Case, Component, Interval, Limit, Link, LossProgram, Uncertainty, openquake, pelicun,
+};
+use rocking_studies::intensity::Measure;
 
 use crate::options::{choice, finite, invalid, whole};
 use crate::work::wait;
@@ -149,4 +152,28 @@ fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
 
 fn ends(interval: Interval, least: f64, greatest: f64) -> Ends {
     (interval.low.unwrap_or(least), interval.high.unwrap_or(greatest))
+}
+
+/// A component of an export: its identifier, the measure of its curves, the factor on the measure of the record, limits with
+/// their curves, and a description.
+type Curves<'py> = (String, String, f64, Vec<(String, PyRef<'py, Fragility>)>, String);
+
+/// Returns the text of each file for a program of loss assessment, and remarks on crossing curves.
+#[pyfunction]
+pub fn export_fragility(program: &str, components: Vec<Curves>, g: f64) -> PyResult<(Vec<String>, Vec<String>)> {
+    let program = choice("program", program, &[LossProgram::Pelicun, LossProgram::OpenQuake])?;
+    finite("g", g, |x| x > 0.0, "an acceleration above 0")?;
+    let component = |(id, measure, factor, curves, description): &Curves| -> PyResult<Component> {
+        let measure: Measure = measure.parse().map_err(invalid)?;
+        let limits = curves.iter().map(|(limit, _)| limit.parse()).collect::<Result<Vec<Limit>, _>>();
+        let fits = curves.iter().map(|(_, curve)| &curve.0.fit);
+        Component::new(id, measure, *factor, limits.map_err(invalid)?.into_iter().zip(fits), description)
+            .map_err(invalid)
+    };
+    let components = components.iter().map(component).collect::<PyResult<Vec<_>>>()?;
+    let files = match program {
+        LossProgram::Pelicun => pelicun(&components, g).map(Vec::from),
+        LossProgram::OpenQuake => openquake(&components, g).map(|text| vec![text]),
+    };
+    Ok((files.map_err(invalid)?, components.iter().flat_map(Component::crossings).collect()))
 }

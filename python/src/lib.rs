@@ -46,7 +46,7 @@ mod _engine {
     #[pymodule_export]
     use super::foundations::{foundation_pairs, pad_support, soil_support};
     #[pymodule_export]
-    use super::fragility::Fragility;
+    use super::fragility::{Fragility, export_fragility};
     #[pymodule_export]
     use super::frame::{frame_block, frame_response};
     #[pymodule_export]

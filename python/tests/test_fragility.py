@@ -138,6 +138,46 @@ def test_what_has_no_curve_is_refused(options, message):
         rb.fragility(**options)
 
 
+def test_exports_are_those_of_the_program(rocking, tmp_path):
+    """Tests both programs with two damage states; the descriptions differ in the name of the table."""
+    table = planted()
+    heading = [f"{name} [{table.units[name]}]" if name in table.units else name for name in table]
+    rows = zip(*(table[name] for name in table))
+    text = [",".join(heading), *(",".join("" if word == "nan" else word for word in map(str, row)) for row in rows)]
+    (tmp_path / "table.csv").write_text("\n".join(text) + "\n")
+    fits = [rb.fragility(table, "PGV", limit) for limit in ("overturned", 0.5)]
+    for program, name in (("pelicun", "library"), ("openquake", "model.xml")):
+        own, others = tmp_path / name, tmp_path / f"other {name}"
+        with pytest.warns(UserWarning, match=r"statue: the curves of theta/alpha>0.5 and overturned cross at PGV"):
+            rb.export_fragility({"statue": fits}, program, own)
+        rocking.json("fragility", tmp_path / "table.csv", "--im", "PGV", "--export-limit", "0.5", "--export", program,
+                     "--export-to", others, "--id", "statue")
+        for file in (own / "fragility.csv", own / "fragility.json") if program == "pelicun" else (own,):
+            other = others / file.name if program == "pelicun" else others
+            assert other.read_text().replace("PGV [m/s] in 300 rows of table.csv", "PGV in 300 rows") == file.read_text()
+
+
+def test_an_export_has_the_curve_of_the_block(tmp_path):
+    relative = planted()
+    columns = {**{name: relative[name] for name in relative}, "p PGV/(g tan alpha)": relative["PGV"] * 1.5 / (9.81 * np.tan(0.2))}
+    fit = rb.fragility(rb.Table(columns), "p PGV/(g tan alpha)")
+    fit.export("pelicun", tmp_path / "a" / "b", id="block.1", alpha=0.2, p=1.5)
+    row = (tmp_path / "a" / "b" / "fragility.csv").read_text().splitlines()[1].split(",")
+    assert row[:4] == ["block.1", "0", "Peak Ground Velocity", "mps"]
+    assert np.isclose(float(row[7]), rb.fragility(relative, "PGV").median, rtol=1e-9)
+    for error, message, call in (
+        (ValueError, "found the identifier `a-b`; expected letters", lambda: fit.export("pelicun", tmp_path, id="a-b", alpha=0.2, p=1.5)),
+        (ValueError, "alpha is missing; expected that of the block", lambda: fit.export("pelicun", tmp_path)),
+        (ValueError, 'program = "hazus"; expected one of "pelicun", "openquake"', lambda: fit.export("hazus", tmp_path, alpha=1, p=1)),
+        (ValueError, "found curves over PGV and p PGV.* for a; expected one measure",
+         lambda: rb.export_fragility({"a": [fit, rb.fragility(relative, "PGV")]}, "pelicun", tmp_path)),
+        (TypeError, "curves\\['a'\\] = 0.5; expected a Fragility or several", lambda: rb.export_fragility({"a": 0.5}, "pelicun", tmp_path)),
+    ):
+        with pytest.raises(error, match=message):
+            call()
+    assert not (tmp_path / "fragility.csv").exists()
+
+
 def test_a_curve_of_runs_becomes_a_picture(record, tmp_path):
     blocks = rb.blocks(alpha=0.12, p=np.linspace(1.5, 4.0, 12), eta=50)
     table = rb.outcomes(blocks, [record], scale=np.geomspace(0.5, 4.0, 8), periods=[1.0])

@@ -19,7 +19,8 @@ use rocking_block::words::Words;
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
-    Assessment, ExportedCurve, Ida, Limit, Link, LossProgram, Surface, SweepTable, Uncertainty, sufficiency_beside,
+    Assessment, Component, Ida, Limit, Link, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
+    sufficiency_beside,
 };
 use rocking_studies::intensity::Measure;
 
@@ -70,6 +71,9 @@ pub struct Options {
     /// Identifier of the component of pelicun, or taxonomy of OpenQuake's assets
     #[arg(long, value_name = "ID", default_value = "rocking.block", help_heading = "Export")]
     id: String,
+    /// Limit of a further damage state in the export, such as 0.5 beside overturned
+    #[arg(long, value_name = "LIMIT", requires = "export", help_heading = "Export")]
+    export_limit: Vec<Limit>,
     #[command(flatten)]
     block: BlockScales,
     #[command(flatten)]
@@ -119,7 +123,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     };
     let uncertainty = bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, *seed));
     let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
-    let mut exported = Vec::new();
+    let (mut exported, mut warnings) = (Vec::new(), Vec::new());
     let mut intervals = None;
     for measure in im {
         let heading = table.heading(measure)?;
@@ -144,7 +148,12 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             svg = Some(charts::curve(&blocks, &assessment, heading, *limit, *ci)?);
         }
         if let Some(program) = options.export {
-            exported = options.exported(program, &name, heading, &assessment, explicit).with_context(at)?;
+            let component = options.component(&table, heading, &assessment, explicit).with_context(at)?;
+            warnings = component.crossings();
+            exported = match program {
+                LossProgram::Pelicun => pelicun(&[component], options.block.g)?.to_vec(),
+                LossProgram::OpenQuake => vec![openquake(&[component], options.block.g)?],
+            };
         }
         measures.push(MeasureReport::of(heading, &assessment, sufficiency));
     }
@@ -169,8 +178,11 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         measures,
         surface,
     };
+    for warning in &warnings {
+        eprintln!("rocking: warning: {warning}");
+    }
     let written = WrittenFiles::new(outputs);
-    options.report.print("fragility", &written, &[], &(result.text() + &written.lines()), &result)
+    options.report.print("fragility", &written, &warnings, &(result.text() + &written.lines()), &result)
 }
 
 impl Options {
@@ -185,29 +197,35 @@ impl Options {
         }
     }
 
-    /// Returns the contents of these files.
-    fn exported(
+    /// Returns the curve of the measure with this heading, and those of the further limits, as a component of the export.
+    fn component(
         &self,
-        program: LossProgram,
-        table: &str,
+        table: &SweepTable,
         heading: &str,
         found: &Assessment,
         explicit: &ExplicitOptions,
-    ) -> anyhow::Result<Vec<String>> {
+    ) -> anyhow::Result<Component> {
         let name = heading.split(" [").next().unwrap_or(heading);
         let measure: Measure = name.parse().map_err(anyhow::Error::msg)?;
         let (base, factor) = self.block.base(measure, explicit)?;
-        let table = table.rsplit(['/', '\\']).next().unwrap_or(table);
+        let numbers = table.numbers(heading)?;
+        let further = |&limit: &Limit| {
+            let cases = table.cases(limit)?.cases;
+            let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
+            let found = Assessment::new(&cases, &values, self.link, self.ci, Uncertainty::Profile);
+            Ok((limit, found.with_context(|| limit.to_string())?.fit))
+        };
+        let further = self.export_limit.iter().map(further).collect::<anyhow::Result<Vec<_>>>()?;
+        let curves =
+            || std::iter::once((self.limit, &found.fit)).chain(further.iter().map(|(limit, fit)| (*limit, fit)));
+        let limits: Vec<String> = curves().map(|(limit, _)| limit.to_string()).collect();
+        let file = table.file().rsplit(['/', '\\']).next().unwrap_or_default();
         let description = format!(
-            "{} over {heading} in {} rows of {table}, by rocking-block {}",
-            self.limit,
+            "{} over {heading} in {} rows of {file}, by rocking-block {}",
+            limits.join(", "),
             found.data.observations().len(),
             env!("CARGO_PKG_VERSION")
         );
-        let curve = ExportedCurve::new(&self.id, base, factor, &found.fit, self.limit, &description, self.block.g)?;
-        Ok(match program {
-            LossProgram::Pelicun => curve.pelicun()?.to_vec(),
-            LossProgram::OpenQuake => vec![curve.openquake()?],
-        })
+        Ok(Component::new(&self.id, base, factor, curves(), &description)?)
     }
 }

@@ -1,4 +1,6 @@
-//! A lognormal curve → the component library of pelicun, or the fragility model of OpenQuake.
+//! Lognormal curves → the component library of pelicun, or the fragility model of OpenQuake.
+
+use std::fmt::Write;
 
 use quick_xml::escape::escape;
 use rocking_block::words::Words;
@@ -8,6 +10,7 @@ use crate::fragility::likelihood::Link;
 use crate::fragility::regression::Fit;
 use crate::intensity::Measure;
 use crate::run::limit::Limit;
+use crate::statistics::normal::probability;
 
 /// A program of loss assessment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +26,7 @@ impl Words for LossProgram {
         &[("pelicun", LossProgram::Pelicun), ("openquake", LossProgram::OpenQuake)];
 }
 
-/// The reason why a curve cannot be exported.
+/// The reason why curves cannot be exported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExportError {
     /// The curve is not lognormal, or falls with the measure.
@@ -47,127 +50,226 @@ pub enum ExportError {
         known: &'static str,
     },
     /// The identifier has other characters.
-    #[error("found the identifier `{0}`; expected letters, digits, dots, hyphens and underscores")]
+    #[error("found the identifier `{0}`; expected letters, digits, dots and underscores")]
     Id(String),
+    /// A limit has two curves.
+    #[error("found two curves of {limit} for {id}; expected a limit for each")]
+    Repeated {
+        /// The component.
+        id: String,
+        /// The limit.
+        limit: Limit,
+    },
+    /// Components have different limits.
+    #[error("found the limit states {found} for {id}; expected {expected} for all components of OpenQuake's model")]
+    States {
+        /// The component.
+        id: String,
+        /// Its limit states.
+        found: String,
+        /// Those of the first component.
+        expected: String,
+    },
 }
 
-/// A lognormal fragility curve for other programs.
+/// A component with a lognormal curve for each of its limits: its damage states.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ExportedCurve {
+pub struct Component {
     id: String,
+    /// Measure of records or floors.
     measure: Measure,
+    description: String,
+    /// The curves, by their medians: the mildest state first.
+    states: Vec<State>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct State {
+    limit: Limit,
+    /// Median in SI units.
     median: f64,
     beta: f64,
-    limit: Limit,
-    description: String,
-    gravity: f64,
 }
 
-impl ExportedCurve {
-    /// Prepares a fitted curve of a measure of records; the fit is one of `factor` times the measure, in SI units.
+/// Curves cross where both have this probability, or one minus it, without a remark (1).
+const NEGLIGIBLE: f64 = 1e-4;
+
+impl Component {
+    /// Prepares fitted curves, each with its limit; the fits are of `factor` times the measure, in SI units.
     ///
-    /// `id` is the component, or the taxonomy of the assets; `gravity` (m/s²) is that of accelerations in g.
+    /// `id` is the component of pelicun, or the taxonomy of OpenQuake's assets.
     ///
     /// # Errors
-    /// A logistic curve, a falling one, or an identifier that XML and CSV would have to quote.
-    pub fn new(
+    /// A logistic curve, a falling one, two of the same limit, or an identifier that XML or CSV would have to quote or pelicun
+    /// would split, as it does at hyphens.
+    pub fn new<'f>(
         id: &str,
         measure: Measure,
         factor: f64,
-        fit: &Fit,
-        limit: Limit,
+        curves: impl IntoIterator<Item = (Limit, &'f Fit)>,
         description: &str,
-        gravity: f64,
-    ) -> Result<ExportedCurve, ExportError> {
-        let (median, beta) = (fit.median() / factor, fit.dispersion());
-        if !(fit.link == Link::Probit && beta > 0.0) {
-            return Err(ExportError::Curve { link: fit.link, beta });
-        }
-        if id.is_empty() || !id.chars().all(|c| c.is_ascii_alphanumeric() || "._-".contains(c)) {
+    ) -> Result<Component, ExportError> {
+        if id.is_empty() || !id.chars().all(|c| c.is_ascii_alphanumeric() || "._".contains(c)) {
             return Err(ExportError::Id(id.into()));
         }
-        Ok(ExportedCurve { id: id.into(), measure, median, beta, limit, description: description.into(), gravity })
+        let mut states: Vec<State> = Vec::new();
+        for (limit, fit) in curves {
+            let (median, beta) = (fit.median() / factor, fit.dispersion());
+            if !(fit.link == Link::Probit && beta > 0.0) {
+                return Err(ExportError::Curve { link: fit.link, beta });
+            }
+            if states.iter().any(|state| state.limit == limit) {
+                return Err(ExportError::Repeated { id: id.into(), limit });
+            }
+            states.push(State { limit, median, beta });
+        }
+        states.sort_by(|a, b| a.median.total_cmp(&b.median));
+        Ok(Component { id: id.into(), measure, description: description.into(), states })
+    }
+
+    /// Remarks on neighbouring curves that cross at a probability above 0.0001 and below 0.9999.
+    ///
+    /// Beyond the crossing the worse state has the greater probability: pelicun, which assigns the worst state exceeded, leaves the
+    /// milder one out, and OpenQuake's fractions add up to more than one.
+    pub fn crossings(&self) -> Vec<String> {
+        let crossing = |pair: &[State]| {
+            let [mild, worse] = pair else { return None };
+            // Both are Φ(z) where ln m₁ + β₁ z = ln m₂ + β₂ z.
+            let z = libm::log(worse.median / mild.median) / (mild.beta - worse.beta);
+            let crossed = probability(z);
+            let side = if z < 0.0 { "below" } else { "above" };
+            let measure = mild.median * libm::exp(mild.beta * z);
+            (NEGLIGIBLE..=1.0 - NEGLIGIBLE).contains(&crossed).then(|| {
+                format!(
+                    "{}: the curves of {} and {} cross at {} = {measure:.3} {}, where both are {:.2} %; {side} it the worse \
+                     state has the greater probability",
+                    self.id,
+                    mild.limit,
+                    worse.limit,
+                    self.measure,
+                    self.measure.unit(),
+                    100.0 * crossed
+                )
+            })
+        };
+        self.states.windows(2).filter_map(crossing).collect()
     }
 
     fn unknown(&self, program: &'static str, known: &'static str) -> ExportError {
         ExportError::Measure { measure: self.measure, program, known }
     }
+}
 
-    /// Returns `fragility.csv` and `fragility.json` of pelicun's component library, with a limit state of one damage state.
-    ///
-    /// # Errors
-    /// [`ExportError::Measure`].
-    pub fn pelicun(&self) -> Result<[String; 2], ExportError> {
-        let (demand, unit, factor) = match self.measure {
-            Measure::Pga => ("Peak Ground Acceleration".into(), "g", 1.0 / self.gravity),
-            Measure::Pgv => ("Peak Ground Velocity".into(), "mps", 1.0),
-            Measure::Sa(period) => (format!("Spectral Acceleration|{period}"), "g", 1.0 / self.gravity),
-            Measure::Sv(period) => (format!("Spectral Velocity|{period}"), "mps", 1.0),
-            _ => return Err(self.unknown("pelicun", "PGA, PGV, Sa(T) or Sv(T)")),
-        };
-        let ExportedCurve { id, median, beta, limit, description, .. } = self;
-        // A block rocks in one plane: the demand is that of the component's direction.
-        let csv = format!(
-            "ID,Incomplete,Demand-Type,Demand-Unit,Demand-Offset,Demand-Directional,LS1-Family,LS1-Theta_0,LS1-Theta_1\n\
-             {id},0,{demand},{unit},0,1,lognormal,{},{beta}\n",
-            median * factor
-        );
-        let json = json!({
-            "_GeneralInformation": {
-                "ShortName": "Rocking blocks",
-                "Description": "Fragility of rigid blocks that rock, from simulations with rocking-block",
-                "Version": env!("CARGO_PKG_VERSION"),
-            },
-            id: {
-                "Description": "Rigid block that rocks on its foundation",
-                "Comments": description,
-                "SuggestedComponentBlockSize": "1 EA",
-                "RoundUpToIntegerQuantity": "True",
-                "LimitStates": { "LS1": { "DS1": { "Description": limit.to_string() } } },
-            },
-        });
-        Ok([csv, format!("{json:#}\n")])
+/// Returns `fragility.csv` and `fragility.json` of pelicun's component library, with a limit state of one damage state for each limit.
+///
+/// `gravity` (m/s²) is that of accelerations in g.
+///
+/// # Errors
+/// [`ExportError::Measure`].
+pub fn pelicun(components: &[Component], gravity: f64) -> Result<[String; 2], ExportError> {
+    let most = components.iter().map(|component| component.states.len()).max().unwrap_or(0);
+    let mut csv = String::from("ID,Incomplete,Demand-Type,Demand-Unit,Demand-Offset,Demand-Directional");
+    for number in 1..=most {
+        // Writing to a String never fails.
+        let _ = write!(csv, ",LS{number}-Family,LS{number}-Theta_0,LS{number}-Theta_1");
     }
-
-    /// Returns a fragility model of OpenQuake in NRML 0.5, of contents with one limit state.
-    ///
-    /// The format has mean and standard deviation of the measure itself, in g or cm/s. Below `noDamageLimit`, six dispersions under
-    /// the median, OpenQuake takes the probability as zero.
-    ///
-    /// # Errors
-    /// [`ExportError::Measure`].
-    pub fn openquake(&self) -> Result<String, ExportError> {
-        let (imt, factor) = match self.measure {
-            Measure::Pga => ("PGA".into(), 1.0 / self.gravity),
-            Measure::Sa(period) => (format!("SA({period:?})"), 1.0 / self.gravity),
-            Measure::Pgv => ("PGV".into(), 100.0),
-            _ => return Err(self.unknown("OpenQuake", "PGA, PGV or Sa(T)")),
+    let mut json = json!({
+        "_GeneralInformation": {
+            "ShortName": "Rocking blocks",
+            "Description": "Fragility of rigid blocks that rock, from simulations with rocking-block",
+            "Version": env!("CARGO_PKG_VERSION"),
+        },
+    });
+    for component in components {
+        let (demand, unit, factor) = match component.measure {
+            Measure::Pga => ("Peak Ground Acceleration".into(), "g", 1.0 / gravity),
+            Measure::Pgv => ("Peak Ground Velocity".into(), "mps", 1.0),
+            Measure::Pfa => ("Peak Floor Acceleration".into(), "g", 1.0 / gravity),
+            Measure::Pfv => ("Peak Floor Velocity".into(), "mps", 1.0),
+            Measure::Sa(period) => (format!("Spectral Acceleration|{period}"), "g", 1.0 / gravity),
+            Measure::Sv(period) => (format!("Spectral Velocity|{period}"), "mps", 1.0),
+            _ => return Err(component.unknown("pelicun", "PGA, PGV, PFA, PFV, Sa(T) or Sv(T)")),
         };
-        let (median, variance) = (self.median * factor, self.beta * self.beta);
-        let mean = median * libm::exp(0.5 * variance);
-        let deviation = mean * libm::expm1(variance).sqrt();
-        let [least, greatest] = [-6.0, 6.0].map(|z| median * libm::exp(z * self.beta));
-        let state = match self.limit {
+        // A block rocks in one plane: the demand is that of the component's direction.
+        let _ = write!(csv, "\n{},0,{demand},{unit},0,1", component.id);
+        for State { median, beta, .. } in &component.states {
+            let _ = write!(csv, ",lognormal,{},{beta}", median * factor);
+        }
+        csv += &",,,".repeat(most - component.states.len());
+        let numbered = (1..).zip(&component.states);
+        let states = numbered.map(|(number, State { limit, .. })| {
+            (format!("LS{number}"), json!({ format!("DS{number}"): { "Description": limit.to_string() } }))
+        });
+        json[&component.id] = json!({
+            "Description": "Rigid block that rocks on its foundation",
+            "Comments": component.description,
+            "SuggestedComponentBlockSize": "1 EA",
+            "RoundUpToIntegerQuantity": "True",
+            "LimitStates": states.collect::<serde_json::Map<_, _>>(),
+        });
+    }
+    Ok([csv + "\n", format!("{json:#}\n")])
+}
+
+/// Returns a fragility model of OpenQuake in NRML 0.5, of contents with a limit state for each limit.
+///
+/// The format has mean and standard deviation of the measure itself, in g of `gravity` (m/s²) or cm/s. Below `noDamageLimit`, six
+/// dispersions under the least median, OpenQuake takes the probability as zero.
+///
+/// # Errors
+/// [`ExportError::Measure`], or components with different limits.
+pub fn openquake(components: &[Component], gravity: f64) -> Result<String, ExportError> {
+    let names = |component: &Component| {
+        let name = |State { limit, .. }: &State| match limit {
             Limit::Overturned => "overturned".into(),
             Limit::Rotation(limit) => format!("rotation_{limit}").replace('.', "_"),
             Limit::Slip(limit) => format!("slip_{limit}_m").replace('.', "_"),
         };
-        let (id, description) = (escape(&self.id), escape(&self.description));
-        Ok(format!(
-            r#"<?xml version="1.0" encoding="UTF-8"?>
+        component.states.iter().map(name).collect::<Vec<String>>()
+    };
+    let states = components.first().map(names).unwrap_or_default();
+    let mut functions = String::new();
+    for component in components {
+        let (imt, factor) = match component.measure {
+            Measure::Pga => ("PGA".into(), 1.0 / gravity),
+            Measure::Sa(period) => (format!("SA({period:?})"), 1.0 / gravity),
+            Measure::Pgv => ("PGV".into(), 100.0),
+            _ => return Err(component.unknown("OpenQuake", "PGA, PGV or Sa(T)")),
+        };
+        let found = names(component);
+        if found != states {
+            let (id, [found, expected]) = (component.id.clone(), [found, states].map(|names| names.join(" ")));
+            return Err(ExportError::States { id, found, expected });
+        }
+        let at = |z: f64| component.states.iter().map(move |state| factor * state.median * libm::exp(z * state.beta));
+        let (least, greatest) = (at(-6.0).fold(f64::INFINITY, f64::min), at(6.0).fold(0.0, f64::max));
+        let _ = writeln!(
+            functions,
+            r#"    <fragilityFunction id="{}" format="continuous" shape="logncdf">
+      <imls imt="{imt}" noDamageLimit="{least:?}" minIML="{least:?}" maxIML="{greatest:?}"/>"#,
+            escape(&component.id)
+        );
+        for (name, State { median, beta, .. }) in states.iter().zip(&component.states) {
+            let variance = beta * beta;
+            let mean = factor * median * libm::exp(0.5 * variance);
+            let deviation = mean * libm::expm1(variance).sqrt();
+            let _ = writeln!(functions, r#"      <params ls="{name}" mean="{mean:?}" stddev="{deviation:?}"/>"#);
+        }
+        functions += "    </fragilityFunction>\n";
+    }
+    let description = components.iter().map(|component| &*component.description).collect::<Vec<_>>().join("; ");
+    Ok(format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?>
 <nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
   <fragilityModel id="rocking-block" assetCategory="contents" lossCategory="contents">
-    <description>{description}</description>
-    <limitStates>{state}</limitStates>
-    <fragilityFunction id="{id}" format="continuous" shape="logncdf">
-      <imls imt="{imt}" noDamageLimit="{least:?}" minIML="{least:?}" maxIML="{greatest:?}"/>
-      <params ls="{state}" mean="{mean:?}" stddev="{deviation:?}"/>
-    </fragilityFunction>
-  </fragilityModel>
+    <description>{}</description>
+    <limitStates>{}</limitStates>
+{functions}  </fragilityModel>
 </nrml>
-"#
-        ))
-    }
+"#,
+        escape(&description),
+        states.join(" ")
+    ))
 }
 
 #[cfg(test)]
@@ -175,28 +277,33 @@ mod tests {
     use super::*;
     use crate::fragility::{Data, Observation};
 
-    fn fit(link: Link) -> Fit {
+    /// A curve of six rows at measures times `scale`.
+    fn fit(link: Link, scale: f64) -> Fit {
         let rows = [(0.2, false), (0.3, false), (0.4, true), (0.5, false), (0.6, true), (0.9, true)];
-        Data::new(rows.map(|(m, over)| Observation::of(&[m], over)).to_vec()).unwrap().fit(link).unwrap()
+        Data::new(rows.map(|(m, over)| Observation::of(&[m * scale], over)).to_vec()).unwrap().fit(link).unwrap()
     }
 
-    fn curve(measure: Measure, factor: f64) -> ExportedCurve {
-        ExportedCurve::new("block.1", measure, factor, &fit(Link::Probit), Limit::Rotation(0.5), "a < b & c", 10.0)
-            .unwrap()
+    fn component(measure: Measure, factor: f64) -> Component {
+        let [half, over] = [1.0, 1.5].map(|scale| fit(Link::Probit, scale));
+        let curves = [(Limit::Overturned, &over), (Limit::Rotation(0.5), &half)];
+        Component::new("block.1", measure, factor, curves, "a < b & c").unwrap()
+    }
+
+    #[track_caller]
+    fn near(text: &str, exact: f64) {
+        assert!((text.parse::<f64>().unwrap() / exact - 1.0).abs() < 1e-14, "{text} {exact}");
     }
 
     #[test]
     fn medians_are_in_the_units_of_the_programs() {
-        let (median, beta) = (fit(Link::Probit).median(), fit(Link::Probit).dispersion());
-        let csv = &curve(Measure::Sa(0.5), 2.0).pelicun().unwrap()[0];
+        let (median, beta) = (fit(Link::Probit, 1.0).median(), fit(Link::Probit, 1.0).dispersion());
+        let csv = &pelicun(&[component(Measure::Sa(0.5), 2.0)], 10.0).unwrap()[0];
         let row: Vec<&str> = csv.lines().nth(1).unwrap().split(',').collect();
         assert_eq!(row[..7], ["block.1", "0", "Spectral Acceleration|0.5", "g", "0", "1", "lognormal"]);
-        let near = |text: &str, exact: f64| {
-            assert!((text.parse::<f64>().unwrap() / exact - 1.0).abs() < 1e-14, "{text} {exact}")
-        };
         near(row[7], median / 20.0);
         near(row[8], beta);
-        let xml = curve(Measure::Pgv, 1.0).openquake().unwrap();
+        near(row[10], fit(Link::Probit, 1.5).median() / 20.0);
+        let xml = openquake(&[component(Measure::Pgv, 1.0)], 10.0).unwrap();
         let read = roxmltree::Document::parse(&xml).unwrap();
         let node = |name: &str| {
             read.descendants().find(|node| node.has_tag_name(("http://openquake.org/xmlns/nrml/0.5", name))).unwrap()
@@ -204,7 +311,7 @@ mod tests {
         assert_eq!((node("description").text(), node("imls").attribute("imt")), (Some("a < b & c"), Some("PGV")));
         assert_eq!(
             (node("limitStates").text(), node("params").attribute("ls")),
-            (Some("rotation_0_5"), Some("rotation_0_5"))
+            (Some("rotation_0_5 overturned"), Some("rotation_0_5"))
         );
         let [mean, deviation] =
             ["mean", "stddev"].map(|name| node("params").attribute(name).unwrap().parse::<f64>().unwrap());
@@ -215,15 +322,59 @@ mod tests {
     }
 
     #[test]
+    fn components_with_fewer_states_leave_columns_empty() {
+        let over = fit(Link::Probit, 1.0);
+        let one = Component::new("b", Measure::Pfv, 1.0, [(Limit::Overturned, &over)], "").unwrap();
+        let both = [component(Measure::Pgv, 1.0), one];
+        let [csv, json] = pelicun(&both, 9.81).unwrap();
+        let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+        assert_eq!(rows.iter().map(Vec::len).collect::<Vec<_>>(), [12, 12, 12]);
+        assert_eq!((rows[2][2], &rows[2][9..]), ("Peak Floor Velocity", &[""; 3][..]));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["block.1"]["LimitStates"]["LS2"]["DS2"]["Description"], "overturned");
+        let refused = openquake(&[component(Measure::Pgv, 1.0), component(Measure::Pfv, 1.0)], 9.81).unwrap_err();
+        assert!(refused.to_string().contains("OpenQuake does not have"), "{refused}");
+        let over = Component::new("b", Measure::Pgv, 1.0, [(Limit::Overturned, &over)], "").unwrap();
+        let refused = openquake(&[both[0].clone(), over], 9.81).unwrap_err().to_string();
+        assert!(
+            refused.starts_with("found the limit states overturned for b; expected rotation_0_5 overturned"),
+            "{refused}"
+        );
+    }
+
+    /// At a crossing both curves have the probability of the remark.
+    #[test]
+    fn crossings_are_named_with_their_probability() {
+        assert_eq!(component(Measure::Pgv, 1.0).crossings(), [""; 0], "curves of one dispersion never cross");
+        let state = |limit, median, beta| State { limit, median, beta };
+        let states = vec![state(Limit::Rotation(0.5), 0.5, 0.35), state(Limit::Overturned, 0.6, 0.45)];
+        let crossing = Component { states, ..component(Measure::Pgv, 1.0) };
+        // ln 0.5 + 0.35 z = ln 0.6 + 0.45 z at z = −1.8232 and 0.26414 m/s; Φ(−1.8232) = 0.03414.
+        assert_eq!(
+            crossing.crossings(),
+            [
+                "block.1: the curves of theta/alpha>0.5 and overturned cross at PGV = 0.264 m/s, where both are 3.41 %; below it \
+              the worse state has the greater probability"
+            ]
+        );
+    }
+
+    #[test]
     fn curves_that_the_programs_do_not_have_are_refused() {
-        let refused = curve(Measure::Cav, 1.0).pelicun().unwrap_err().to_string();
+        let refused = pelicun(&[component(Measure::Cav, 1.0)], 9.81).unwrap_err().to_string();
         assert!(
             refused.starts_with("found a curve over CAV, which pelicun does not have; expected one over PGA"),
             "{refused}"
         );
-        assert!(curve(Measure::Sv(1.0), 1.0).openquake().unwrap_err().to_string().contains("OpenQuake does not have"));
-        let of = |id: &str, link| ExportedCurve::new(id, Measure::Pga, 1.0, &fit(link), Limit::Overturned, "", 9.81);
-        assert!(of("a", Link::Logit).unwrap_err().to_string().starts_with("found a logit curve"));
-        assert_eq!(of("a b", Link::Probit), Err(ExportError::Id("a b".into())));
+        let (fit, logit) = (fit(Link::Probit, 1.0), fit(Link::Logit, 1.0));
+        let of = |id: &str, fits: &[&Fit]| {
+            Component::new(id, Measure::Pga, 1.0, fits.iter().map(|&fit| (Limit::Overturned, fit)), "")
+        };
+        assert!(of("a", &[&logit]).unwrap_err().to_string().starts_with("found a logit curve"));
+        let repeated = of("a", &[&fit, &fit]).unwrap_err().to_string();
+        assert_eq!(repeated, "found two curves of overturned for a; expected a limit for each");
+        for id in ["a b", "a-b", ""] {
+            assert_eq!(of(id, &[&fit]), Err(ExportError::Id(id.into())));
+        }
     }
 }

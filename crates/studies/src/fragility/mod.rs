@@ -20,7 +20,7 @@
 //! | `bootstrap` | observations of several records → intervals from resampled records |
 //! | `quality` | observations, a curve → AUC, Brier score, efficiency, sufficiency |
 //! | `assessment` | cases, a measure → its curve with intervals and quality |
-//! | `export` | a lognormal curve → the files of pelicun and OpenQuake |
+//! | `export` | lognormal curves → the files of pelicun and OpenQuake |
 //! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
 //!
 //! ```
@@ -52,7 +52,7 @@ pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use clusters::Independence;
 pub use data::Data;
-pub use export::{ExportError, ExportedCurve, LossProgram};
+pub use export::{Component, ExportError, LossProgram, openquake, pelicun};
 pub use ida::{Ida, Response};
 pub use likelihood::Link;
 pub use observation::{FitError, Observation};
