@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::description::{Description, Variable};
-use crate::fmi3::Fmi3Only;
+use crate::fmi3::Fmi3Variable;
 use crate::read;
 
 use super::library::Version;
@@ -114,14 +114,16 @@ fn tables(description: &Description, version: Version) -> String {
         ("Output", &[], "Outputs"),
         ("", &["independent", "local"], "Time and event indicators"),
     ] {
-        let fmi3_only = match version {
+        let variables = match version {
             Version::Fmi2 => &[][..],
-            Version::Fmi3 | Version::Wasm => &description.fmi3.fmi3_only,
+            Version::Fmi3 | Version::Wasm => &description.fmi3.variables,
         };
-        let fmi3_only =
-            fmi3_only.iter().filter(|fmi3_only| of_fmi3.contains(&fmi3_only.causality.as_str())).map(row_of_fmi3_only);
+        let of_fmi3_alone = variables
+            .iter()
+            .filter(|variable| of_fmi3.contains(&variable.causality.as_str()))
+            .map(row_of_fmi3_variable);
         let rows: Vec<Row> =
-            description.variables.iter().filter(|v| v.causality == causality).map(row).chain(fmi3_only).collect();
+            description.variables.iter().filter(|v| v.causality == causality).map(row).chain(of_fmi3_alone).collect();
         if rows.is_empty() {
             continue;
         }
@@ -163,15 +165,15 @@ fn row(v: &Variable) -> Row {
     Row { name: v.name.clone(), of_type, start: start(v), limits, meaning: escaped(&v.description) + &items }
 }
 
-fn row_of_fmi3_only(fmi3_only: &Fmi3Only) -> Row {
-    let start = fmi3_only.start.map(number).unwrap_or_default();
-    let of_type = fmi3_only.unit.clone().unwrap_or_default();
+fn row_of_fmi3_variable(variable: &Fmi3Variable) -> Row {
+    let start = variable.start.map(number).unwrap_or_default();
+    let of_type = variable.unit.clone().unwrap_or_default();
     Row {
-        name: fmi3_only.name.clone(),
+        name: variable.name.clone(),
         of_type,
         start,
-        limits: limits(fmi3_only.limits),
-        meaning: escaped(&fmi3_only.description),
+        limits: limits(variable.limits),
+        meaning: escaped(&variable.description),
     }
 }
 

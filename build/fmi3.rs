@@ -16,10 +16,10 @@ pub struct Fmi3 {
     /// modelDescription.xml.
     pub packed: String,
     /// The variables that FMI 2.0 lacks.
-    pub fmi3_only: Vec<Fmi3Only>,
+    pub variables: Vec<Fmi3Variable>,
 }
 
-pub struct Fmi3Only {
+pub struct Fmi3Variable {
     pub name: String,
     pub description: String,
     /// The causality in FMI 3.0.
@@ -43,19 +43,19 @@ type Attributes<'a> = Vec<(&'a str, &'a str)>;
 /// Writes the file. The value references are those of FMI 2.0, followed by those of the variables that only FMI 3.0 has.
 pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
-    let fmi3_only: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
-    for (place, node) in (variables.len()..).zip(&fmi3_only) {
+    let nodes: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();
+    for (place, node) in (variables.len()..).zip(&nodes) {
         let (name, reference) = (attribute(*node, "name")?, attribute(*node, "valueReference")?);
         if reference != place.to_string() {
             return Err(format!("variable {name}: valueReference should be its place, {place}"));
         }
     }
     let mut file = File(Writer::new_with_indent(Vec::new(), b' ', 2));
-    file.description(root, of_fmi3, &fmi3_only).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
+    file.description(root, of_fmi3, &nodes).map_err(|error| format!("modelDescription.xml of FMI 3.0: {error}"))?;
     let text = String::from_utf8(file.0.into_inner()).map_err(|error| error.to_string())? + "\n";
     let token = unique(&text);
     let packed = text.replacen(PLACEHOLDER, &token, 1);
-    Ok(Fmi3 { token, packed, fmi3_only: fmi3_only.into_iter().map(read).collect::<Result<_, String>>()? })
+    Ok(Fmi3 { token, packed, variables: nodes.into_iter().map(read).collect::<Result<_, String>>()? })
 }
 
 /// Returns terminalsAndIcons.xml, after checking that its members are variables.
@@ -70,7 +70,7 @@ pub fn terminals(text: &str, root: Node, names: &BTreeSet<&str>) -> Result<Strin
     Ok(format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{indented}\n"))
 }
 
-fn read(node: Node) -> Result<Fmi3Only, String> {
+fn read(node: Node) -> Result<Fmi3Variable, String> {
     let name = attribute(node, "name")?.to_string();
     // For an array, the first of its start values, which are all equal.
     let number = |attribute: &str| match node.attribute(attribute).and_then(|text| text.split_whitespace().next()) {
@@ -80,7 +80,7 @@ fn read(node: Node) -> Result<Fmi3Only, String> {
     let (start, limits) = (number("start")?, [number("min")?, number("max")?]);
     let description = attribute(node, "description")?.to_string();
     let causality = attribute(node, "causality")?.to_string();
-    Ok(Fmi3Only { description, causality, unit: node.attribute("unit").map(str::to_string), start, limits, name })
+    Ok(Fmi3Variable { description, causality, unit: node.attribute("unit").map(str::to_string), start, limits, name })
 }
 
 impl Fmi3 {
@@ -88,44 +88,39 @@ impl Fmi3 {
     pub fn write_code(&self, code: &mut String) -> std::fmt::Result {
         writeln!(code, "/// Instantiation token that an importer of FMI 3.0 must pass, computed from its file.")?;
         writeln!(code, "pub const TOKEN: &str = {:?};", self.token)?;
-        writeln!(code, "/// A variable that only FMI 3.0 has; their value references follow those of [`VARIABLES`].")?;
-        writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Fmi3Only {{")?;
-        for Fmi3Only { name, description, .. } in &self.fmi3_only {
+        writeln!(code, "/// A variable that only FMI 3.0 has.")?;
+        writeln!(code, "#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Fmi3Variable {{")?;
+        for Fmi3Variable { name, description, .. } in self.variables.iter().filter(|variable| !variable.is_indicator())
+        {
             writeln!(code, "    /// `{name}`: {description}.\n    {},", identifier(name))?;
         }
-        writeln!(code, "}}\nimpl Fmi3Only {{\n    /// All of these variables, by value reference.")?;
-        writeln!(code, "    pub const ALL: [Fmi3Only; {}] = [", self.fmi3_only.len())?;
-        for fmi3_only in &self.fmi3_only {
-            writeln!(code, "        Fmi3Only::{},", identifier(&fmi3_only.name))?;
+        writeln!(
+            code,
+            "    /// An event indicator of Model Exchange, by its place among them.\n    Indicator(usize),\n}}"
+        )?;
+        writeln!(
+            code,
+            "/// All variables that only FMI 3.0 has; their value references follow those of [`VARIABLES`]."
+        )?;
+        writeln!(code, "pub const FMI3_VARIABLES: [Fmi3Metadata; {}] = [", self.variables.len())?;
+        let mut indicators = 0..;
+        for variable in &self.variables {
+            let Fmi3Variable { name, start, limits: [min, max], .. } = variable;
+            let number = if variable.is_indicator() { indicators.next() } else { None };
+            let variable = number.map_or_else(|| identifier(name), |number| format!("Indicator({number})"));
+            writeln!(
+                code,
+                "    Fmi3Metadata {{ variable: Fmi3Variable::{variable}, name: {name:?}, start: {start:?}, min: {min:?}, max: {max:?} }},"
+            )?;
         }
-        writeln!(code, "    ];")?;
-        self.write_method(code, "Its name.", "name", "&'static str", |fmi3_only| format!("{:?}", fmi3_only.name))?;
-        let number = "Option<f64>";
-        self.write_method(code, "Returns the start value.", "start", number, |fmi3_only| {
-            format!("{:?}", fmi3_only.start)
-        })?;
-        self.write_method(code, "Returns the lower limit.", "min", number, |fmi3_only| {
-            format!("{:?}", fmi3_only.limits[0])
-        })?;
-        self.write_method(code, "Returns the upper limit.", "max", number, |fmi3_only| {
-            format!("{:?}", fmi3_only.limits[1])
-        })?;
-        writeln!(code, "}}")
+        writeln!(code, "];")
     }
+}
 
-    fn write_method(
-        &self,
-        code: &mut String,
-        doc: &str,
-        method: &str,
-        result: &str,
-        of: impl Fn(&Fmi3Only) -> String,
-    ) -> std::fmt::Result {
-        writeln!(code, "    /// {doc}\n    pub fn {method}(self) -> {result} {{\n        match self {{")?;
-        for fmi3_only in &self.fmi3_only {
-            writeln!(code, "            Fmi3Only::{} => {},", identifier(&fmi3_only.name), of(fmi3_only))?;
-        }
-        writeln!(code, "        }}\n    }}")
+impl Fmi3Variable {
+    /// Whether it is an event indicator: no other variable is local.
+    fn is_indicator(&self) -> bool {
+        self.causality == "local"
     }
 }
 
@@ -134,7 +129,7 @@ struct File(Writer<Vec<u8>>);
 type Written = Result<(), String>;
 
 impl File {
-    fn description(&mut self, root: Node, of_fmi3: Node, fmi3_only: &[Node]) -> Written {
+    fn description(&mut self, root: Node, of_fmi3: Node, nodes: &[Node]) -> Written {
         self.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         let mut attributes = vec![("fmiVersion", "3.0"), ("instantiationToken", PLACEHOLDER)];
         let replaced = ["fmiVersion", "guid", "numberOfEventIndicators"];
@@ -147,7 +142,7 @@ impl File {
         self.element("TypeDefinitions", &[], &types, File::declaration)?;
         self.copy(child(root, "LogCategories")?)?;
         self.copy(child(root, "DefaultExperiment")?)?;
-        let variables: Vec<Node> = elements(child(root, "ModelVariables")?).chain(fmi3_only.iter().copied()).collect();
+        let variables: Vec<Node> = elements(child(root, "ModelVariables")?).chain(nodes.iter().copied()).collect();
         self.element("ModelVariables", &[], &variables, |file, node| {
             if node.has_tag_name("ScalarVariable") { file.variable(node) } else { file.copy(node) }
         })?;
@@ -155,7 +150,7 @@ impl File {
         let outputs = elements(child(structure, "Outputs")?).map(|node| ("Output", node));
         let derivatives = elements(child(structure, "Derivatives")?).map(|node| ("ContinuousStateDerivative", node));
         let initial = elements(child(structure, "InitialUnknowns")?).map(|node| ("InitialUnknown", node));
-        let local = fmi3_only.iter().filter(|node| node.attribute("causality") == Some("local"));
+        let local = nodes.iter().filter(|node| node.attribute("causality") == Some("local"));
         let indicators = local.map(|&node| ("EventIndicator", node));
         let unknowns: Vec<(&str, Node)> = outputs.chain(derivatives).chain(initial).chain(indicators).collect();
         self.element("ModelStructure", &[], &unknowns, |file, (element, node)| {
@@ -208,8 +203,8 @@ impl File {
             attributes.push(("dependencies", &references));
         }
         let kinds = node.attribute("dependenciesKind").map(|kinds| {
-            let fmi3_only = indices[1].split_whitespace().map(|_| "dependent");
-            kinds.split_whitespace().chain(fmi3_only).collect::<Vec<_>>().join(" ")
+            let of_fmi3 = indices[1].split_whitespace().map(|_| "dependent");
+            kinds.split_whitespace().chain(of_fmi3).collect::<Vec<_>>().join(" ")
         });
         attributes.extend(kinds.iter().map(|kinds| ("dependenciesKind", kinds.as_str())));
         self.leaf(element, &attributes)

@@ -3,7 +3,7 @@
 mod access;
 pub mod derivatives;
 pub mod exchange;
-mod fmi3_only;
+mod fmi3_variables;
 mod rates;
 pub mod substeps;
 
@@ -19,7 +19,7 @@ use crate::simulation::{Progress, Settings, Simulation, SimulationError};
 use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
-use crate::unit::outputs::Seen;
+use crate::unit::outputs::ObservationCache;
 use crate::unit::values::Values;
 
 /// Settings of the run, known before it begins.
@@ -67,7 +67,7 @@ pub struct Unit {
     last_inputs: Inputs,
     /// Cached observation and energies at the present time.
     #[serde(skip)]
-    observed: Seen,
+    observed: ObservationCache,
 }
 
 /// Largest error of a master's clock, relative to the greater of step and time.
@@ -98,7 +98,7 @@ impl Unit {
             ground: None,
             states: States::default(),
             last_inputs: Inputs::default(),
-            observed: Seen::default(),
+            observed: ObservationCache::default(),
         }
     }
 
@@ -252,7 +252,7 @@ impl Unit {
         let (Some(simulation), Some(ground)) = (simulation, ground) else {
             return Err(Fault::new("there is no block yet"));
         };
-        *observed = Seen::default();
+        *observed = ObservationCache::default();
         let mut piece = ground.piece_at(simulation.time());
         let (progress, stopped) = loop {
             *acting = if ground.is_empty() { *inputs } else { piece.inputs.plus(inputs) };
@@ -297,7 +297,7 @@ impl Unit {
     pub fn settle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), Fault> {
         let Unit { phase, simulation, acting, observed, .. } = self;
         let Some(simulation) = simulation else { return Err(Fault::new("there is no block yet")) };
-        *observed = Seen::default();
+        *observed = ObservationCache::default();
         simulation.settle(acting, observer).map_err(|error| {
             *phase = Phase::Error;
             Fault::new(error.to_string())
@@ -324,7 +324,7 @@ impl Unit {
             if let Some(simulation) = &mut self.simulation {
                 simulation.change_inputs(&self.acting);
             }
-            self.observed = Seen::default();
+            self.observed = ObservationCache::default();
         } else {
             self.forget();
         }
@@ -352,7 +352,7 @@ impl Unit {
     /// Drops the preview after a change of values.
     fn forget(&mut self) {
         self.simulation = None;
-        self.observed = Seen::default();
+        self.observed = ObservationCache::default();
     }
 
     /// Returns the block in motion and the inputs that act on it; before initialization ends, a preview from the present values.

@@ -3,7 +3,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`variables`] | modelDescription.xml → a table of variables |
-//! | [`fmi3_only`] | values of the parameters that exist only in FMI 3.0 |
+//! | [`fmi3_variables`] | values of the parameters that exist only in FMI 3.0 |
 //! | [`inputs`] | the variables of inputs ↔ ramps |
 //! | [`values`] | values of parameters → block, pulse, settings |
 //! | [`records`] | files or arrays of samples → the FMU's own ground motion |
@@ -16,7 +16,7 @@
 pub mod fault;
 pub mod variables;
 
-pub mod fmi3_only;
+pub mod fmi3_variables;
 
 pub mod inputs;
 

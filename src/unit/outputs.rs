@@ -120,7 +120,7 @@ fn flag(is: bool) -> f64 {
 
 /// The observation and the energies of the present time, once an output has asked for them.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct ObservationCache {
     observed: OnceCell<Observation<f64>>,
     energies: OnceCell<Energies>,
 }
@@ -143,7 +143,7 @@ pub struct Rates {
 
 impl Source {
     /// Returns the value. Only an output that needs them has the equations or the energies evaluated, at most once per instant.
-    pub fn value(&self, seen: &Seen, simulation: &Simulation, inputs: &Inputs) -> f64 {
+    pub fn value(&self, seen: &ObservationCache, simulation: &Simulation, inputs: &Inputs) -> f64 {
         let observed = || seen.observed.get_or_init(|| simulation.observe(inputs));
         match self {
             Source::Observed(of) => of(observed()),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::ground::Ground;
 use crate::unit::values::Values;
-use crate::unit::variables::{Fmi3Only, Text, Variable};
+use crate::unit::variables::{Fmi3Variable, Text, Variable};
 use rocking_records::{Format, LARGEST_FILE, ReadOptions, Record, Setting};
 
 /// The variables that name a record and its reading options.
@@ -23,7 +23,7 @@ impl Values {
 
     /// Returns the records without scale and shift.
     pub(super) fn unscaled_ground(&self) -> Result<Ground, String> {
-        match (self.fmi3_only.has_record(), self.has_file()) {
+        match (self.fmi3.has_record(), self.has_file()) {
             (false, _) => self.ground_of_files(),
             (true, false) => self.ground_of_arrays(),
             (true, true) => Err("record.horizontal_samples or record.vertical_samples holds a record, and \
@@ -34,7 +34,7 @@ impl Values {
 
     /// Whether the FMU has a record of its own.
     pub(super) fn has_record(&self) -> bool {
-        self.has_file() || self.fmi3_only.has_record()
+        self.has_file() || self.fmi3.has_record()
     }
 
     /// Whether a parameter names a record file.
@@ -51,8 +51,8 @@ impl Values {
     fn ground_of_arrays(&self) -> Result<Ground, String> {
         let time_step = self[Variable::RecordDt];
         let [horizontal, vertical] =
-            [Fmi3Only::RecordHorizontalSamples, Fmi3Only::RecordVerticalSamples].map(|samples| {
-                let acceleration = self.fmi3_only.of(samples);
+            [Fmi3Variable::RecordHorizontalSamples, Fmi3Variable::RecordVerticalSamples].map(|samples| {
+                let acceleration = self.fmi3.of(samples);
                 acceleration.iter().any(|&a| a != 0.0).then(|| Record {
                     title: samples.name().to_string(),
                     format: Format::Columns,

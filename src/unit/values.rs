@@ -5,8 +5,9 @@
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
+use crate::simulation::exchange::TIES;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
-use crate::unit::fmi3_only::Fmi3OnlyValues;
+use crate::unit::fmi3_variables::Fmi3Values;
 use crate::unit::variables::{Causality, Choice, Parameter, Text, VARIABLES, Variable, choices};
 
 /// Values of all parameters that the importer sets.
@@ -17,13 +18,13 @@ pub struct Values {
     /// Texts, in the order of [`Text::ALL`].
     texts: [String; Text::ALL.len()],
     /// Values of the variables that exist only in FMI 3.0.
-    pub(super) fmi3_only: Fmi3OnlyValues,
+    pub(super) fmi3: Fmi3Values,
 }
 
 impl Default for Values {
     fn default() -> Values {
         let numbers = VARIABLES.iter().map(|metadata| metadata.start.unwrap_or(0.0)).collect();
-        Values { numbers, texts: Default::default(), fmi3_only: Fmi3OnlyValues::default() }
+        Values { numbers, texts: Default::default(), fmi3: Fmi3Values::default() }
     }
 }
 
@@ -60,9 +61,6 @@ pub(super) enum GivenBlock<T> {
     Dimensionless(Dimensionless<T>),
     Physical(Physical<T>),
 }
-
-/// Number of ties among the variables.
-const TIES: usize = 2;
 
 /// The variables of a tie.
 struct TieVariables {
@@ -104,7 +102,7 @@ const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 impl Values {
     /// Whether there is one value for each variable, within its limits.
     pub fn are_valid(&self) -> bool {
-        self.fmi3_only.are_valid()
+        self.fmi3.are_valid()
             && self.numbers.len() == VARIABLES.len()
             && VARIABLES.iter().zip(&self.numbers).all(|(metadata, &value)| {
                 !metadata.is_settable() || (value.is_finite() && metadata.admits(value).is_ok())

@@ -175,10 +175,40 @@ fn within_limits(name: &str, value: f64, min: Option<f64>, max: Option<f64>) -> 
     })
 }
 
-impl Fmi3Only {
+/// Attributes of a variable that only FMI 3.0 has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fmi3Metadata {
+    /// The variable.
+    pub variable: Fmi3Variable,
+    /// Its name.
+    pub name: &'static str,
+    /// Its start value; of an array, that of each element.
+    pub start: Option<f64>,
+    /// Its minimum.
+    pub min: Option<f64>,
+    /// Its maximum.
+    pub max: Option<f64>,
+}
+
+impl Fmi3Metadata {
     /// Refuses a value that is not finite or outside the limits; the error names the limits.
-    pub fn admits(self, value: f64) -> Result<(), String> {
-        within_limits(self.name(), value, self.min(), self.max())
+    pub fn admits(&self, value: f64) -> Result<(), String> {
+        within_limits(self.name, value, self.min, self.max)
+    }
+}
+
+impl Fmi3Variable {
+    /// Returns its attributes.
+    pub fn metadata(self) -> &'static Fmi3Metadata {
+        FMI3_VARIABLES
+            .iter()
+            .find(|metadata| metadata.variable == self)
+            .unwrap_or_else(|| unreachable!("{self:?} is in modelDescription.xml"))
+    }
+
+    /// Returns its name.
+    pub fn name(self) -> &'static str {
+        self.metadata().name
     }
 }
 

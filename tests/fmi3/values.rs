@@ -1,7 +1,7 @@
 //! Values and derivatives equal those of FMI 2.0, which tests/abi compares with closed forms and references.
 
 use rocking_block::unit::instance::{Interface, Unit};
-use rocking_block::unit::variables::{Causality, Fmi3Only, Kind, VARIABLES};
+use rocking_block::unit::variables::{Causality, FMI3_VARIABLES, Kind, VARIABLES};
 
 use crate::functions::OK;
 use crate::host::{FMU, Instance, Wanted, call, reference};
@@ -123,5 +123,5 @@ fn the_file_lists_the_variables_of_the_code() {
         let settable = matches!(metadata.causality, Causality::Input | Causality::Parameter);
         assert_eq!(variable.attributes.contains_key("start") || kind == "String", settable, "{}", metadata.name);
     }
-    assert_eq!(FMU.variables.len(), VARIABLES.len() + Fmi3Only::ALL.len());
+    assert_eq!(FMU.variables.len(), VARIABLES.len() + FMI3_VARIABLES.len());
 }

@@ -4,11 +4,11 @@ use std::mem::MaybeUninit;
 
 use crate::fmi::fmi3::instance::{Answer, Instance, write};
 use crate::fmi::fmi3::types::Status;
-use crate::fmi::fmi3::values::{FLOAT64, fits, fmi3_only, known, mismatch};
+use crate::fmi::fmi3::values::{FLOAT64, fits, fmi3_variable, known, mismatch};
 use crate::unit::fault::Fault;
 use crate::unit::instance::derivatives::Direction;
 use crate::unit::life_cycle::Phase;
-use crate::unit::variables::Fmi3Only;
+use crate::unit::variables::Fmi3Variable;
 
 impl Instance {
     /// `fmi3GetDirectionalDerivative`.
@@ -81,7 +81,7 @@ impl Instance {
 
     /// Returns the number of values of a variable.
     fn size(&self, reference: &u32) -> usize {
-        fmi3_only(*reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only))
+        fmi3_variable(*reference).map_or(1, |variable| self.unit.size(variable))
     }
 
     /// Returns the number of values of several variables.
@@ -91,23 +91,23 @@ impl Instance {
 }
 
 fn is_time(reference: &u32) -> bool {
-    fmi3_only(*reference) == Some(Fmi3Only::Time)
+    fmi3_variable(*reference) == Some(Fmi3Variable::Time)
 }
 
 /// Refuses variables that exist only in FMI 3.0 as unknowns, since none is an output.
 fn check_unknowns(references: &[u32]) -> Result<(), Fault> {
-    references.iter().find_map(|&reference| fmi3_only(reference)).map_or(Ok(()), |fmi3_only| {
+    references.iter().find_map(|&reference| fmi3_variable(reference)).map_or(Ok(()), |variable| {
         Err(Fault::new(format!(
             "{} is no output and no calculated parameter; only these are differentiated",
-            fmi3_only.name()
+            variable.name()
         )))
     })
 }
 
 /// Adds components of a variable to the direction, from the value with index `first` on.
 fn add(direction: &mut Direction, reference: u32, first: usize, components: &[f64]) -> Result<(), Fault> {
-    match fmi3_only(reference) {
-        Some(fmi3_only) if known(reference)?.1 == FLOAT64 => direction.add_fmi3_only(fmi3_only, first, components),
+    match fmi3_variable(reference) {
+        Some(variable) if known(reference)?.1 == FLOAT64 => direction.add_fmi3_variable(variable, first, components),
         Some(_) => Err(mismatch(reference, FLOAT64)),
         None => components.iter().try_for_each(|&component| direction.add(reference, component)),
     }

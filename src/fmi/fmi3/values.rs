@@ -6,7 +6,7 @@ use crate::fmi::fmi3::instance::{Answer, Instance, write};
 use crate::fmi::fmi3::types::Status;
 use crate::unit::fault::Fault;
 use crate::unit::life_cycle::Phase;
-use crate::unit::variables::{Fmi3Only, Kind, Role, VARIABLES};
+use crate::unit::variables::{FMI3_VARIABLES, Fmi3Variable, Kind, Role, VARIABLES};
 
 pub(super) const FLOAT64: &str = "Float64";
 
@@ -22,8 +22,9 @@ fn type_name(kind: Kind) -> &'static str {
 }
 
 /// Returns the variable with this value reference if it exists only in FMI 3.0.
-pub(super) fn fmi3_only(reference: u32) -> Option<Fmi3Only> {
-    Fmi3Only::ALL.get((reference as usize).checked_sub(VARIABLES.len())?).copied()
+pub(super) fn fmi3_variable(reference: u32) -> Option<Fmi3Variable> {
+    let place = (reference as usize).checked_sub(VARIABLES.len())?;
+    FMI3_VARIABLES.get(place).map(|metadata| metadata.variable)
 }
 
 /// Returns name and type of a variable.
@@ -31,11 +32,11 @@ pub(super) fn known(reference: u32) -> Result<(&'static str, &'static str), Faul
     if let Some(metadata) = VARIABLES.get(reference as usize) {
         return Ok((metadata.name, type_name(metadata.kind)));
     }
-    match fmi3_only(reference) {
-        Some(fmi3_only @ Fmi3Only::RecordSamples) => Ok((fmi3_only.name(), "UInt64")),
-        Some(fmi3_only) => Ok((fmi3_only.name(), FLOAT64)),
+    match fmi3_variable(reference) {
+        Some(variable @ Fmi3Variable::RecordSamples) => Ok((variable.name(), "UInt64")),
+        Some(variable) => Ok((variable.name(), FLOAT64)),
         None => {
-            let last = VARIABLES.len() + Fmi3Only::ALL.len() - 1;
+            let last = VARIABLES.len() + FMI3_VARIABLES.len() - 1;
             Err(Fault::new(format!("value reference {reference} does not exist; expected 0 to {last}")))
         }
     }
@@ -64,7 +65,7 @@ pub(super) fn check(references: &[u32], kind: Kind) -> Result<(), Fault> {
 
 /// Refuses variables that are not sizes of arrays.
 fn check_sizes(references: &[u32]) -> Result<(), Fault> {
-    let wrong = references.iter().find(|&&reference| fmi3_only(reference) != Some(Fmi3Only::RecordSamples));
+    let wrong = references.iter().find(|&&reference| fmi3_variable(reference) != Some(Fmi3Variable::RecordSamples));
     wrong.map_or(Ok(()), |&reference| Err(mismatch(reference, "UInt64")))
 }
 
@@ -106,15 +107,15 @@ impl Instance {
 
     /// `fmi3GetFloat64`.
     pub fn get_floats(&mut self, references: &[u32], values: &mut [MaybeUninit<f64>]) -> Answer {
-        if references.iter().all(|&reference| fmi3_only(reference).is_none()) {
+        if references.iter().all(|&reference| fmi3_variable(reference).is_none()) {
             return self.get_scalars(Kind::Real, references, values, |value| value);
         }
         self.may_read(references)?;
         let mut found = Vec::with_capacity(values.len());
         for &reference in references {
-            match fmi3_only(reference) {
-                Some(fmi3_only) if known(reference)?.1 == FLOAT64 => {
-                    self.unit.read_fmi3_only(fmi3_only, &mut |value| found.push(value))?;
+            match fmi3_variable(reference) {
+                Some(variable) if known(reference)?.1 == FLOAT64 => {
+                    self.unit.read_fmi3_variable(variable, &mut |value| found.push(value))?;
                 }
                 Some(_) | None => {
                     check(&[reference], Kind::Real)?;
@@ -131,7 +132,7 @@ impl Instance {
     /// `fmi3SetFloat64`, all or none. In an intermediate update, sets inputs of a later time.
     pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Answer {
         if self.unit.phase() != Phase::SettingAhead {
-            return if references.iter().all(|&reference| fmi3_only(reference).is_none()) {
+            return if references.iter().all(|&reference| fmi3_variable(reference).is_none()) {
                 self.set_scalars(Kind::Real, references, values, |value| value)
             } else {
                 self.set_arrays(references, values)
@@ -158,15 +159,15 @@ impl Instance {
 
     /// Sets Float64 variables, some of them only of FMI 3.0, all or none.
     fn set_arrays(&mut self, references: &[u32], values: &[f64]) -> Answer {
-        let size = |&reference: &u32| fmi3_only(reference).map_or(1, |fmi3_only| self.unit.size(fmi3_only));
+        let size = |&reference: &u32| fmi3_variable(reference).map_or(1, |variable| self.unit.size(variable));
         fits(references.iter().map(size).sum(), values.len())?;
         let mut changed = self.unit.clone();
         let mut rest = values;
         for reference in references {
             let (these, others) = rest.split_at(size(reference));
             rest = others;
-            match fmi3_only(*reference) {
-                Some(fmi3_only) if known(*reference)?.1 == FLOAT64 => changed.set_fmi3_only(fmi3_only, these)?,
+            match fmi3_variable(*reference) {
+                Some(variable) if known(*reference)?.1 == FLOAT64 => changed.set_fmi3_variable(variable, these)?,
                 Some(_) | None => {
                     check(&[*reference], Kind::Real)?;
                     changed.set(Kind::Real, &[*reference], these, |value| value)?;

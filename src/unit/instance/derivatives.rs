@@ -16,7 +16,7 @@ use crate::unit::instance::access::{input, known, output};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
 use crate::unit::values::{GivenBlock, Values};
-use crate::unit::variables::{Fmi3Only, Input, Kind, Output, Role, VARIABLES, Variable};
+use crate::unit::variables::{Fmi3Variable, Input, Kind, Output, Role, VARIABLES, Variable};
 use rocking_records::{Record, Unit as RecordUnit};
 
 /// A direction in Initialization Mode: components of inputs, parameters and start time.
@@ -54,26 +54,16 @@ impl Direction {
     }
 
     /// Adds components of a variable that exists only in FMI 3.0, from the value with index `first` on.
-    pub fn add_fmi3_only(&mut self, fmi3_only: Fmi3Only, first: usize, components: &[f64]) -> Result<(), Fault> {
-        let name = fmi3_only.name();
+    pub fn add_fmi3_variable(&mut self, variable: Fmi3Variable, first: usize, components: &[f64]) -> Result<(), Fault> {
+        let name = variable.name();
         components.iter().try_for_each(|&component| finite(name, component).map(|_| ()))?;
-        match fmi3_only {
-            Fmi3Only::Time => self.time += components.iter().sum::<f64>(),
-            Fmi3Only::RecordHorizontalSamples => add(&mut self.samples[0], first, components),
-            Fmi3Only::RecordVerticalSamples => add(&mut self.samples[1], first, components),
+        match variable {
+            Fmi3Variable::Time => self.time += components.iter().sum::<f64>(),
+            Fmi3Variable::RecordHorizontalSamples => add(&mut self.samples[0], first, components),
+            Fmi3Variable::RecordVerticalSamples => add(&mut self.samples[1], first, components),
             // The initial state does not depend on intermediate updates.
-            Fmi3Only::IntermediateInterval => {}
-            Fmi3Only::RecordSamples
-            | Fmi3Only::IndicatorL
-            | Fmi3Only::IndicatorR
-            | Fmi3Only::IndicatorQuarterTurn
-            | Fmi3Only::IndicatorSlide
-            | Fmi3Only::IndicatorSlipR
-            | Fmi3Only::IndicatorSlipL
-            | Fmi3Only::IndicatorTie1Taut
-            | Fmi3Only::IndicatorTie1Strength
-            | Fmi3Only::IndicatorTie2Taut
-            | Fmi3Only::IndicatorTie2Strength => {
+            Fmi3Variable::IntermediateInterval => {}
+            Fmi3Variable::RecordSamples | Fmi3Variable::Indicator(_) => {
                 return Err(Fault::new(format!(
                     "{name} is no real parameter; while initializing only an input or a parameter is a direction"
                 )));
@@ -198,7 +188,7 @@ impl Unit {
         direction: &[f64],
         time: f64,
     ) -> Result<Derivatives, Fault> {
-        finite(Fmi3Only::Time.name(), time)?;
+        finite(Fmi3Variable::Time.name(), time)?;
         unknowns.iter().try_for_each(|&reference| output(reference, "can be differentiated").map(|_| ()))?;
         let (mut along, mut states) = (Inputs::default(), None::<States>);
         for (&reference, &component) in knowns.iter().zip(direction) {

@@ -6,7 +6,7 @@ use crate::system::events::Event;
 use crate::unit::fault::Fault;
 use crate::unit::instance::{Interface, Unit, with_ground};
 use crate::unit::life_cycle::Phase;
-use crate::unit::outputs::{Seen, state};
+use crate::unit::outputs::{ObservationCache, state};
 use crate::unit::variables::Output;
 
 /// Information for the importer after an event.
@@ -39,7 +39,7 @@ impl Unit {
         let time = simulation.time();
         let end;
         (self.acting, end) = with_ground(&Inputs { time, ..self.inputs }, ground, time);
-        self.observed = Seen::default();
+        self.observed = ObservationCache::default();
         let before = simulation.clone();
         simulation.pass_events(&self.acting, end, observer).map_err(|error| {
             // Transitions that lead nowhere may leave numbers that are not finite.
@@ -93,7 +93,7 @@ impl Unit {
         if let Some(simulation) = &mut self.simulation {
             simulation.set_states(time, &states);
         }
-        self.observed = Seen::default();
+        self.observed = ObservationCache::default();
     }
 
     /// Returns the continuous states, as set or as the last event left them.
@@ -151,7 +151,7 @@ impl Unit {
             };
             simulation.complete_step(&over);
             self.last_inputs = self.inputs;
-            self.observed = Seen::default();
+            self.observed = ObservationCache::default();
         }
     }
 }
