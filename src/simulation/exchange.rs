@@ -35,7 +35,7 @@ pub const STATES: usize = 10;
 /// states are integrated, but the motion does not depend on them. Each event sets them to the values that follow.
 pub type States = [f64; STATES];
 
-/// The number of ties of a block that is stepped from outside.
+/// The number of ties of a block that is stepped by an importer's solver: those among the variables of the FMU.
 pub const TIES: usize = 2;
 
 /// The number of event indicators: one for each corner, one for the quarter turn, one for a foot that slides without friction or a
@@ -389,22 +389,8 @@ impl Simulation {
             };
             let Sample { value, rate } = surface.sample(now);
             let rateless = rate.abs() <= NO_RATE * surface.rounding(now.block) * now.block.p;
-            let follows = match (surface, now.block.foundation) {
-                (Surface::Gap(_) | Surface::Speed | Surface::Shortness(_) | Surface::Stretch(_), _)
-                | (Surface::Reaction(_) | Surface::Slide, Foundation::Viscoelastic) => true,
-                // Others jump with the inputs, or have no zero in common with another law.
-                (Surface::Reaction(_) | Surface::Slide, Foundation::Rigid)
-                | (
-                    Surface::Held(_)
-                    | Surface::Unloaded(_)
-                    | Surface::Friction(_)
-                    | Surface::Tension(_)
-                    | Surface::Limpness(_)
-                    | Surface::Strength(_)
-                    | Surface::QuarterTurn,
-                    _,
-                ) => false,
-            };
+            let jumps = (surface, now.block.foundation) == (Surface::Slide, Foundation::Rigid);
+            let follows = surface.follows_from_state(now.block.foundation) && !jumps;
             if value < 0.0 && rateless && follows { rounding - value } else { rounding }
         })
     }
@@ -430,24 +416,7 @@ fn indicator_of(surface: Surface, now: &Evaluation, offset: f64) -> f64 {
     let size = surface.rounding(now.block) / ROUNDING;
     let sample = surface.sample(now);
     let value = sample.value + offset;
-    let falling = |rate: f64| value.max(rate / now.block.p);
-    let indicator = match (surface, now.block.foundation) {
-        // The rate depends on those of the inputs, which are not known.
-        (Surface::Reaction(_), Foundation::Rigid)
-        | (
-            Surface::Held(_)
-            | Surface::Unloaded(_)
-            | Surface::Friction(_)
-            | Surface::Tension(_)
-            | Surface::Limpness(_)
-            | Surface::Strength(_)
-            | Surface::QuarterTurn,
-            _,
-        ) => value,
-        (Surface::Reaction(_), Foundation::Viscoelastic)
-        | (Surface::Gap(_) | Surface::Slide | Surface::Speed | Surface::Shortness(_) | Surface::Stretch(_), _) => {
-            falling(sample.rate)
-        }
-    };
-    indicator / size
+    // Elsewhere the rate depends on those of the inputs, which are not known.
+    let has_rate = surface.follows_from_state(now.block.foundation);
+    (if has_rate { value.max(sample.rate / now.block.p) } else { value }) / size
 }

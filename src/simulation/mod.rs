@@ -230,15 +230,7 @@ impl Simulation {
         let ends = match happened {
             None => return false,
             Some(EventKind::Overturning) => self.settings.on_overturning == OnOverturning::Terminate,
-            Some(
-                EventKind::LiftOff(_)
-                | EventKind::Landing(_)
-                | EventKind::Slip
-                | EventKind::Grip
-                | EventKind::Taut(_)
-                | EventKind::Slack(_)
-                | EventKind::Break(_),
-            ) => separates && self.settings.on_separation == OnSeparation::Terminate,
+            Some(_) => separates && self.settings.on_separation == OnSeparation::Terminate,
         };
         !ends
     }
@@ -373,9 +365,9 @@ impl Simulation {
         self.sums.constraint += constraint;
         let after = self.now(now.block, now.excitation);
         let lost = now.energy() - after.energy();
-        match happened {
-            Some(EventKind::Break(_) | EventKind::Slack(_) | EventKind::Taut(_)) => self.sums.ties += lost,
-            _ => self.sums.impacts += lost,
+        match happened.and_then(EventKind::tie) {
+            Some(_) => self.sums.ties += lost,
+            None => self.sums.impacts += lost,
         }
         let Some(kind) = happened else { return Ok(after) };
         if kind == EventKind::Overturning {

@@ -40,6 +40,18 @@ impl EventKind {
         }
     }
 
+    /// The tie to which it belongs, by its place in the list.
+    pub fn tie(self) -> Option<u8> {
+        match self {
+            EventKind::Taut(tie) | EventKind::Slack(tie) | EventKind::Break(tie) => Some(tie),
+            EventKind::LiftOff(_)
+            | EventKind::Landing(_)
+            | EventKind::Slip
+            | EventKind::Grip
+            | EventKind::Overturning => None,
+        }
+    }
+
     /// The name of its corner, `L` or `R`, or of its tie, `tie 1` and so on; none for an event of the whole block.
     pub fn place(self) -> Option<&'static str> {
         const TIES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];

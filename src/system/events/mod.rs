@@ -155,6 +155,25 @@ impl Surface {
         }
     }
 
+    /// Whether its value follows from the state and its rate from that of the state, not from rates of the inputs; and an event may
+    /// leave it at zero.
+    pub fn follows_from_state(self, foundation: Foundation) -> bool {
+        match self {
+            Surface::Gap(_) | Surface::Slide | Surface::Speed | Surface::Shortness(_) | Surface::Stretch(_) => true,
+            Surface::Reaction(_) => match foundation {
+                Foundation::Viscoelastic => true,
+                Foundation::Rigid => false,
+            },
+            Surface::Held(_)
+            | Surface::Unloaded(_)
+            | Surface::Friction(_)
+            | Surface::Tension(_)
+            | Surface::Limpness(_)
+            | Surface::Strength(_)
+            | Surface::QuarterTurn => false,
+        }
+    }
+
     /// Whether the block has the watched tie, if this surface belongs to one.
     pub fn is_of(self, block: &Block) -> bool {
         match self {
