@@ -266,31 +266,16 @@ functions! {
     fmi2SetContinuousStates SetContinuousStates(
         states: *const fmi2Real, count: size_t
     ) = |instance| instance.set_continuous_states(read("x", states, count)?);
-}
-
-macro_rules! exchanged {
-    ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
-        $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(component: fmi2Component, values: *mut fmi2Real, count: size_t) -> fmi2Status {
-            // SAFETY: `component` is null or a live instance (standard, 2.1.5); there is memory for `count` values,
-            // which is only written (standard, 3.2.1).
-            unsafe {
-                call(component, Call::$call, |instance| {
-                    instance.get_all($of, room($array, values, count)?.places())
-                })
-            }
-        }
-    )*};
-}
-
-exchanged! {
     /// Model Exchange: returns the derivatives of the continuous states.
-    fmi2GetDerivatives GetDerivatives "derivatives" Unit::derivatives;
+    fmi2GetDerivatives GetDerivatives(values: *mut fmi2Real, count: size_t) =
+        |instance| instance.get_all(Unit::derivatives, room("derivatives", values, count)?.places());
     /// Model Exchange: returns the event indicators.
-    fmi2GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
+    fmi2GetEventIndicators GetEventIndicators(values: *mut fmi2Real, count: size_t) =
+        |instance| instance.get_all(Unit::indicators, room("eventIndicators", values, count)?.places());
     /// Model Exchange: returns the continuous states.
-    fmi2GetContinuousStates GetContinuousStates "x" Unit::states;
+    fmi2GetContinuousStates GetContinuousStates(values: *mut fmi2Real, count: size_t) =
+        |instance| instance.get_all(Unit::states, room("x", values, count)?.places());
     /// Model Exchange: returns the nominal values of the continuous states.
-    fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates "x_nominal" Unit::nominals;
+    fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi2Real, count: size_t) =
+        |instance| instance.get_all(Unit::nominals, room("x_nominal", values, count)?.places());
 }

@@ -148,60 +148,36 @@ functions! {
         let stop = is_true(stop_time_defined).then_some(stop_time);
         instance.enter_initialization_mode(tolerance, start_time, stop)
     };
-}
-
-macro_rules! transitions {
-    ($($(#[$doc:meta])* $name:ident $call:ident $act:expr;)*) => {$(
-        $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(instance: fmi3Instance) -> fmi3Status {
-            // SAFETY: the instance is live; there is no other pointer.
-            unsafe { call(instance, Call::$call, $act) }
-        }
-    )*};
-}
-
-transitions! {
     /// Ends initialization and makes the block.
-    fmi3ExitInitializationMode ExitInitializationMode Instance::leave_initialization_mode;
+    fmi3ExitInitializationMode ExitInitializationMode() = Instance::leave_initialization_mode;
     /// Enters Event Mode.
-    fmi3EnterEventMode EnterEventMode Instance::begin_event;
+    fmi3EnterEventMode EnterEventMode() = Instance::begin_event;
     /// Enters Step Mode.
-    fmi3EnterStepMode EnterStepMode Instance::enter_step_mode;
+    fmi3EnterStepMode EnterStepMode() = Instance::enter_step_mode;
     /// Model Exchange: enters Continuous-Time Mode.
-    fmi3EnterContinuousTimeMode EnterContinuousTimeMode Instance::enter_continuous_time_mode;
+    fmi3EnterContinuousTimeMode EnterContinuousTimeMode() = Instance::enter_continuous_time_mode;
     /// Ends the run.
-    fmi3Terminate Terminate Instance::terminate;
+    fmi3Terminate Terminate() = Instance::terminate;
     /// Returns to the state after instantiation.
-    fmi3Reset Reset Instance::reset;
+    fmi3Reset Reset() = Instance::reset;
     /// Enters Configuration Mode, where sizes of arrays can be set.
-    fmi3EnterConfigurationMode EnterConfigurationMode |instance| instance.configure(true);
+    fmi3EnterConfigurationMode EnterConfigurationMode() = |instance| instance.configure(true);
     /// Leaves Configuration Mode.
-    fmi3ExitConfigurationMode ExitConfigurationMode |instance| instance.configure(false);
+    fmi3ExitConfigurationMode ExitConfigurationMode() = |instance| instance.configure(false);
 }
 
 macro_rules! getters {
-    ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $get:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $get:expr;)*) => { functions! {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(
-            instance: fmi3Instance,
-            references: *const fmi3ValueReference,
-            count: size_t,
-            values: *mut $type,
-            value_count: size_t,
-        ) -> fmi3Status {
-            // SAFETY: the instance is live; there are `count` references, and memory for `value_count` values.
-            unsafe {
-                call(instance, Call::$call, |instance| {
-                    let mut values = room("values", values, value_count)?;
-                    let references = values.read_beside("valueReferences", references, count)?;
-                    let get: fn(&mut Instance, &[u32], &mut [std::mem::MaybeUninit<$type>]) -> _ = $get;
-                    get(instance, &references, values.places())
-                })
-            }
-        }
-    )*};
+        $name $call(
+            references: *const fmi3ValueReference, count: size_t, values: *mut $type, value_count: size_t
+        ) = |instance| {
+            let mut values = room("values", values, value_count)?;
+            let references = values.read_beside("valueReferences", references, count)?;
+            let get: fn(&mut Instance, &[u32], &mut [std::mem::MaybeUninit<$type>]) -> _ = $get;
+            get(instance, &references, values.places())
+        };
+    )*}};
 }
 
 getters! {
@@ -241,25 +217,15 @@ getters! {
 }
 
 macro_rules! setters {
-    ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $set:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident $call:ident $type:ty, $set:expr;)*) => { functions! {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(
-            instance: fmi3Instance,
-            references: *const fmi3ValueReference,
-            count: size_t,
-            values: *const $type,
-            value_count: size_t,
-        ) -> fmi3Status {
-            // SAFETY: the instance is live; there are `count` references and `value_count` values.
-            unsafe {
-                call(instance, Call::$call, |instance| {
-                    let set: fn(&mut Instance, &[u32], &[$type]) -> _ = $set;
-                    set(instance, read("valueReferences", references, count)?, read("values", values, value_count)?)
-                })
-            }
-        }
-    )*};
+        $name $call(
+            references: *const fmi3ValueReference, count: size_t, values: *const $type, value_count: size_t
+        ) = |instance| {
+            let set: fn(&mut Instance, &[u32], &[$type]) -> _ = $set;
+            set(instance, read("valueReferences", references, count)?, read("values", values, value_count)?)
+        };
+    )*}};
 }
 
 setters! {
@@ -337,33 +303,20 @@ functions! {
 }
 
 macro_rules! derivatives {
-    ($($(#[$doc:meta])* $name:ident $call:ident $get:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident $call:ident $get:expr;)*) => { functions! {$(
         $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(
-            instance: fmi3Instance,
-            unknowns: *const fmi3ValueReference,
-            unknown_count: size_t,
-            knowns: *const fmi3ValueReference,
-            known_count: size_t,
-            seed: *const fmi3Float64,
-            seed_count: size_t,
-            sensitivity: *mut fmi3Float64,
-            sensitivity_count: size_t,
-        ) -> fmi3Status {
-            // SAFETY: the instance is live; the arrays have the given numbers of elements (standard, 2.2.11). The
-            // sensitivities may share memory with the others.
-            unsafe {
-                call(instance, Call::$call, |instance| {
-                    let mut sensitivities = room("sensitivity", sensitivity, sensitivity_count)?;
-                    let unknowns = sensitivities.read_beside("unknowns", unknowns, unknown_count)?;
-                    let knowns = sensitivities.read_beside("knowns", knowns, known_count)?;
-                    let seed = sensitivities.read_beside("seed", seed, seed_count)?;
-                    $get(instance, &unknowns, &knowns, &seed, sensitivities.places())
-                })
-            }
-        }
-    )*};
+        $name $call(
+            unknowns: *const fmi3ValueReference, unknown_count: size_t, knowns: *const fmi3ValueReference, known_count: size_t,
+            seed: *const fmi3Float64, seed_count: size_t, sensitivity: *mut fmi3Float64, sensitivity_count: size_t
+        ) = |instance| {
+            // The sensitivities may share memory with the others (standard, 2.2.11).
+            let mut sensitivities = room("sensitivity", sensitivity, sensitivity_count)?;
+            let unknowns = sensitivities.read_beside("unknowns", unknowns, unknown_count)?;
+            let knowns = sensitivities.read_beside("knowns", knowns, known_count)?;
+            let seed = sensitivities.read_beside("seed", seed, seed_count)?;
+            $get(instance, &unknowns, &knowns, &seed, sensitivities.places())
+        };
+    )*}};
 }
 
 derivatives! {
@@ -460,57 +413,28 @@ functions! {
     fmi3SetContinuousStates SetContinuousStates(states: *const fmi3Float64, count: size_t) = |instance| {
         instance.set_continuous_states(read("continuousStates", states, count)?)
     };
-}
-
-macro_rules! exchanged {
-    ($($(#[$doc:meta])* $name:ident $call:ident $array:literal $of:expr;)*) => {$(
-        $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(
-            instance: fmi3Instance,
-            values: *mut fmi3Float64,
-            count: size_t,
-        ) -> fmi3Status {
-            // SAFETY: the instance is live; there is memory for `count` values (standard, 3.2).
-            unsafe {
-                call(instance, Call::$call, |instance| instance.get_all($of, room($array, values, count)?.places()))
-            }
-        }
-    )*};
-}
-
-exchanged! {
     /// Model Exchange: returns the derivatives of the continuous states.
-    fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives "derivatives" Unit::derivatives;
+    fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives(values: *mut fmi3Float64, count: size_t) =
+        |instance| instance.get_all(Unit::derivatives, room("derivatives", values, count)?.places());
     /// Model Exchange: returns the event indicators.
-    fmi3GetEventIndicators GetEventIndicators "eventIndicators" Unit::indicators;
+    fmi3GetEventIndicators GetEventIndicators(values: *mut fmi3Float64, count: size_t) =
+        |instance| instance.get_all(Unit::indicators, room("eventIndicators", values, count)?.places());
     /// Model Exchange: returns the continuous states.
-    fmi3GetContinuousStates GetContinuousStates "continuousStates" Unit::states;
+    fmi3GetContinuousStates GetContinuousStates(values: *mut fmi3Float64, count: size_t) =
+        |instance| instance.get_all(Unit::states, room("continuousStates", values, count)?.places());
     /// Model Exchange: returns the nominal values of the continuous states.
-    fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates "nominals" Unit::nominals;
-}
-
-macro_rules! counts {
-    ($($(#[$doc:meta])* $name:ident $call:ident $place:literal $count:expr;)*) => {$(
-        $(#[$doc])*
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(instance: fmi3Instance, count: *mut size_t) -> fmi3Status {
-            // SAFETY: the instance is live; `count` is a place for the result (standard, 3.2).
-            unsafe {
-                call(instance, Call::$call, |_| {
-                    place($place, count)?.put($count);
-                    Ok(Status::Ok)
-                })
-            }
-        }
-    )*};
-}
-
-counts! {
+    fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi3Float64, count: size_t) =
+        |instance| instance.get_all(Unit::nominals, room("nominals", values, count)?.places());
     /// Model Exchange: returns the number of event indicators.
-    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators "nEventIndicators" INDICATORS;
+    fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators(count: *mut size_t) = |_| {
+        place("nEventIndicators", count)?.put(INDICATORS);
+        Ok(Status::Ok)
+    };
     /// Model Exchange: returns the number of continuous states.
-    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates "nContinuousStates" STATES;
+    fmi3GetNumberOfContinuousStates GetNumberOfContinuousStates(count: *mut size_t) = |_| {
+        place("nContinuousStates", count)?.put(STATES);
+        Ok(Status::Ok)
+    };
 }
 
 /// Never called, since the table of calls refuses the call before.
@@ -519,14 +443,10 @@ fn refused(_: &mut Instance) -> Result<Status, Fault> {
 }
 
 macro_rules! missing {
-    ($($name:ident $call:ident ($($argument:ident: $type:ty),*);)*) => {$(
+    ($($name:ident $call:ident ($($argument:ident: $type:ty),*);)*) => { functions! {$(
         /// Not supported: refused with a message.
-        #[cfg_attr(feature = "exports", unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
-            // SAFETY: the instance is live; no other pointer is used.
-            unsafe { call(instance, Call::$call, refused) }
-        }
-    )*};
+        $name $call($($argument: $type),*) = refused;
+    )*}};
 }
 
 missing! {
