@@ -109,8 +109,8 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
     folder.push(if release { "release" } else { "debug" });
     let output = command.output().map_err(|e| format!("cargo does not start: {e}"))?;
     if !output.status.success() {
-        let told = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("the FMUs' libraries do not compile ({}):\n{told}", output.status));
+        let errors = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("the FMUs' libraries do not compile ({}):\n{errors}", output.status));
     }
     Ok(folder)
 }

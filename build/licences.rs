@@ -102,7 +102,7 @@ fn metadata() -> Result<Metadata, String> {
     let mut command = library::inner_cargo()?;
     command.args(["metadata", "--format-version", "1", "--no-default-features", "--locked", "--filter-platform"]);
     command.arg(crate::variable("TARGET")?);
-    MetadataCommand::parse(told(command)?).map_err(|e| format!("cargo metadata: {e}"))
+    MetadataCommand::parse(output_of(command)?).map_err(|e| format!("cargo metadata: {e}"))
 }
 
 /// Returns the root, the glue of WebAssembly, and their run-time dependencies, without build and test dependencies and macros. `cargo tree` knows the optional
@@ -116,7 +116,7 @@ fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageI
         command.args(["--package", wasm.library()]);
     }
     command.args(["--prefix", "none", "--format", "{p}", "--target", &crate::variable("TARGET")?]);
-    let tree = told(command)?;
+    let tree = output_of(command)?;
     // `name vVERSION`, and the folder of a local package.
     let used: BTreeSet<(&str, &str)> = tree
         .lines()
@@ -132,7 +132,7 @@ fn linked(metadata: &Metadata, versions: &[Version]) -> Result<BTreeSet<PackageI
     used.iter().map(id).collect()
 }
 
-fn told(mut command: Command) -> Result<String, String> {
+fn output_of(mut command: Command) -> Result<String, String> {
     let output = command.output().map_err(|e| format!("cargo does not start: {e}"))?;
     if !output.status.success() {
         return Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)));

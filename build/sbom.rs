@@ -86,9 +86,9 @@ fn reference(package: &Package) -> String {
 
 /// Returns reference and component of the standard library, which no manifest names.
 fn standard_library() -> Result<(String, Value), String> {
-    let told = library::rustc(&["-vV"])?;
-    let release = told.lines().find_map(|line| line.strip_prefix("release: "));
-    let release = release.ok_or_else(|| format!("rustc -vV gives no release, but {told:?}"))?;
+    let version = library::rustc(&["-vV"])?;
+    let release = version.lines().find_map(|line| line.strip_prefix("release: "));
+    let release = release.ok_or_else(|| format!("rustc -vV gives no release, but {version:?}"))?;
     let reference = format!("pkg:generic/rust-standard-library@{release}");
     let component = json!({
         "type": "library",

@@ -73,7 +73,7 @@ pub fn measure_scale(im: &str, alpha: Option<f64>, p: Option<f64>, g: f64) -> Py
     };
     let alpha = if measure == Measure::PeriodToBlock { 1.0 } else { need("alpha", alpha)? };
     let p = if measure == Measure::PgaToUplift { 1.0 } else { need("p", p)? };
-    let (of_record, factor) = measure.beside_scales(alpha, p, g);
+    let (of_record, factor) = measure.record_measure_at(alpha, p, g);
     Ok((of_record.to_string(), factor))
 }
 

@@ -111,11 +111,11 @@ pub unsafe fn call<V: Version>(
 ///
 /// # Safety
 /// As for [`call`].
-pub unsafe fn call_in_pieces<V: Version, Asked, Given>(
+pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
     handle: *mut c_void,
     call: V::Call,
-    mut piece: impl FnMut(&mut Instance<V>, Option<Given>) -> Result<ControlFlow<Status, Asked>, Fault>,
-    between: impl Fn(Asked) -> Given,
+    mut piece: impl FnMut(&mut Instance<V>, Option<Reply>) -> Result<ControlFlow<Status, Request>, Fault>,
+    between: impl Fn(Request) -> Reply,
 ) -> Status {
     let outer = handle.cast::<Outer<V>>();
     if outer.is_null() {

@@ -166,12 +166,12 @@ fn read(
         Ok(Ground { horizontal: read(files.horizontal, false)?, vertical: read(files.vertical, true)? })
     };
     let grounds = files.iter().map(ground).collect::<anyhow::Result<Vec<_>>>()?;
-    refuse_unread(&said, &grounds)?;
+    refuse_without_effect(&said, &grounds)?;
     Ok(grounds)
 }
 
 /// Refuses options that none of the files needed.
-pub fn refuse_unread(said: &RecordOptions, grounds: &[Ground]) -> anyhow::Result<()> {
+pub fn refuse_without_effect(said: &RecordOptions, grounds: &[Ground]) -> anyhow::Result<()> {
     match said.unread(grounds) {
         Some((name, needed)) => anyhow::bail!("{} has no effect without {needed}", name.option()),
         None => Ok(()),

@@ -63,12 +63,12 @@ pub struct BlockOptions {
     #[arg(long, value_name = "FACTOR", default_value_t = Common::default().restitution_factor)]
     restitution_factor: f64,
     #[command(flatten)]
-    holds: HoldOptions,
+    extended: ExtendedBlockOptions,
 }
 
 /// Eccentricity, friction and ties of a block.
 #[derive(Args)]
-pub struct HoldOptions {
+pub struct ExtendedBlockOptions {
     /// Distance of the centre of mass from the middle of the base, positive to the right [m]
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
     eccentricity: f64,
@@ -82,7 +82,7 @@ pub struct HoldOptions {
     tie: Vec<Tie>,
 }
 
-impl HoldOptions {
+impl ExtendedBlockOptions {
     /// Returns these parameters with their own eccentricity and friction.
     pub fn common(&self, common: Common) -> Common {
         Common { eccentricity: self.eccentricity, friction: self.friction, ..common }
@@ -111,7 +111,7 @@ impl BlockOptions {
     }
 
     /// Refuses options without effect.
-    pub fn refuse_unread(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+    pub fn refuse_without_effect(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         let on_supports = match self.foundation {
             Foundation::Viscoelastic => true,
             Foundation::Rigid => false,
@@ -133,7 +133,7 @@ impl BlockOptions {
         for (option, given, why) in [
             ("stiffness", self.stiffness.is_some(), "eta and xi_v depend"),
             ("inertia", self.inertia.is_some(), "p depends"),
-            ("tie", !self.holds.tie.is_empty(), "the effect of a tie depends"),
+            ("tie", !self.extended.tie.is_empty(), "the effect of a tie depends"),
         ] {
             let has_mass = !given || explicit.has("mass");
             anyhow::ensure!(has_mass, "--{option} without --mass; expected both, since {why} on the mass");
@@ -145,10 +145,10 @@ impl BlockOptions {
     fn checked(&self) -> anyhow::Result<Block> {
         let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } = *self;
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor, ..Common::default() };
-        let common = self.holds.common(common);
+        let common = self.extended.common(common);
         let BlockOptions { width: Some(width), height, center_height, inertia, stiffness, damping, .. } = *self else {
             let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?;
-            return Ok(self.holds.tied(block)?);
+            return Ok(self.extended.tied(block)?);
         };
         let height = center_height.map(|height| 2.0 * height).or(height);
         let height = height.context("--width without --height; expected both, or --center-height")?;
@@ -163,6 +163,6 @@ impl BlockOptions {
             (Foundation::Rigid, ..) => (mass * g / height, 0.0),
         };
         let block = Block::from_physical(&Physical { width, height, stiffness, damping, inertia }, &common)?;
-        Ok(self.holds.tied(block)?)
+        Ok(self.extended.tied(block)?)
     }
 }

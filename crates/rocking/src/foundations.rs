@@ -43,7 +43,7 @@ struct PadOptions {
     #[arg(long, value_name = "PA")]
     bulk_modulus: Option<f64>,
     #[command(flatten)]
-    block: Carried,
+    block: SupportedBlock,
     #[command(flatten)]
     report: ReportOptions,
 }
@@ -66,14 +66,14 @@ struct SoilOptions {
     #[arg(long, value_name = "NU")]
     poisson: f64,
     #[command(flatten)]
-    block: Carried,
+    block: SupportedBlock,
     #[command(flatten)]
     report: ReportOptions,
 }
 
 /// The block on the supports.
 #[derive(Args)]
-struct Carried {
+struct SupportedBlock {
     /// Mass M of the block, for omega_v, xi_v and delta_s [kg]
     #[arg(long, value_name = "KG")]
     mass: Option<f64>,
@@ -121,7 +121,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 fn print(
     command: &str,
     support: Support,
-    block: &Carried,
+    block: &SupportedBlock,
     source: &'static str,
     report: &ReportOptions,
 ) -> anyhow::Result<()> {

@@ -20,7 +20,7 @@ use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
     Assessment, Component, Ida, Limit, Link, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
-    sufficiency_beside,
+    sufficiency_of_cases,
 };
 use rocking_studies::intensity::Measure;
 
@@ -132,7 +132,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         let assessment = Assessment::new(&found.cases, &values, *link, *ci, uncertainty).with_context(at)?;
         intervals.get_or_insert_with(|| uncertainty.words(assessment.independence));
         let p_value = |other: &String| {
-            let found = sufficiency_beside(&found.cases, &values, &column(other)?, *link);
+            let found = sufficiency_of_cases(&found.cases, &values, &column(other)?, *link);
             Ok((other.clone(), found.with_context(|| format!("{name}: {measure} beside {other}"))?))
         };
         let sufficiency = beside.iter().map(p_value).collect::<anyhow::Result<BTreeMap<_, _>>>()?;

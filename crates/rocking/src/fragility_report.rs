@@ -26,8 +26,8 @@ pub struct FragilityReport {
 #[derive(Serialize)]
 pub struct RowCounts {
     all: usize,
-    /// Rows whose outcome is known.
-    told: usize,
+    /// Rows whose run decides whether the limit is exceeded.
+    decided: usize,
     /// Rows that exceed the limit; for ensembles, the sum of their probabilities.
     exceeded: f64,
     /// Rows whose runs failed.
@@ -44,7 +44,7 @@ impl RowCounts {
         let exceeded = cases.iter().map(|case| case.fraction).sum();
         RowCounts {
             all: table.rows(),
-            told: cases.len(),
+            decided: cases.len(),
             exceeded,
             failed: *failed,
             separated: *separated,
@@ -172,13 +172,13 @@ impl SurfaceReport {
 impl FragilityReport {
     /// Writes the report as text.
     pub fn text(&self) -> String {
-        let RowCounts { all, told, exceeded, failed, separated, undecided } = self.rows;
+        let RowCounts { all, decided, exceeded, failed, separated, undecided } = self.rows;
         let left_out = [(failed, "failed"), (separated, "ended at separation"), (undecided, "undecided")];
         let left_out = left_out.iter().filter(|(count, _)| *count > 0);
         let left_out: String = left_out.map(|(count, why)| format!(", {count} {why}")).collect();
         let mut text = format!(
             "table         {}: {all} rows{left_out}\n\
-             limit         {}: exceeded in {} of {told} rows\n\
+             limit         {}: exceeded in {} of {decided} rows\n\
              curve         {}, intervals of {} %: {}\n",
             self.table,
             self.limit,

@@ -290,10 +290,10 @@ impl FragilityOptions {
                     _ => levels.push((level, vec![fraction])),
                 }
             }
-            let rows_told: usize = levels.iter().map(|level| level.1.len()).sum();
+            let row_count: usize = levels.iter().map(|level| level.1.len()).sum();
             anyhow::ensure!(
-                rows_told >= 2 * levels.len(),
-                "{name}: {im} has {} levels in {rows_told} rows; expected several rows at each level, as from a sweep with levels",
+                row_count >= 2 * levels.len(),
+                "{name}: {im} has {} levels in {row_count} rows; expected several rows at each level, as from a sweep with levels",
                 levels.len()
             );
             let mean = |fractions: &[f64]| fractions.iter().sum::<f64>() / fractions.len() as f64;

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use serde::{Serialize, Serializer};
 
-use crate::accelerograms::{ReadingOptions, refuse_unread};
+use crate::accelerograms::{ReadingOptions, refuse_without_effect};
 use crate::checks::check;
 use crate::formats::check_table;
 use crate::input;
@@ -57,7 +57,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         Ok(Ground { horizontal: Some(record.map_err(anyhow::Error::msg)?), vertical: None })
     };
     let grounds = files.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
-    refuse_unread(&said, &grounds)?;
+    refuse_without_effect(&said, &grounds)?;
     let records = || grounds.iter().filter_map(|ground| ground.horizontal.as_ref());
     if let Some(path) = csv {
         let table: String = records().map(table).collect();

@@ -41,6 +41,6 @@ impl BlockScales {
         };
         let alpha = checked("alpha", self.alpha, |x| x > 0.0 && x < 1.5, "an angle above 0 and below 1.5 rad")?;
         let p = checked("p", self.p, |x| x > 0.0, "a frequency above 0 rad/s")?;
-        Ok(measure.beside_scales(need(with_alpha, alpha, "alpha")?, need(with_p, p, "p")?, self.g))
+        Ok(measure.record_measure_at(need(with_alpha, alpha, "alpha")?, need(with_p, p, "p")?, self.g))
     }
 }

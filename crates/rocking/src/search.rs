@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use serde::Serialize;
 
 use crate::accelerograms::Accelerograms;
-use crate::block_options::HoldOptions;
+use crate::block_options::ExtendedBlockOptions;
 use crate::checks::{check, check_tolerance};
 use crate::choices;
 use crate::excitation::GaborOptions;
@@ -127,7 +127,7 @@ struct BlockOptions {
     #[arg(long, value_name = "KG", default_value_t = Common::default().mass)]
     mass: f64,
     #[command(flatten)]
-    holds: HoldOptions,
+    extended: ExtendedBlockOptions,
 }
 
 #[derive(Args)]
@@ -279,12 +279,12 @@ impl BlockOptions {
 
     fn common(&self, foundation: Foundation) -> Common {
         let BlockOptions { epsilon, gamma, g, mass, .. } = *self;
-        self.holds.common(Common { epsilon, gamma, gravity: g, mass, foundation, ..Common::default() })
+        self.extended.common(Common { epsilon, gamma, gravity: g, mass, foundation, ..Common::default() })
     }
 
     /// Returns the block with its ties, which need a mass.
     fn tied(&self, block: &Dimensionless, common: &Common, explicit: &ExplicitOptions) -> anyhow::Result<Block> {
-        let block = self.holds.tied(Block::from_dimensionless(block, common)?)?;
+        let block = self.extended.tied(Block::from_dimensionless(block, common)?)?;
         anyhow::ensure!(
             block.ties.is_empty() || explicit.has("mass"),
             "--tie without --mass; expected both, since the effect of a tie depends on the mass"

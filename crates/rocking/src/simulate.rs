@@ -90,7 +90,7 @@ struct InitialOptions {
 
 /// Runs the command.
 pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    options.refuse_unread(explicit)?;
+    options.refuse_without_effect(explicit)?;
     let format = options.picture.format()?.unwrap_or(PictureFormat::Png);
     options.csv.as_deref().map_or(Ok(()), check_table)?;
     let (run, excitation) = options.run(explicit)?;
@@ -140,8 +140,8 @@ impl Options {
     }
 
     /// Refuses options without effect.
-    fn refuse_unread(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-        self.block.refuse_unread(explicit)?;
+    fn refuse_without_effect(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
+        self.block.refuse_without_effect(explicit)?;
         let on_supports = self.block.foundation() == Foundation::Viscoelastic;
         explicit.refuse_unless(on_supports, &["v", "v-dot"], "on a rigid base")?;
         explicit.refuse_unless(self.picture.plot.is_some(), &["plot-format"], "without --plot")?;

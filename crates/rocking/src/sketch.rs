@@ -64,7 +64,7 @@ struct Supports {
 /// Runs the command.
 pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let Options { block: given, picture, report } = options;
-    given.refuse_unread(explicit)?;
+    given.refuse_without_effect(explicit)?;
     explicit.refuse_unless(picture.plot.is_some(), &["plot-format"], "without --plot")?;
     let format = picture.format()?.unwrap_or(PictureFormat::Png);
     let block = given.block(explicit)?;

@@ -4,7 +4,7 @@ use std::ffi::{CStr, CString};
 
 use crate::fmi::arrays::{read, text};
 use crate::fmi::boundary;
-use crate::fmi::fmi3::callbacks::{Given, Messenger, Updater, is_true};
+use crate::fmi::fmi3::callbacks::{Messenger, UpdateReply, Updater, is_true};
 use crate::fmi::fmi3::calls::Call;
 use crate::fmi::fmi3::instance::{Answer, Fmi3, Instance};
 use crate::fmi::fmi3::step::Step;
@@ -38,7 +38,7 @@ pub unsafe fn do_step(
     done: impl Fn(&Step) -> Answer,
 ) -> fmi3Status {
     let mut step = step;
-    let piece = |instance: &mut Instance, given: Option<Given>| {
+    let piece = |instance: &mut Instance, given: Option<UpdateReply>| {
         if given.is_none() {
             ready()?;
         }

@@ -55,8 +55,8 @@ impl Updater {
     }
 
     /// Calls the importer's `intermediateUpdate`.
-    pub fn show(look: Look) -> Given {
-        let Look { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
+    pub fn show(look: IntermediateUpdate) -> UpdateReply {
+        let IntermediateUpdate { updater: Updater { callback, environment }, time, asks, can_return_early } = look;
         let (mut requested, mut return_time) = (FMI3_FALSE, time);
         // SAFETY: by the contract of `new` the importer's function, which may be called (standard, 2.3.1); both places are written before they are read. Calls on the instance are admitted meanwhile, and there is no
         // reference to it; see `crate::fmi::boundary::call_in_pieces`.
@@ -72,13 +72,13 @@ impl Updater {
                 &raw mut return_time,
             );
         }
-        Given { early_return: (is_true(requested) && can_return_early && !asks).then_some(return_time) }
+        UpdateReply { early_return: (is_true(requested) && can_return_early && !asks).then_some(return_time) }
     }
 }
 
-/// A look of the importer into a step: an intermediate update.
+/// An intermediate update: the importer sets inputs or reads outputs inside a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct IntermediateUpdate {
     /// The importer's callback.
     pub updater: Updater,
     /// Its time (s).
@@ -91,7 +91,7 @@ pub struct Look {
 
 /// The importer's answer.
 #[derive(Clone, Copy, Debug)]
-pub struct Given {
+pub struct UpdateReply {
     /// The time at which it wants to leave the step (s).
     pub early_return: Option<f64>,
 }

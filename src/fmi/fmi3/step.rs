@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::fmi::fmi3::callbacks::{Given, Look};
+use crate::fmi::fmi3::callbacks::{IntermediateUpdate, UpdateReply};
 use crate::fmi::fmi3::instance::{Answer, Instance};
 use crate::fmi::fmi3::types::Status;
 use crate::fmi::log::Category;
@@ -66,9 +66,9 @@ impl Instance {
     pub fn step_on(
         &mut self,
         step: &mut Step,
-        given: Option<Given>,
+        given: Option<UpdateReply>,
         done: &impl Fn(&Step) -> Answer,
-    ) -> Result<ControlFlow<Status, Look>, Fault> {
+    ) -> Result<ControlFlow<Status, IntermediateUpdate>, Fault> {
         if let Some(look) = self.take_substeps(step, given)? {
             return Ok(ControlFlow::Continue(look));
         }
@@ -79,7 +79,11 @@ impl Instance {
     }
 
     /// Advances a step to the next look of the importer, or returns `None` if the step is done.
-    fn take_substeps(&mut self, step: &mut Step, given: Option<Given>) -> Result<Option<Look>, Fault> {
+    fn take_substeps(
+        &mut self,
+        step: &mut Step,
+        given: Option<UpdateReply>,
+    ) -> Result<Option<IntermediateUpdate>, Fault> {
         let Instance { log, unit, version, .. } = self;
         let mut tell = |event: &_| log.tell(Status::Ok, Category::Events, format_args!("{event}"));
         let end = match step.end {
@@ -112,7 +116,12 @@ impl Instance {
                 };
                 unit.begin_setting_ahead(time);
                 if version.sets_inputs {
-                    return Ok(Some(Look { updater, time, asks: true, can_return_early: version.early_return }));
+                    return Ok(Some(IntermediateUpdate {
+                        updater,
+                        time,
+                        asks: true,
+                        can_return_early: version.early_return,
+                    }));
                 }
                 unit.end_setting_ahead();
             }
@@ -121,7 +130,7 @@ impl Instance {
                     if let Some(updater) = version.updater {
                         unit.look_in(true);
                         let (time, can_return_early) = (unit.time(), version.early_return);
-                        return Ok(Some(Look { updater, time, asks: false, can_return_early }));
+                        return Ok(Some(IntermediateUpdate { updater, time, asks: false, can_return_early }));
                     }
                 }
                 Reached::Event => {

@@ -195,7 +195,7 @@ impl Surface {
 ///
 /// # Errors
 /// Those of [`sufficiency`], and of [`Data::new`] for the first measure.
-pub fn sufficiency_beside(
+pub fn sufficiency_of_cases(
     cases: &[Case],
     measures: &[Option<f64>],
     others: &[Option<f64>],

@@ -48,7 +48,7 @@ mod separation;
 mod table;
 
 pub use crate::run::limit::Limit;
-pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_beside};
+pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of_cases};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use clusters::Independence;
 pub use data::Data;

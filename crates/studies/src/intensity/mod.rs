@@ -127,14 +127,14 @@ impl Measure {
     }
 
     /// The underlying measure of the record alone, and the factor that relates it to a block.
-    pub fn beside(self, block: &Block) -> (Measure, f64) {
+    pub fn record_measure(self, block: &Block) -> (Measure, f64) {
         // The side with less base lifts and overturns first.
         let [left, right] = Corner::each(|corner| block.alpha_of(corner));
-        self.beside_scales(left.min(right), block.p, block.gravity)
+        self.record_measure_at(left.min(right), block.p, block.gravity)
     }
 
     /// The same for the slenderness α (rad) of the side with less base, the frequency parameter p (rad/s) and gravity (m/s²).
-    pub fn beside_scales(self, alpha: f64, p: f64, gravity: f64) -> (Measure, f64) {
+    pub fn record_measure_at(self, alpha: f64, p: f64, gravity: f64) -> (Measure, f64) {
         let uplift = || gravity * libm::tan(alpha);
         match self {
             Measure::PgaToUplift => (Measure::Pga, 1.0 / uplift()),

@@ -42,7 +42,7 @@ impl GroundMotion {
     ///
     /// Nothing if the record has no value of it, or if [`GroundMotion::new`] did not compute it.
     pub fn intensity(&self, measure: Measure, scale: f64, block: &Block) -> Option<f64> {
-        let (of_record, factor) = measure.beside(block);
+        let (of_record, factor) = measure.record_measure(block);
         let (_, value) = self.intensities.iter().find(|(computed, _)| *computed == of_record)?;
         let scales: f64 = std::iter::repeat_n(scale.abs(), measure.power().into()).product();
         value.map(|value| value * factor * scales)
