@@ -1,9 +1,8 @@
-//! Parameters → a block, or many.
+//! Parameters → a block.
 
 use std::ffi::CString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -11,13 +10,14 @@ use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Founda
 use rocking_block::words::Words;
 
 use crate::options::{choice, invalid};
+use crate::tie::Tie;
 
 /// All foundations.
-const FOUNDATIONS: [Foundation; 2] = [Foundation::Viscoelastic, Foundation::Rigid];
+pub const FOUNDATIONS: [Foundation; 2] = [Foundation::Viscoelastic, Foundation::Rigid];
 
 /// The explicit parameters of a block; the others follow.
 #[derive(Clone, Debug, Default)]
-struct Given {
+struct ExplicitParameters {
     alpha: Option<f64>,
     p: Option<f64>,
     eta: Option<f64>,
@@ -31,9 +31,10 @@ struct Given {
     inertia: Option<f64>,
 }
 
-impl Given {
+impl ExplicitParameters {
     fn named(&self) -> [(&'static str, Option<f64>); 11] {
-        let Given { alpha, p, eta, xi_v, width, height, stiffness, damping, restitution_factor, .. } = *self;
+        let ExplicitParameters { alpha, p, eta, xi_v, width, height, stiffness, damping, restitution_factor, .. } =
+            *self;
         [
             ("alpha", alpha),
             ("p", p),
@@ -66,7 +67,7 @@ impl Given {
         }
         let Some(width) = self.width else {
             self.refuse(&["height", "center_height", "inertia", "K", "C"], "without width")?;
-            let Given { alpha, p, eta, xi_v, .. } = *self;
+            let ExplicitParameters { alpha, p, eta, xi_v, .. } = *self;
             let dimensionless = Dimensionless {
                 alpha: alpha.unwrap_or(0.25),
                 p: p.unwrap_or(1.0),
@@ -99,7 +100,7 @@ impl Given {
 #[pyclass(frozen, subclass, eq, hash, module = "rocking_block._engine")]
 #[derive(Clone, Debug)]
 pub struct Block {
-    given: Given,
+    given: ExplicitParameters,
     pub block: engine::Block,
 }
 
@@ -154,7 +155,7 @@ impl Block {
     ) -> PyResult<Block> {
         let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
         let (stiffness, damping) = (K, C);
-        let given = Given {
+        let given = ExplicitParameters {
             alpha,
             p,
             eta,
@@ -234,22 +235,22 @@ impl Block {
     }
 
     #[getter]
-    fn alpha(&self) -> f64 {
+    pub fn alpha(&self) -> f64 {
         self.block.alpha
     }
 
     #[getter]
-    fn p(&self) -> f64 {
+    pub fn p(&self) -> f64 {
         self.block.p
     }
 
     #[getter]
-    fn eta(&self) -> f64 {
+    pub fn eta(&self) -> f64 {
         self.of_supports(self.given.eta.unwrap_or(self.block.eta()))
     }
 
     #[getter]
-    fn xi_v(&self) -> f64 {
+    pub fn xi_v(&self) -> f64 {
         self.of_supports(self.block.xi_v)
     }
 
@@ -303,22 +304,22 @@ impl Block {
     }
 
     #[getter]
-    fn mass(&self) -> f64 {
+    pub fn mass(&self) -> f64 {
         self.block.mass
     }
 
     #[getter]
-    fn gamma(&self) -> f64 {
+    pub fn gamma(&self) -> f64 {
         self.block.gamma
     }
 
     #[getter]
-    fn epsilon(&self) -> f64 {
+    pub fn epsilon(&self) -> f64 {
         self.block.epsilon
     }
 
     #[getter]
-    fn g(&self) -> f64 {
+    pub fn g(&self) -> f64 {
         self.block.gravity
     }
 
@@ -333,7 +334,7 @@ impl Block {
     }
 
     #[getter]
-    fn eccentricity(&self) -> f64 {
+    pub fn eccentricity(&self) -> f64 {
         self.block.eccentricity
     }
 
@@ -350,7 +351,7 @@ impl Block {
     }
 
     #[getter]
-    fn friction(&self) -> f64 {
+    pub fn friction(&self) -> f64 {
         self.block.friction
     }
 
@@ -362,7 +363,7 @@ impl Block {
     }
 
     #[getter]
-    fn restitution_factor(&self) -> f64 {
+    pub fn restitution_factor(&self) -> f64 {
         match self.block.foundation {
             Foundation::Rigid => self.block.restitution_factor,
             Foundation::Viscoelastic => f64::NAN,
@@ -371,6 +372,11 @@ impl Block {
 }
 
 impl Block {
+    /// Returns a block of the engine; its explicit η may differ from ω_v/p by rounding.
+    pub fn with_eta(block: engine::Block, eta: f64) -> Block {
+        Block { given: ExplicitParameters { eta: Some(eta), ..ExplicitParameters::default() }, block }
+    }
+
     /// Returns a value that a rigid base lacks.
     fn of_supports(&self, value: f64) -> f64 {
         match self.block.foundation {
@@ -380,56 +386,9 @@ impl Block {
     }
 }
 
-/// The attributes of a `rocking_block.Tie`.
-#[derive(FromPyObject)]
-struct Tie {
-    block_x: f64,
-    block_z: f64,
-    ground_x: f64,
-    ground_z: f64,
-    stiffness: f64,
-    pretension: f64,
-    slack: f64,
-    damping: f64,
-    strength: f64,
-}
-
-impl Tie {
-    fn of_engine(&self) -> engine::Tie {
-        let Tie { block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength } = *self;
-        let (block, ground) = ([block_x, block_z], [ground_x, ground_z]);
-        engine::Tie { block, ground, stiffness, pretension, slack, damping, strength }
-    }
-
-    fn of_python(tie: &engine::Tie) -> Tie {
-        let engine::Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
-        let ([block_x, block_z], [ground_x, ground_z]) = (block, ground);
-        Tie { block_x, block_z, ground_x, ground_z, stiffness, pretension, slack, damping, strength }
-    }
-
-    /// Returns the arguments of the Python class.
-    fn named<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let named = PyDict::new(py);
-        for (name, value) in [
-            ("block_x", self.block_x),
-            ("block_z", self.block_z),
-            ("ground_x", self.ground_x),
-            ("ground_z", self.ground_z),
-            ("stiffness", self.stiffness),
-            ("pretension", self.pretension),
-            ("slack", self.slack),
-            ("damping", self.damping),
-            ("strength", self.strength),
-        ] {
-            named.set_item(name, value)?;
-        }
-        Ok(named)
-    }
-}
-
 /// Warns of the first block without ties that falls over by itself. Its supports' moment per radian, 2 K b², is at most that of its
 /// weight, M g h. `stack_level` selects the line that the warning names.
-fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
+pub fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
     let least = |block: &engine::Block| block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
     let is_soft = |block: &&engine::Block| {
         block.foundation == Foundation::Viscoelastic && block.ties.is_empty() && block.stiffness <= least(block)
@@ -442,96 +401,6 @@ fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32)
          {least_eta:.4}, K > {least:.4e} N/m"
     );
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, stack_level)
-}
-
-/// Many blocks on the same kind of foundation.
-#[pyclass(frozen, module = "rocking_block._engine")]
-pub struct Blocks {
-    pub blocks: Vec<engine::Block>,
-    /// The explicit η: a block's ω_v/p may differ from it by rounding.
-    eta: Vec<f64>,
-}
-
-#[pymethods]
-impl Blocks {
-    /// Returns blocks from arrays of equal length. A rigid base ignores η and ξ_v, supports ignore the factor.
-    #[new]
-    #[allow(clippy::too_many_arguments)]
-    fn new(
-        py: Python,
-        foundation: &str,
-        alpha: PyReadonlyArray1<f64>,
-        p: PyReadonlyArray1<f64>,
-        eta: PyReadonlyArray1<f64>,
-        xi_v: PyReadonlyArray1<f64>,
-        epsilon: PyReadonlyArray1<f64>,
-        restitution_factor: PyReadonlyArray1<f64>,
-        mass: f64,
-        gamma: f64,
-        g: f64,
-        friction: f64,
-    ) -> PyResult<Blocks> {
-        let foundation = choice("foundation", foundation, &FOUNDATIONS)?;
-        let (alpha, p, eta) = (alpha.as_slice()?, p.as_slice()?, eta.as_slice()?);
-        let (xi_v, epsilon, factor) = (xi_v.as_slice()?, epsilon.as_slice()?, restitution_factor.as_slice()?);
-        let block = |i: usize| {
-            let dimensionless = Dimensionless { alpha: alpha[i], p: p[i], eta: eta[i], xi_v: xi_v[i] };
-            let common = Common {
-                mass,
-                gamma,
-                epsilon: epsilon[i],
-                gravity: g,
-                foundation,
-                restitution_factor: factor[i],
-                friction,
-                ..Common::default()
-            };
-            engine::Block::from_dimensionless(&dimensionless, &common).map_err(invalid)
-        };
-        let blocks = (0..alpha.len()).map(block).collect::<PyResult<Vec<_>>>()?;
-        warn_of_soft_supports(py, &blocks, 2)?;
-        Ok(Blocks { blocks, eta: eta.to_vec() })
-    }
-
-    /// Returns the blocks of a list.
-    #[staticmethod]
-    fn of(blocks: Vec<PyRef<Block>>) -> Blocks {
-        Blocks {
-            blocks: blocks.iter().map(|block| block.block).collect(),
-            eta: blocks.iter().map(|block| block.eta()).collect(),
-        }
-    }
-
-    fn __len__(&self) -> usize {
-        self.blocks.len()
-    }
-
-    /// Returns one parameter of all blocks by name.
-    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let of: fn(&Block) -> f64 = match name {
-            "alpha" => Block::alpha,
-            "p" => Block::p,
-            "eta" => Block::eta,
-            "xi_v" => Block::xi_v,
-            "epsilon" => Block::epsilon,
-            "restitution_factor" => Block::restitution_factor,
-            "mass" => Block::mass,
-            "gamma" => Block::gamma,
-            "g" => Block::g,
-            "eccentricity" => Block::eccentricity,
-            "friction" => Block::friction,
-            _ => return Err(PyValueError::new_err(format!("blocks have no column {name}"))),
-        };
-        let seen = |(block, eta): (&engine::Block, &f64)| {
-            of(&Block { given: Given { eta: Some(*eta), ..Given::default() }, block: *block })
-        };
-        Ok(PyArray1::from_iter(py, self.blocks.iter().zip(&self.eta).map(seen)))
-    }
-
-    /// Returns the foundation of each block.
-    fn foundations(&self) -> Vec<&'static str> {
-        self.blocks.iter().map(|block| block.foundation.word()).collect()
-    }
 }
 
 /// Returns a hash of numbers that is the same in every Python process.

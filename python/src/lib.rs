@@ -3,7 +3,9 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | `block` | parameters → a block, or many |
+//! | `tie` | a tie of Python ↔ one of the engine |
+//! | `block` | parameters → a block |
+//! | `blocks` | parameters of many blocks → the blocks |
 //! | `building` | floor masses and storey stiffnesses, or modes → a building, motions of its floors |
 //! | `record` | a file or an array → a record |
 //! | `options` | words and numbers of Python → settings, pulses, ground motions of the engine |
@@ -19,6 +21,7 @@
 #![deny(clippy::disallowed_methods)]
 
 mod block;
+mod blocks;
 mod building;
 mod foundations;
 mod fragility;
@@ -29,6 +32,7 @@ mod record;
 mod risk;
 mod search;
 mod studies;
+mod tie;
 mod work;
 
 use pyo3::prelude::*;
@@ -40,7 +44,9 @@ mod _engine {
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use super::block::{Block, Blocks};
+    use super::block::Block;
+    #[pymodule_export]
+    use super::blocks::Blocks;
     #[pymodule_export]
     use super::building::Building;
     #[pymodule_export]

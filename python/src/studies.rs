@@ -23,7 +23,7 @@ use rocking_studies::run::sliding;
 use rocking_studies::sweep::file;
 use rocking_studies::sweep::ground_motion::GroundMotion;
 
-use crate::block::Blocks;
+use crate::blocks::Blocks;
 use crate::options::{PulseOptions, RunOptions, choice, finite, invalid, pool};
 use crate::record::{Record, ground, measures};
 use crate::work::{Progress, wait};

@@ -35,5 +35,6 @@ mod reference;
 mod rigid_base;
 #[path = "../common/skipped.rs"]
 mod skipped;
+mod solver;
 mod state;
 mod stepping;
