@@ -18,7 +18,7 @@ impl Corner {
     /// Both corners, left first.
     pub const BOTH: [Corner; 2] = [Corner::Left, Corner::Right];
 
-    /// The results of `f` for both corners, left first.
+    /// Applies `f` to both corners, left first.
     #[inline(always)]
     pub fn each<T>(mut f: impl FnMut(Corner) -> T) -> [T; 2] {
         [f(Corner::Left), f(Corner::Right)]
@@ -42,7 +42,7 @@ impl Corner {
         }
     }
 
-    /// Place in a pair of values `[left, right]`.
+    /// Index in a pair of values `[left, right]`.
     #[inline]
     pub fn index(self) -> usize {
         match self {
@@ -61,7 +61,7 @@ pub enum Foot {
     Corner(Corner),
 }
 
-/// Place of the centre of mass relative to a point of the base (m).
+/// Position of the centre of mass relative to a point of the base (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lever<T> {
     /// Horizontal distance X, positive to the right of the point: `R0 sin(α+θ)` from L, `−R0 sin(α−θ)` from R.

@@ -2,7 +2,7 @@
 //!
 //! | module | in → out |
 //! | --- | --- |
-//! | [`parameters`] | the two ways to give a block |
+//! | [`parameters`] | the two parameterizations of a block |
 //! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
 //! | [`foundation`] | time since lift-off → the height of a support |
 //! | [`contact`] | the contact of each corner → the regime |
@@ -152,8 +152,8 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Whether it is more than the paper's block: uneven, tied, or with a limit of friction. Then its horizontal place is kept
-    /// through changes of the foot.
+    /// Whether it goes beyond the paper's block: uneven, tied, or with a limit of friction. Its horizontal position is then kept when the
+    /// foot changes.
     pub fn is_extended(&self) -> bool {
         self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.ties.is_empty()
     }
@@ -258,8 +258,8 @@ impl<T: Elementary> Block<T> {
         if self.eccentricity.is_zero() { self.alpha } else { (self.offset(corner) * corner.sign()).atan2(self.h) }
     }
 
-    /// Restitution e of the rotation at a landing on `corner` (1): on the rigid base the part of θ̇ that an impact leaves, which is
-    /// Housner's e times the factor; on supports Housner's e that ε amounts to.
+    /// Restitution e of the rotation at a landing on `corner` (1): on the rigid base the ratio of θ̇ after to before, Housner's e times the
+    /// factor; on supports Housner's e equivalent to ε.
     pub fn restitution_of(&self, corner: Corner) -> T {
         match self.foundation {
             Foundation::Rigid => self.housner_restitution(corner) * self.restitution_factor,
@@ -273,8 +273,8 @@ impl<T: Elementary> Block<T> {
         T::select_less(right.value(), left.value(), right, left)
     }
 
-    /// Housner's restitution e that ε amounts to at a landing on `corner` (1): eq. (6), and for an eccentric centre of mass the
-    /// angular momentum about that corner.
+    /// Housner's restitution e equivalent to ε at a landing on `corner` (1): eq. (6), and for an eccentric centre of mass the conservation
+    /// of angular momentum about that corner.
     pub fn housner_restitution(&self, corner: Corner) -> T {
         let Block { gamma, epsilon, eccentricity, b, r0, .. } = *self;
         let cos = (self.alpha * 2.0).cos();
@@ -298,8 +298,7 @@ impl<T: Elementary> Block<T> {
         (self.gamma * (self.alpha * 2.0).cos() + 1.0) / (self.gamma + 1.0)
     }
 
-    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29); π/2 where the supports are so soft that
-    /// none does.
+    /// Rotation at which one corner lifts quasi-statically (rad), eq. (29); π/2 if the supports are too soft for a lift-off.
     pub fn separation_angle(&self) -> T {
         let sin = self.static_deflection() / self.b;
         if sin.value() < 1.0 { sin.asin() } else { T::from(std::f64::consts::FRAC_PI_2) }

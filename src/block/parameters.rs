@@ -1,4 +1,4 @@
-//! The two ways to give a block: the paper's symbols, or sizes; and the errors of parameters that make no valid block.
+//! The two parameterizations of a block, the paper's symbols or sizes, and the errors of invalid parameters.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ pub struct Physical<T = f64> {
     pub inertia: Option<T>,
 }
 
-/// Parameters that both ways of giving a block share.
+/// Parameters common to both parameterizations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Common<T = f64> {
     /// Mass M (kg).
@@ -68,10 +68,10 @@ impl Default for Common {
     }
 }
 
-/// Parameters that make no valid block.
+/// Invalid parameters of a block.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BlockError {
-    /// One that is out of range.
+    /// A parameter out of range.
     #[error("{name} = {value} is not valid; expected {expected}")]
     OutOfRange {
         /// The parameter's name.
@@ -107,7 +107,7 @@ pub enum BlockError {
     Ties {
         /// Their number.
         count: usize,
-        /// The greatest number of ties of a block.
+        /// The maximum number of ties of a block.
         most: usize,
     },
     /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or

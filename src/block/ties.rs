@@ -1,4 +1,4 @@
-//! Ties between the block and the ground: their places, stiffness and strength, and which of them pull.
+//! Ties between the block and the ground: their ends, stiffness and strength, and their states.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,13 +6,13 @@ use crate::block::BlockError;
 use crate::block::parameters::not_negative;
 use crate::numerics::scalar::Elementary;
 
-/// The greatest number of ties of a block.
+/// Maximum number of ties of a block.
 pub const MOST_TIES: usize = 8;
 
 /// A tendon, guy or restraint, which pulls a point of the block towards a point of the ground along the line between them. It never
 /// pushes.
 ///
-/// Places count from the middle of the base of the block at rest without ties (m), x to the right, z up.
+/// Positions are relative to the middle of the base of the block at rest without ties (m), x to the right, z up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tie<T = f64> {
     /// Where it is fixed to the block, `[x, z]` (m).

@@ -142,7 +142,7 @@ macro_rules! short_difference {
 }
 pub(super) use short_difference;
 
-/// The same with it.
+/// The same with the end of the step.
 macro_rules! short_end_difference {
     ($of_stages:expr, $end:expr) => {
         $of_stages + $end * 0.015151515151515152

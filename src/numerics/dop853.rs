@@ -1,15 +1,14 @@
 //! State, its rate and a step size → the state a step later, its error, and the motion inside the step.
 //!
-//! The pair is DOP853: order 8 with embedded results of order 5 and 3, and a dense output of order 7 that costs three
-//! more evaluations in the steps that ask for it. Where a stop is so close that order 5 leads there as well, a
-//! [`ShortStep`](super::short::ShortStep) does with half the evaluations. docs/integrator.md has the comparison that led
-//! to them.
+//! The pair is DOP853: order 8 with embedded results of order 5 and 3, and a dense output of order 7 that costs three more evaluations in
+//! the steps that ask for it. If the next stop is so close that order 5 suffices, a [`ShortStep`](super::short::ShortStep) takes half the
+//! evaluations. docs/integrator.md compares the pairs.
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::numbers::Numbers;
 use crate::numerics::{Equations, Quadratures, Rate, Real, State};
 
-/// An attempted step, kept whole for its dense output.
+/// An attempted step with all its stages, which the dense output needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<R: Real = f64, const N: usize = 4> {
     /// Time at its beginning (s).
@@ -28,7 +27,7 @@ pub struct Step<R: Real = f64, const N: usize = 4> {
     quadratures: [Quadratures<R>; 12],
 }
 
-/// Number of evaluations of the right-hand side in one attempted step, the first stage aside, which is known.
+/// Number of evaluations of the right-hand side per attempted step, without the first stage, which is known.
 pub const EVALUATIONS_PER_STEP: u64 = 11;
 
 /// Number of evaluations for the dense output of a step.
@@ -56,8 +55,8 @@ impl<R: Real, const N: usize> Step<R, N> {
         Step::finish(time, size, start, k, q)
     }
 
-    /// The same step by a loop with one copy of the right-hand side, which is less to compile. Of single numbers it takes twice
-    /// the time.
+    /// Takes the same step in a loop with one copy of the right-hand side, which compiles faster. With single numbers it takes twice the
+    /// time.
     #[inline(always)]
     pub fn attempt_in_loop(
         time: R,
@@ -112,8 +111,8 @@ impl<R: Real, const N: usize> Step<R, N> {
 
     /// Estimated error of the step, in units of the allowed error: a step above 1 is repeated.
     ///
-    /// `weights` are the reciprocals of the errors allowed in each component of the state. Not a number if a stage is not:
-    /// such a step is to be repeated, too.
+    /// `weights` are the reciprocals of the errors allowed in each component of the state. NaN if a stage is NaN; such a step is repeated,
+    /// too.
     #[inline(always)]
     pub fn error(&self, weights: State<R, N>) -> R {
         let fifth = difference!(self.stages, 5).weighted(weights).square();
@@ -125,7 +124,7 @@ impl<R: Real, const N: usize> Step<R, N> {
 }
 
 impl<const N: usize> Step<f64, N> {
-    /// The motion inside the step; evaluates `rate` three times. `end` is the rate at the end.
+    /// Returns the motion inside the step, after three evaluations. `end` is the rate at the end.
     #[inline(never)]
     pub fn dense(&self, end: Rate<f64, N>, equations: &impl Equations<f64, N>) -> DenseOutput<N> {
         let mut k = [State::zeros(); 16];
@@ -182,7 +181,7 @@ fn cubic<const N: usize>(
     [start, change, bend, change - *last * size - bend, none, none, none, none]
 }
 
-/// The motion inside a step: polynomials, of degree 7 or less, that take on the step's ends and their rates.
+/// The motion inside a step: polynomials of degree 7 or less that match states and rates at both ends.
 #[derive(Clone, Copy, Debug)]
 pub struct DenseOutput<const N: usize = 4> {
     /// Time at the step's beginning (s).
@@ -194,9 +193,9 @@ pub struct DenseOutput<const N: usize = 4> {
 }
 
 impl<const N: usize> DenseOutput<N> {
-    /// The motion between two states with known rates, of a system of second order: velocities and the works, `work` in all, by
-    /// cubics, displacements by polynomials of degree 5 that take on the accelerations too. Their derivatives would be velocities
-    /// that have the error of the displacements over the size of the step.
+    /// Returns the motion of a second-order system between two states with known rates. Velocities and works, `work` in total, are cubics;
+    /// displacements are polynomials of degree 5, which also match the accelerations. Velocities differentiated from them would have the
+    /// error of the displacements divided by the step size.
     pub fn between(
         time: f64,
         size: f64,
@@ -234,7 +233,7 @@ fn evaluate<const N: usize>(f: &Polynomial<N>, x: f64) -> Numbers<f64, N> {
 mod tests {
     use super::*;
 
-    /// Where a stage overflows the error is no number, and not small; where nothing happens it is zero.
+    /// The error is NaN if a stage overflows, and zero if nothing happens.
     #[test]
     fn a_step_that_overflows_is_not_accepted() {
         let error = |far: f64| {

@@ -35,8 +35,8 @@ const HALVINGS_OF_A_PIECE: u32 = 6;
 /// Halvings of a step in which a peak may still hide.
 const HALVINGS_OF_A_STEP: u32 = 6;
 
-/// Whether a function over `duration`, that is not below the `floor` at the start, may be so later: at the end, or where its bounds
-/// are, see [`may_rise_inside`].
+/// Whether a function that is not below `floor` at the start may be so later in `duration`: at the end, or by the bounds of
+/// [`may_rise_inside`].
 #[inline]
 fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
@@ -46,10 +46,10 @@ fn may_be_below(floor: f64, start: Sample, end: Sample, duration: f64) -> bool {
         || (start.rate < 0.0 && end.rate > 0.0 && tip(start, end, duration) < floor)
 }
 
-/// Whether a function over `duration` may be greater inside than at both ends and than `most`.
+/// Whether a function may exceed `most` and its values at both ends inside `duration`.
 ///
-/// Where the tangents at the ends meet is beyond all values of a function without a turn in its curvature, and the control polygon of
-/// the cubic with these ends beyond those of the cubic, wherever its curvature turns.
+/// The intersection of the end tangents bounds a function whose curvature keeps its sign. The control polygon bounds the cubic with these
+/// ends, whatever its curvature.
 #[inline]
 pub fn may_rise_inside(most: f64, start: Sample, end: Sample, duration: f64) -> bool {
     let third = duration * (1.0 / 3.0);
@@ -59,7 +59,7 @@ pub fn may_rise_inside(most: f64, start: Sample, end: Sample, duration: f64) -> 
         || (start.rate > 0.0 && end.rate < 0.0 && rises(tip(start, end, duration)))
 }
 
-/// Where the tangents at the ends meet.
+/// Returns the value at which the end tangents intersect.
 #[inline]
 fn tip(start: Sample, end: Sample, duration: f64) -> f64 {
     let meeting = (end.value - start.value - end.rate * duration) / (start.rate - end.rate);
@@ -68,10 +68,10 @@ fn tip(start: Sample, end: Sample, duration: f64) -> f64 {
 
 /// The first time in `[0, duration]` at which `function` falls through zero; `None` if it does not.
 ///
-/// `start` and `end` are the function's samples at 0 and `duration`. A value within `rounding` of zero at the start
-/// counts as a zero that the function is leaving upwards, see [`leaves_downwards`]: it is muted until it has left it. Between
-/// samples the function may dip below zero and come back; the dip's bottom is looked for where the rate changes sign. The
-/// result is within rounding of a sign change, see [`sign_change`].
+/// `start` and `end` are the function's samples at 0 and `duration`. A value within `rounding` of zero at the start counts as a zero that
+/// the function is leaving upwards, see [`leaves_downwards`]: it is muted until it has left it. Between samples the function may dip below
+/// zero and come back; the bottom of a dip is sought where the rate changes sign. The result is within rounding of a sign change, see
+/// [`sign_change`].
 pub fn first_fall(
     start: Sample,
     end: Sample,
@@ -111,7 +111,7 @@ pub fn first_fall(
     None
 }
 
-/// A time in an interval at which a function is below the `floor`, with its value then; it is not at the beginning.
+/// Returns a time in an interval at which a function is below `floor`, and its value. At the beginning it is not below.
 fn below(
     floor: f64,
     [(low, left), (high, right)]: [(f64, Sample); 2],
@@ -137,7 +137,7 @@ fn below(
         .or_else(|| below(floor, [middle, (high, right)], halvings, function))
 }
 
-/// Whether a function that begins at zero falls further below it than rounding does, before it rises so far.
+/// Whether a function that begins at zero falls below minus its rounding before it rises above its rounding.
 pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut function: impl FnMut(f64) -> Sample) -> bool {
     // When it would be that far below at its rate.
     let mut time = if start.value.abs() <= rounding { -2.0 * rounding / start.rate } else { 0.0 };
@@ -151,8 +151,8 @@ pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut functio
     false
 }
 
-/// The time in `[low, high]` at which a function falls through zero that is zero at `low` and negative at `high`: after a
-/// rise, however short beside the interval, or else at once.
+/// Returns the time at which a function that is zero at `low` and negative at `high` falls through zero: after a rise, however short, or
+/// else `low`.
 fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
     const HALVINGS: u32 = 40;
     let (mut below, mut value_below) = (high, at_high);
@@ -167,7 +167,7 @@ fn fall_after_zero(low: f64, high: f64, at_high: f64, mut function: impl FnMut(f
     low
 }
 
-/// Whether [`first_fall`] is worth calling: false only if the ends and their rates leave no room for a fall.
+/// Whether the function may fall through zero: false only if the ends and their rates exclude it.
 #[inline]
 pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> bool {
     if start.value > rounding {
@@ -178,8 +178,8 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// The greater of `most` and the greatest value of `function` in `[0, duration]`, given its samples at both ends: at one of them, or
-/// at a maximum inside.
+/// Returns the greatest of `most` and the values of `function` in `[0, duration]`: at the ends, of which samples are given, or at a maximum
+/// inside.
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
     if may_rise_inside(most, start, end, duration) {
@@ -348,7 +348,7 @@ mod tests {
         }
     }
 
-    /// Of a parabola the tangents at the ends meet halfway, as far above the top as that is above the ends.
+    /// The end tangents of a parabola meet halfway, as far above its top as the top is above the ends.
     #[test]
     fn the_bound_is_where_the_tangents_meet() {
         let hump = |t: f64| Sample { value: t * (4.0 - t), rate: 4.0 - 2.0 * t };
@@ -387,7 +387,7 @@ mod tests {
         }
     }
 
-    /// No value of a cubic is below what is seen, wherever its curvature turns.
+    /// No value of a cubic is below the bounds, wherever its curvature changes sign.
     #[test]
     fn no_cubic_dips_unseen() {
         for i in 0..1000 {
@@ -399,7 +399,7 @@ mod tests {
         }
     }
 
-    /// At zero, but falling, even if it comes back before long; not if it does so within rounding, and not what is above zero.
+    /// A fall from zero counts even if the function soon comes back; not within rounding, and not from above zero.
     #[test]
     fn what_leaves_zero_downwards_is_told_from_what_rises() {
         let falls = |at: f64, rounding: f64| {
@@ -430,7 +430,7 @@ mod tests {
         assert_eq!(first_fall(rise(0.0), rise(1.0), 1e-15, 1.0, rise), None);
     }
 
-    /// Of two falls the first is found, and a dip in a long interval.
+    /// The first of two falls is found, and a dip in a long interval.
     #[test]
     fn finds_the_first_of_several_falls() {
         let wave = |t: f64| Sample { value: 0.5 + libm::cos(2.0 * t), rate: -2.0 * libm::sin(2.0 * t) };
@@ -442,7 +442,7 @@ mod tests {
         assert!((root - 14.5).abs() < 1e-13, "{root}");
     }
 
-    /// What begins at zero is watched for dips from when it has left zero on.
+    /// A function that begins at zero is watched for dips once it has left zero.
     #[test]
     fn sees_a_dip_after_it_has_left_zero() {
         let dip =
@@ -451,7 +451,7 @@ mod tests {
         assert!((root - 0.43).abs() < 1e-13, "{root}");
     }
 
-    /// What rounding leaves of zero is no fall as long as it stays.
+    /// A constant within rounding of zero is no fall.
     #[test]
     fn what_stays_at_zero_does_not_fall() {
         let still = |_: f64| Sample { value: -0.5e-15, rate: 0.0 };

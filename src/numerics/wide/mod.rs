@@ -16,7 +16,7 @@ use portable as processor;
 #[cfg(target_arch = "x86_64")]
 use x86 as processor;
 
-/// The most lanes that a vector has.
+/// Maximum number of lanes of a vector.
 pub const MOST_LANES: usize = 8;
 
 /// One number for each lane; those beyond the lanes of a vector are not read.
@@ -24,9 +24,9 @@ pub type Array = [f64; MOST_LANES];
 
 /// A processor's vector of `f64`.
 pub trait Simd: Copy + 'static {
-    /// How many numbers it holds, at most [`MOST_LANES`].
+    /// Number of lanes, at most [`MOST_LANES`].
     const LANES: usize;
-    /// A truth value for each of them.
+    /// A Boolean per lane.
     type Mask: Copy;
 
     /// The first of these numbers.
@@ -45,53 +45,53 @@ pub trait Simd: Copy + 'static {
     fn div(self, other: Self) -> Self;
     /// Square roots.
     fn sqrt(self) -> Self;
-    /// Each with the other sign.
+    /// Negatives.
     fn neg(self) -> Self;
-    /// Each without its sign.
+    /// Absolute values.
     fn abs(self) -> Self;
-    /// Where this is less.
+    /// The lanes in which this is less.
     fn less(self, other: Self) -> Self::Mask;
     /// `self` where `mask` is true, `other` elsewhere.
     fn select(self, mask: Self::Mask, other: Self) -> Self;
-    /// Where both are true.
+    /// Logical and.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// Where one is true.
+    /// Logical or.
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// A bit for each lane in which it is true, the first the least.
+    /// A bit per lane, the first lane in the least significant one.
     fn bits(mask: Self::Mask) -> u32;
 }
 
-/// Work that is done with vectors of whatever size.
+/// A computation, generic over the vector type.
 pub trait Task {
     /// Its result.
     type Output;
 
-    /// Does it. It must be inlined, with all that it calls: only code within the function that [`Width::run`] enters is
-    /// compiled for the processor's vectors.
+    /// Runs it. It must be inlined with all that it calls: only the body of the function that [`Width::run`] enters is compiled for the
+    /// processor's vectors.
     fn run<V: Simd>(self) -> Self::Output;
 }
 
-/// A size of vectors that this processor has.
+/// A vector width that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Width(processor::Vectors);
 
 impl Width {
-    /// The widest with at most so many lanes; nothing for a single one.
+    /// Returns the widest with at most this many lanes, or `None` for a single one.
     pub fn at_most(lanes: usize) -> Option<Width> {
         processor::Vectors::at_most(lanes).map(Width)
     }
 
-    /// The widest; nothing where a vector has a single lane.
+    /// Returns the widest, or `None` if vectors have a single lane.
     pub fn widest() -> Option<Width> {
         Width::at_most(MOST_LANES)
     }
 
-    /// How many lanes a vector has.
+    /// Returns the number of lanes.
     pub fn lanes(self) -> usize {
         self.0.lanes()
     }
 
-    /// Does a task with these vectors.
+    /// Runs a task with these vectors.
     pub fn run<T: Task>(self, task: T) -> T::Output {
         self.0.run(task)
     }
@@ -101,7 +101,7 @@ impl Width {
 #[derive(Clone, Copy)]
 pub struct Wide<V>(V);
 
-/// A truth value for each lane.
+/// A Boolean per lane.
 #[derive(Clone, Copy)]
 pub struct Lanes<V: Simd>(V::Mask);
 
@@ -160,19 +160,19 @@ impl<V: Simd> Lanes<V> {
         Lanes(V::either(self.0, other.0))
     }
 
-    /// A bit for each of the lanes, that of the first the least.
+    /// A bit per lane, the first lane in the least significant one.
     #[inline(always)]
     pub fn bits(self) -> u32 {
         V::bits(self.0)
     }
 
-    /// Whether it is all lanes.
+    /// Whether all lanes are set.
     #[inline(always)]
     pub fn all(self) -> bool {
         self.bits() == (1 << V::LANES) - 1
     }
 
-    /// Whether it is any lane.
+    /// Whether any lane is set.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.bits() != 0
@@ -238,7 +238,7 @@ mod tests {
         [0.3, 0.0, 4e200, -7.25, 2.0, 5.0, f64::NAN, -1e-3],
     ];
 
-    /// All that a vector can do with two others.
+    /// All operations of a vector with two others.
     struct Operations;
 
     impl Task for Operations {
@@ -285,7 +285,7 @@ mod tests {
         assert_eq!(masks, expected, "{lanes} lanes");
     }
 
-    /// With all vectors that this processor has, and with the pairs of those that are not asked by name.
+    /// Tests all vectors that this processor has, and the portable pairs.
     #[test]
     fn vectors_do_what_single_numbers_do() {
         for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
