@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::ties::NO_TIES;
 use crate::block::{Block, TieStates};
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Elementary, Real, Scalar};
+use crate::numerics::scalar::{Elementary, Scalar};
 use pulse::Wave;
 pub use pulse::{Pulse, PulseShape};
 
@@ -122,7 +122,7 @@ pub struct Forcing<T> {
     pub ties: TieStates,
 }
 
-impl<R: Real> Forcing<R> {
+impl<R: Scalar> Forcing<R> {
     /// This forcing as dual numbers with `derivative` in their dual parts.
     #[inline(always)]
     pub fn with_derivative(self, derivative: Forcing<R>) -> Forcing<Dual<R>> {
@@ -160,6 +160,23 @@ impl<T: Elementary> Excitation<T> {
             moment: Ramp::held(T::from(0.0)).minus(inputs.m_y, -mass),
             wave,
         }
+    }
+}
+
+impl<T: Elementary> Excitation<T> {
+    /// Integrals of the horizontal forcing between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
+    pub fn horizontal_drift(&self, from: T, to: T) -> (T, T) {
+        let duration = to - from;
+        let start = self.x.at(from - self.time);
+        let (mut velocity, mut way) = (
+            duration * (start + self.x.rate * 0.5 * duration),
+            duration * duration * (start * 0.5 + self.x.rate * duration / T::from(6.0)),
+        );
+        if let Some(wave) = &self.wave {
+            let drift = wave.drift(from, to);
+            (velocity, way) = (velocity + drift.0, way + drift.1);
+        }
+        (velocity, way)
     }
 }
 
@@ -201,22 +218,6 @@ impl Excitation {
     /// Nothing drives the block.
     pub fn none() -> Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
-    }
-
-    /// Integrals of the horizontal forcing between two times: `(∫ x dt, ∫∫ x dt dt)` in m/s and m.
-    pub fn horizontal_drift(&self, from: f64, to: f64) -> (f64, f64) {
-        let duration = to - from;
-        let start = self.x.at(from - self.time);
-        let (mut velocity, mut way) = (
-            duration * (start + 0.5 * self.x.rate * duration),
-            duration * duration * (0.5 * start + self.x.rate * duration / 6.0),
-        );
-        if let Some(wave) = self.wave {
-            let drift = wave.drift(from, to);
-            velocity += drift.0;
-            way += drift.1;
-        }
-        (velocity, way)
     }
 
     /// The reference time and the ground accelerations from there on, horizontal and vertical, where nothing else acts.

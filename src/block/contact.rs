@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Corner, Creep, Foot};
 use crate::numerics::roots::Sample;
+use crate::numerics::scalar::Elementary;
 
 /// The regime of motion: which corners stand on their supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,39 +89,39 @@ impl std::fmt::Display for Regime {
 
 /// The contact of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Contact {
+pub enum Contact<T = f64> {
     /// It stands on its support, or on the rigid base.
     Bearing,
     /// It bears nothing and goes with its support, which creeps to its free height: full contact would lift it, and the other
     /// corner alone would press it back. See docs/model.md.
-    Held(Creep),
+    Held(Creep<T>),
     /// It has left its support, which creeps back to its free height.
-    Lifted(Creep),
+    Lifted(Creep<T>),
 }
 
 /// The contacts of both corners.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Contacts([Contact; 2]);
+pub struct Contacts<T = f64>([Contact<T>; 2]);
 
-impl Contacts {
+impl<T: Elementary> Contacts<T> {
     /// Both corners bear.
-    pub const FULL: Contacts = Contacts([Contact::Bearing; 2]);
+    pub const FULL: Contacts<T> = Contacts([Contact::Bearing; 2]);
 
     /// Bearing on the corners that touch; the supports of the others are at their free height.
-    pub fn touching(touching: [bool; 2], time: f64) -> Contacts {
-        let free = Contact::Lifted(Creep { depth: 0.0, since: time });
+    pub fn touching(touching: [bool; 2], time: T) -> Contacts<T> {
+        let free = Contact::Lifted(Creep { depth: T::from(0.0), since: time });
         Contacts(touching.map(|touches| if touches { Contact::Bearing } else { free }))
     }
 
     /// The contact of a corner.
     #[inline]
-    pub fn of(&self, corner: Corner) -> Contact {
+    pub fn of(&self, corner: Corner) -> Contact<T> {
         self.0[corner.index()]
     }
 
     /// Sets the contact of a corner.
     #[inline]
-    pub fn set(&mut self, corner: Corner, contact: Contact) {
+    pub fn set(&mut self, corner: Corner, contact: Contact<T>) {
         self.0[corner.index()] = contact;
     }
 
@@ -155,7 +156,7 @@ impl Contacts {
     /// Height of the support's top under a corner that bears nothing, above its place under the block at rest (m), and its rate
     /// (m/s); zeros where the corner bears.
     #[inline]
-    pub fn top(&self, corner: Corner, block: &Block, time: f64) -> Sample {
+    pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match self.of(corner) {
             Contact::Bearing => Sample::default(),
             Contact::Held(creep) | Contact::Lifted(creep) => creep.top(corner, block, time),
@@ -167,7 +168,7 @@ impl Contacts {
         self.0.iter().all(|contact| match contact {
             Contact::Bearing => true,
             Contact::Held(Creep { depth, since }) | Contact::Lifted(Creep { depth, since }) => {
-                depth.is_finite() && since.is_finite()
+                depth.value().is_finite() && since.value().is_finite()
             }
         })
     }

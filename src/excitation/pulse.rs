@@ -257,16 +257,16 @@ fn gaussian<T: Scalar>(x: T) -> T {
     (x * x * -0.5).exp()
 }
 
-impl Wave {
+impl<T: Elementary> Wave<T> {
     /// Velocity and displacement that it adds between two times to a body at rest: `(∫ a dt, ∫∫ a dt dt)` in m/s and m.
-    pub(super) fn drift(&self, from: f64, to: f64) -> (f64, f64) {
+    pub(super) fn drift(&self, from: T, to: T) -> (T, T) {
         let Wave { form, amplitude, omega, phase, origin, cycles } = *self;
         let duration = to - from;
         let [x_from, x_to] = [from, to].map(|time| omega * (time - origin));
         match form {
             Form::Sine => {
-                let (sin_from, cos_from) = libm::sincos(x_from + phase);
-                let (sin_to, cos_to) = libm::sincos(x_to + phase);
+                let (sin_from, cos_from) = (x_from + phase).sin_cos();
+                let (sin_to, cos_to) = (x_to + phase).sin_cos();
                 let velocity = amplitude / omega * (cos_from - cos_to);
                 (velocity, amplitude / omega * (cos_from * duration - (sin_to - sin_from) / omega))
             }
@@ -277,25 +277,28 @@ impl Wave {
             }
             Form::AntisymmetricRicker => {
                 let [(v_from, d_from), (v_to, d_to)] =
-                    [x_from, x_to].map(|x| ((1.0 - x * x) * gaussian(x), x * gaussian(x)));
+                    [x_from, x_to].map(|x| ((-(x * x) + 1.0) * gaussian(x), x * gaussian(x)));
                 let velocity = amplitude / omega;
                 (velocity * (v_to - v_from), velocity * ((d_to - d_from) / omega - v_from * duration))
             }
             Form::Gabor => {
-                let [v_from, v_to] = [x_from, x_to].map(|x| 0.5 * (1.0 + libm::cos(x / cycles)) * libm::cos(x + phase));
+                let [v_from, v_to] = [x_from, x_to].map(|x| ((x / cycles).cos() + 1.0) * 0.5 * (x + phase).cos());
                 // The velocity is a sum of three cosines; the frequency of the last is zero for one cycle.
-                let part = |weight: f64, ratio: f64| {
-                    let half = 0.5 * ratio * omega * duration;
-                    let mean = if half == 0.0 { 1.0 } else { libm::sin(half) / half };
-                    weight * mean * libm::cos(0.5 * ratio * (x_from + x_to) + phase)
+                let part = |weight: f64, ratio: T| {
+                    let half = ratio * 0.5 * omega * duration;
+                    let mean = if half.value() == 0.0 { T::from(1.0) } else { half.sin() / half };
+                    mean * weight * (ratio * 0.5 * (x_from + x_to) + phase).cos()
                 };
-                let mean = part(0.5, 1.0) + part(0.25, 1.0 + 1.0 / cycles) + part(0.25, 1.0 - 1.0 / cycles);
+                let (one, inverse) = (T::from(1.0), T::from(1.0) / cycles);
+                let mean = part(0.5, one) + part(0.25, one + inverse) + part(0.25, one - inverse);
                 let velocity = amplitude / omega;
                 (velocity * (v_to - v_from), velocity * (mean - v_from) * duration)
             }
         }
     }
+}
 
+impl Wave {
     /// Its greatest circular frequency (rad/s); that of Ricker wavelets is about twice ω_p, beyond which little of their spectrum lies.
     pub(super) fn frequency(&self) -> f64 {
         match self.form {

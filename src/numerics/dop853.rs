@@ -6,7 +6,7 @@
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::numbers::Numbers;
-use crate::numerics::{Equations, Quadratures, Rate, Real, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, State};
 
 /// An attempted step with all its stages, which the dense output needs.
 #[derive(Clone, Copy, Debug)]
@@ -121,6 +121,35 @@ impl<R: Real, const N: usize> Step<R, N> {
         // Zero where both are; a sum that is no number is not positive either, and stays none.
         R::select_less(R::from(0.0), denominator, self.size * fifth / denominator.sqrt(), denominator)
     }
+}
+
+/// State at the end of a step that is known to be accurate, in numbers with derivatives; the values have the bits of [`Step::attempt`].
+#[inline(always)]
+pub fn follow<T: Scalar, const N: usize>(
+    time: f64,
+    size: f64,
+    start: State<T, N>,
+    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
+) -> State<T, N> {
+    let mut k = [State::zeros(); 12];
+    k[0] = rate(time, start);
+    for stage in 1..12 {
+        let increment = match stage {
+            1 => increment!(k, 1),
+            2 => increment!(k, 2),
+            3 => increment!(k, 3),
+            4 => increment!(k, 4),
+            5 => increment!(k, 5),
+            6 => increment!(k, 6),
+            7 => increment!(k, 7),
+            8 => increment!(k, 8),
+            9 => increment!(k, 9),
+            10 => increment!(k, 10),
+            _ => increment!(k, 11),
+        };
+        k[stage] = rate(time + size * NODES[stage], start + increment * size);
+    }
+    start + increment!(k, 12) * size
 }
 
 impl<const N: usize> Step<f64, N> {

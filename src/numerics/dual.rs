@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::numerics::scalar::{Elementary, Real, Scalar};
+use crate::numerics::scalar::{Elementary, Scalar};
 
 /// `re + eps ε` with `ε² = 0`: a number, and its derivative with respect to time or to whatever it depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +15,46 @@ pub struct Dual<R> {
     /// Its derivative.
     pub eps: R,
 }
+
+/// Operators between a dual of `$number` and a constant of that type, for numbers other than `f64`.
+macro_rules! beside_duals {
+    ([$($generics:tt)*] $number:ty) => {
+        impl<$($generics)*> From<$number> for Dual<$number> {
+            #[inline(always)]
+            fn from(value: $number) -> Self {
+                Dual::new(value, Default::default())
+            }
+        }
+
+        impl<$($generics)*> Add<$number> for Dual<$number> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn add(self, other: $number) -> Self {
+                Dual::new(self.re + other, self.eps)
+            }
+        }
+
+        impl<$($generics)*> Sub<$number> for Dual<$number> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn sub(self, other: $number) -> Self {
+                Dual::new(self.re - other, self.eps)
+            }
+        }
+
+        impl<$($generics)*> Mul<$number> for Dual<$number> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn mul(self, other: $number) -> Self {
+                Dual::new(self.re * other, self.eps * other)
+            }
+        }
+    };
+}
+pub(super) use beside_duals;
 
 /// One number with its derivative.
 pub type Dual64 = Dual<f64>;
@@ -27,14 +67,14 @@ impl<R> Dual<R> {
     }
 }
 
-impl<R: Real> From<f64> for Dual<R> {
+impl<R: Scalar> From<f64> for Dual<R> {
     #[inline(always)]
     fn from(value: f64) -> Dual<R> {
-        Dual::constant(R::from(value))
+        Dual::new(R::from(value), R::default())
     }
 }
 
-impl<R: Real> Neg for Dual<R> {
+impl<R: Scalar> Neg for Dual<R> {
     type Output = Dual<R>;
 
     #[inline(always)]
@@ -46,7 +86,7 @@ impl<R: Real> Neg for Dual<R> {
 /// An operator between duals, and between a dual and a constant.
 macro_rules! operator {
     ($trait:ident, $operate:ident, |$a:ident, $b:ident| $of_duals:expr, |$c:ident, $d:ident| $of_constant:expr) => {
-        impl<R: Real> $trait for Dual<R> {
+        impl<R: Scalar> $trait for Dual<R> {
             type Output = Dual<R>;
 
             #[inline(always)]
@@ -56,7 +96,7 @@ macro_rules! operator {
             }
         }
 
-        impl<R: Real> $trait<f64> for Dual<R> {
+        impl<R: Scalar> $trait<f64> for Dual<R> {
             type Output = Dual<R>;
 
             #[inline(always)]
@@ -71,7 +111,7 @@ operator!(Add, add, |a, b| Dual::new(a.re + b.re, a.eps + b.eps), |a, b| Dual::n
 operator!(Sub, sub, |a, b| Dual::new(a.re - b.re, a.eps - b.eps), |a, b| Dual::new(a.re - b, a.eps));
 operator!(Mul, mul, |a, b| Dual::new(a.re * b.re, a.eps * b.re + b.eps * a.re), |a, b| Dual::new(a.re * b, a.eps * b));
 
-impl<R: Real> Div for Dual<R> {
+impl<R: Scalar> Div for Dual<R> {
     type Output = Dual<R>;
 
     #[inline(always)]
@@ -81,12 +121,12 @@ impl<R: Real> Div for Dual<R> {
     }
 }
 
-impl<R: Real> Scalar for Dual<R> {
-    type Real = R;
+impl<R: Scalar> Scalar for Dual<R> {
+    type Real = R::Real;
 
     #[inline(always)]
-    fn constant(value: R) -> Dual<R> {
-        Dual::new(value, R::default())
+    fn constant(value: R::Real) -> Dual<R> {
+        Dual::new(R::constant(value), R::default())
     }
 
     #[inline(always)]
@@ -108,12 +148,12 @@ impl<R: Real> Scalar for Dual<R> {
     }
 
     #[inline(always)]
-    fn value(self) -> R {
-        self.re
+    fn value(self) -> R::Real {
+        self.re.value()
     }
 
     #[inline(always)]
-    fn select_less(a: R, b: R, yes: Dual<R>, no: Dual<R>) -> Dual<R> {
+    fn select_less(a: R::Real, b: R::Real, yes: Dual<R>, no: Dual<R>) -> Dual<R> {
         Dual::new(R::select_less(a, b, yes.re, no.re), R::select_less(a, b, yes.eps, no.eps))
     }
 }
@@ -185,6 +225,7 @@ mod tests {
                 (x.atan2(y), other(x).atan2(other(y))),
                 (x.hypot(y), (other(x) * other(x) + other(y) * other(y)).sqrt()),
                 (y.sqrt(), other(y).sqrt()),
+                (x.exp(), other(x).exp()),
             ] {
                 prop_assert!((ours.re - theirs.re).abs() <= 1e-14 * theirs.re.abs(), "{ours:?} {theirs:?}");
                 prop_assert!((ours.eps - theirs.eps).abs() <= 1e-12 * (1.0 + theirs.eps.abs()), "{ours:?} {theirs:?}");

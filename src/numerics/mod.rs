@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`scalar`] | the operations that formulas need of a number, plain, one per lane, or dual |
 //! | [`dual`] | a number with its derivative |
+//! | [`gradient`] | a number with its derivatives in several directions |
 //! | [`numbers`] | a vector of numbers, such as a state, and operations on all of them |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
 //! | [`short`] | the same of order 5, to a stop close ahead, with fewer evaluations |
@@ -15,6 +16,7 @@ mod coefficients;
 pub mod control;
 pub mod dop853;
 pub mod dual;
+pub mod gradient;
 pub mod numbers;
 pub mod roots;
 pub mod scalar;
@@ -22,7 +24,7 @@ pub mod short;
 #[cfg(feature = "lanes")]
 pub mod wide;
 
-pub use scalar::Real;
+pub use scalar::{Real, Scalar};
 
 use numbers::Numbers;
 
@@ -34,7 +36,7 @@ pub type Quadratures<R = f64> = Numbers<R, 2>;
 
 /// The result of a right-hand side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rate<R: Real = f64, const N: usize = 4> {
+pub struct Rate<R: Scalar = f64, const N: usize = 4> {
     /// Rate of the state.
     pub state: State<R, N>,
     /// Rates of the quadratures.
@@ -46,7 +48,7 @@ pub struct Rate<R: Real = f64, const N: usize = 4> {
 /// Steps are one piece of machine code with it, inlined into each of their stages: its result is in registers then. A
 /// function would leave it in memory number by number, where the sums over stages, which load pairs of numbers, have to wait
 /// for it.
-pub trait Equations<R: Real = f64, const N: usize = 4> {
+pub trait Equations<R: Scalar = f64, const N: usize = 4> {
     /// Rate of a state at a time (s).
     fn rate(&self, time: R, state: &State<R, N>) -> Rate<R, N>;
 }

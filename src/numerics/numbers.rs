@@ -6,14 +6,14 @@ use std::ops::{Add, Index, IndexMut, Mul, Sub};
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::Real;
+use crate::numerics::scalar::Scalar;
 
 /// A vector of N numbers, one per lane if `R` is a lane type.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[R; N]: Serialize", deserialize = "[R; N]: Deserialize<'de>"))]
 pub struct Numbers<R, const N: usize>(pub [R; N]);
 
-impl<R: Real, const N: usize> Numbers<R, N> {
+impl<R: Scalar, const N: usize> Numbers<R, N> {
     /// All zero.
     #[inline(always)]
     pub fn zeros() -> Self {
@@ -58,7 +58,7 @@ impl<R: Real, const N: usize> Numbers<R, N> {
     }
 }
 
-impl<R: Real, const N: usize> Default for Numbers<R, N> {
+impl<R: Scalar, const N: usize> Default for Numbers<R, N> {
     #[inline(always)]
     fn default() -> Self {
         Numbers::zeros()
@@ -88,7 +88,7 @@ impl<R, const N: usize> IndexMut<usize> for Numbers<R, N> {
     }
 }
 
-impl<R: Real, const N: usize> Add for Numbers<R, N> {
+impl<R: Scalar, const N: usize> Add for Numbers<R, N> {
     type Output = Self;
 
     #[inline(always)]
@@ -100,7 +100,7 @@ impl<R: Real, const N: usize> Add for Numbers<R, N> {
     }
 }
 
-impl<R: Real, const N: usize> Sub for Numbers<R, N> {
+impl<R: Scalar, const N: usize> Sub for Numbers<R, N> {
     type Output = Self;
 
     #[inline(always)]
@@ -113,7 +113,7 @@ impl<R: Real, const N: usize> Sub for Numbers<R, N> {
 }
 
 /// Each times the same constant.
-impl<R: Real, const N: usize> Mul<f64> for Numbers<R, N> {
+impl<R: Scalar, const N: usize> Mul<f64> for Numbers<R, N> {
     type Output = Self;
 
     #[inline(always)]

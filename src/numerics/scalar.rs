@@ -7,6 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// `f64` runs the simulation. A dual number in its place gives exact derivatives of the same formulas; lanes run several blocks.
 pub trait Scalar:
     Copy
+    + Default
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
@@ -53,9 +54,21 @@ pub trait Scalar:
 }
 
 /// A number without a derivative, or one per lane: steps are made of these.
-pub trait Real: Scalar<Real = Self> + Default {
+pub trait Real: Scalar<Real = Self> {
     /// The absolute value.
     fn abs(self) -> Self;
+}
+
+/// The lesser of two numbers; the first if they are equal.
+#[inline(always)]
+pub fn least<T: Scalar>(a: T, b: T) -> T {
+    T::select_less(b.value(), a.value(), b, a)
+}
+
+/// The greater of two numbers; the first if they are equal.
+#[inline(always)]
+pub fn greatest<T: Scalar>(a: T, b: T) -> T {
+    T::select_less(a.value(), b.value(), b, a)
 }
 
 /// A number that combines with the parameters `P` of a block: of the same type, or a dual number beside plain parameters.

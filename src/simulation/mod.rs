@@ -3,6 +3,8 @@
 mod ending;
 mod energies;
 pub mod exchange;
+#[cfg(feature = "lanes")]
+pub mod follow;
 mod initial_sensitivity;
 mod inside;
 #[cfg(feature = "lanes")]
@@ -92,6 +94,9 @@ struct Pending {
 enum AtEvent {
     /// It is applied.
     Apply,
+    /// The motion stops at the event.
+    #[cfg(feature = "lanes")]
+    Stop,
     /// The motion stops at the event, unless it ends the run or is not later than this time (s).
     StopAfter(f64),
 }
@@ -221,8 +226,13 @@ impl Simulation {
 
     /// Whether the motion stops at `now`, where it has reached a surface, before the event is applied.
     fn stops(&self, at_event: AtEvent, surface: Surface, now: &Evaluation) -> bool {
-        let AtEvent::StopAfter(time) = at_event else { return false };
-        if now.time <= time {
+        let after = match at_event {
+            AtEvent::Apply => return false,
+            #[cfg(feature = "lanes")]
+            AtEvent::Stop => return true,
+            AtEvent::StopAfter(time) => time,
+        };
+        if now.time <= after {
             return false;
         }
         let Transition { pose, happened, .. } = self.system.transition(&self.pose, now, surface);

@@ -5,7 +5,7 @@ use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Real, Scalar};
+use crate::numerics::scalar::{Beside, Scalar};
 use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::{Evaluation, Motion};
@@ -209,7 +209,7 @@ impl<T: Scalar> Observation<T> {
     }
 }
 
-impl<R: Real> Evaluation<'_, R>
+impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: Beside<R>,
 {

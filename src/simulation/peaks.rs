@@ -8,28 +8,28 @@ use crate::block::Corner;
 use crate::block::ties::MOST_TIES;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
-use crate::numerics::scalar::{Beside, Real};
+use crate::numerics::scalar::{Beside, Scalar};
 use crate::simulation::outputs::{Observation, Strain, strain};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::{landing, lift_off};
 
 /// Greatest absolute values since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Peaks {
+pub struct Peaks<T = f64> {
     /// Of the rotation θ (rad).
-    pub theta: f64,
+    pub theta: T,
     /// Of the reactions N_L and N_R (N).
-    pub reaction: f64,
+    pub reaction: T,
     /// Of the horizontal reaction H (N).
-    pub horizontal: f64,
+    pub horizontal: T,
     /// Of the heights of the corners above their supports (m).
-    pub uplift: f64,
+    pub uplift: T,
     /// Of the friction demand (1).
-    pub friction_demand: f64,
+    pub friction_demand: T,
     /// Of the displacement of the foot from the start (m).
-    pub slip: f64,
+    pub slip: T,
     /// Of the tensions of the ties (N).
-    pub tension: [f64; MOST_TIES],
+    pub tension: [T; MOST_TIES],
 }
 
 /// A quantity whose greatest absolute value is a peak.
@@ -202,7 +202,7 @@ pub fn greater(first: f64, second: f64) -> f64 {
 
 /// The channels of an observation whose dual parts are rates.
 #[inline(always)]
-pub fn channels<R: Real>(x: &Observation<Dual<R>>) -> Channels<R> {
+pub fn channels<R: Scalar>(x: &Observation<Dual<R>>) -> Channels<R> {
     Channels {
         theta: sample(x.theta),
         reaction: [sample(x.reaction[0]), sample(x.reaction[1])],
@@ -213,11 +213,11 @@ pub fn channels<R: Real>(x: &Observation<Dual<R>>) -> Channels<R> {
 }
 
 #[inline(always)]
-fn sample<R: Real>(x: Dual<R>) -> Sample<R> {
+fn sample<R: Scalar>(x: Dual<R>) -> Sample<R> {
     Sample { value: x.re, rate: x.eps }
 }
 
-impl<R: Real> Evaluation<'_, R>
+impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: Beside<R>,
 {

@@ -121,12 +121,13 @@ impl Simulation {
         stop: f64,
         excitation: &Excitation,
         start: StepStart,
+        at_event: AtEvent,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let system = Arc::clone(&self.system);
         let since = self.pose.time;
-        let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
+        let (block, end) = (&system.block, stop);
         let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: true };
         self.steps(&piece, start, budget, observer)
     }

@@ -6,7 +6,8 @@ use crate::block::ties::NO_TIES;
 use crate::block::{Block, Foot, Foundation, Regime};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
-use crate::numerics::scalar::Elementary;
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Beside, Elementary};
 use crate::system::System;
 use crate::system::events::Path;
 use crate::system::events::change::Change;
@@ -27,10 +28,13 @@ pub struct Initial<T = f64> {
     pub vertical: Option<(T, T)>,
 }
 
-impl System {
+impl<T: Elementary> System<T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The pose at the beginning, at `time` (s), under the excitation of that time. A support that nothing touches stands at
     /// its free height.
-    pub fn beginning(&self, initial: &Initial, time: f64, excitation: &Excitation) -> Pose {
+    pub fn beginning(&self, initial: &Initial<T>, time: T, excitation: &Excitation<T>) -> Pose<T> {
         match self.block.foundation {
             Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation).0,
             Foundation::Rigid => self.tied(beginning_on_rigid_base(initial, time), excitation),
@@ -38,11 +42,19 @@ impl System {
     }
 
     /// The pose at the beginning, and the regimes through which the block comes there.
-    pub(super) fn beginning_on_supports(&self, initial: &Initial, time: f64, excitation: &Excitation) -> (Pose, Path) {
+    pub(super) fn beginning_on_supports(
+        &self,
+        initial: &Initial<T>,
+        time: T,
+        excitation: &Excitation<T>,
+    ) -> (Pose<T>, Path) {
         let mut placement = Placement::on_supports(&self.block, initial);
-        let touching = Corner::each(|corner| placement.corners[corner.index()].0 <= self.block.free_height(corner));
+        let touching = Corner::each(|corner| {
+            placement.corners[corner.index()].0.value() <= self.block.free_height(corner).value()
+        });
         let contacts = Contacts::touching(touching, time);
-        let pose = Pose { time, state: State::zeros(), contacts, footing: Footing::AT_START, ties: NO_TIES };
+        let footing = Footing::Grips { offset: T::from(0.0) };
+        let pose = Pose { time, state: State::zeros(), contacts, footing, ties: NO_TIES };
         let pose = Pose { state: placement.state(contacts.regime()).into(), ..pose };
         let pose = self.tied(pose, excitation);
         // A corner that is drawn up faster than its support can follow leaves it at once.
@@ -54,7 +66,7 @@ impl System {
     }
 
     /// A pose at the beginning with its ties as they are stretched.
-    fn tied(&self, pose: Pose, excitation: &Excitation) -> Pose {
+    fn tied(&self, pose: Pose<T>, excitation: &Excitation<T>) -> Pose<T> {
         if self.block.ties.is_empty() {
             return pose;
         }
@@ -95,14 +107,15 @@ impl<T: Elementary> Placement<T> {
     }
 }
 
-pub(super) fn beginning_on_rigid_base(initial: &Initial, time: f64) -> Pose {
-    let lean = if initial.theta != 0.0 { initial.theta } else { initial.theta_dot };
+pub(super) fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose<T> {
+    let zero = T::from(0.0);
+    let lean = if initial.theta.value() != 0.0 { initial.theta } else { initial.theta_dot }.value();
     Pose {
         time,
-        state: State::from([initial.theta, initial.theta_dot, 0.0, 0.0]),
+        state: State::from([initial.theta, initial.theta_dot, zero, zero]),
         // A block that leans to the left stands on L alone.
         contacts: Contacts::touching([lean <= 0.0, lean >= 0.0], time),
-        footing: Footing::AT_START,
+        footing: Footing::Grips { offset: zero },
         ties: NO_TIES,
     }
 }

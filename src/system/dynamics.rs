@@ -10,7 +10,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::numerics::scalar::{Beside, Elementary, Scalar};
 use crate::system::forces::{self, friction, support};
 use crate::system::instant::{Footing, Held, Instant, Place};
 
@@ -64,7 +64,7 @@ pub fn instant_held<P: Scalar, T: Beside<P>>(
 /// The part that `pick` takes of the equations of motion at an instant `x`, with the exact rates of change along the motion in the
 /// dual parts. The dual parts of the forcing are its rates.
 #[inline(always)]
-pub fn instant_with_rates<R: Real, T>(
+pub fn instant_with_rates<R: Scalar, T>(
     block: &Block<R>,
     regime: Regime,
     [_, _, w, _]: [R; 4],
@@ -93,7 +93,7 @@ where
 }
 
 /// The same where a corner is held.
-pub fn instant_held_with_rates<R: Real>(
+pub fn instant_held_with_rates<R: Scalar>(
     block: &Block<R>,
     held: &Held<R>,
     footing: Footing<R>,

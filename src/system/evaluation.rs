@@ -2,10 +2,10 @@
 
 use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime, TieState};
 use crate::excitation::{Excitation, Forcing};
-use crate::numerics::dual::{Dual, Dual64};
+use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::Beside;
-use crate::numerics::{Equations, Rate, Real, State};
+use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::numerics::{Equations, Rate, State};
 use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
 
 use crate::system::forces::{self, energy, tie};
@@ -14,7 +14,7 @@ use crate::system::law::{AnyLaw, Law};
 
 /// The block at an instant, or one block per lane: its pose, the excitation, and the solved equations of motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Evaluation<'a, R: Real = f64> {
+pub struct Evaluation<'a, R: Scalar = f64> {
     /// The block.
     pub block: &'a Block<R>,
     /// Its excitation.
@@ -41,31 +41,31 @@ pub struct Evaluation<'a, R: Real = f64> {
 
 /// The motion from a pose on, while the block stands on the same corners.
 #[derive(Clone, Copy)]
-pub struct Motion<'a, L = AnyLaw, const N: usize = 4> {
-    block: &'a Block,
-    excitation: &'a Excitation,
+pub struct Motion<'a, L = AnyLaw, const N: usize = 4, T = f64> {
+    block: &'a Block<T>,
+    excitation: &'a Excitation<T>,
     law: L,
-    since: f64,
-    footing: Footing<f64>,
-    contacts: Contacts,
+    since: T,
+    footing: Footing<T>,
+    contacts: Contacts<T>,
 }
 
 /// The number of quantities that are integrated under an [extended](Law::EXTENDED) law: `[θ, θ̇, w, ẇ, u, u̇]`, and the works of
 /// [dissipative](forces::dissipated) forces since the beginning of the step.
 pub const EXTENDED: usize = 6 + forces::DISSIPATIVE;
 
-impl<'a> Motion<'a> {
+impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
     /// The motion of a block from a pose on.
     #[inline]
-    pub fn from_pose(block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a> {
+    pub fn from_pose(block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
     }
 }
 
-impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
+impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// The same under the law of the pose, if it is already known.
     #[inline(always)]
-    pub fn under(law: L, block: &'a Block, pose: &Pose, excitation: &'a Excitation) -> Motion<'a, L, N> {
+    pub fn under(law: L, block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         let Pose { time, contacts, footing, .. } = *pose;
         Motion { block, excitation, law, since: time, footing, contacts }
     }
@@ -78,7 +78,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
 
     /// Evaluates a state at a time.
     #[inline(always)]
-    pub fn at(&self, time: f64, state: State<f64, N>) -> Evaluation<'a> {
+    pub fn at(&self, time: T, state: State<T, N>) -> Evaluation<'a, T> {
         let footing = self.footing_at(time, &state);
         if let Some(held) = self.held_at(time) {
             return self.at_held(time, four(&state), footing, held);
@@ -88,25 +88,26 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
     }
 
     /// The state of a pose.
-    pub fn state_at(&self, pose: &Pose) -> State<f64, N> {
+    pub fn state_at(&self, pose: &Pose<T>) -> State<T, N> {
+        let zero = T::from(0.0);
         let beyond = match pose.footing {
             // It follows from the rest.
-            Footing::Grips { .. } => [0.0; 4],
-            Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot, 0.0, 0.0],
+            Footing::Grips { .. } => [zero; 4],
+            Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot, zero, zero],
         };
         State::from(std::array::from_fn(|i| if i < 4 { pose.state[i] } else { beyond[i - 4] }))
     }
 
     /// The state of an instant.
     #[inline(always)]
-    pub fn state_of(&self, at: &Evaluation) -> State<f64, N> {
-        let beyond = [at.instant.u, at.instant.u_dot, 0.0, 0.0];
+    pub fn state_of(&self, at: &Evaluation<T>) -> State<T, N> {
+        let beyond = [at.instant.u, at.instant.u_dot, T::from(0.0), T::from(0.0)];
         State::from(std::array::from_fn(|i| if i < 4 { at.state[i] } else { beyond[i - 4] }))
     }
 
     /// Its rate, and the powers.
     #[inline(always)]
-    pub fn rate_of(&self, at: &Evaluation) -> Rate<f64, N> {
+    pub fn rate_of(&self, at: &Evaluation<T>) -> Rate<T, N> {
         if N == 4 {
             return Rate {
                 state: State::from(std::array::from_fn(|i| at.rate.state[i])),
@@ -124,7 +125,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
 
     /// The corner that is held, with its support at a time.
     #[inline(always)]
-    fn held_at(&self, time: f64) -> Option<Held<f64>> {
+    fn held_at(&self, time: T) -> Option<Held<T>> {
         self.law.held().map(|corner| Held::on(self.block, corner, self.contacts.top(corner, self.block, time)))
     }
 
@@ -132,11 +133,11 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
     #[inline(never)]
     fn at_held(
         &self,
-        time: f64,
-        State { 0: [theta, theta_dot, ..] }: State,
-        footing: Footing<f64>,
-        held: Held<f64>,
-    ) -> Evaluation<'a> {
+        time: T,
+        State { 0: [theta, theta_dot, ..] }: State<T>,
+        footing: Footing<T>,
+        held: Held<T>,
+    ) -> Evaluation<'a, T> {
         let forcing = Forcing { ties: self.law.ties(), ..self.excitation.at(time) };
         let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
         let [left, right] = instant.corner;
@@ -145,7 +146,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
             excitation: self.excitation,
             time,
             regime: self.law.regime(),
-            state: State::from([theta, theta_dot, 0.5 * (left + right), instant.w_dot]),
+            state: State::from([theta, theta_dot, (left + right) * 0.5, instant.w_dot]),
             footing,
             forcing,
             instant,
@@ -157,7 +158,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
 
     /// Heights of the supports that nothing touches (m), and their rates (m/s); zeros for the others.
     #[inline(always)]
-    pub fn support_heights(&self, time: f64) -> [Sample; 2] {
+    pub fn support_heights(&self, time: T) -> [Sample<T>; 2] {
         Corner::each(|corner| match self.law.regime().touches(corner) {
             true => Sample::default(),
             false => self.contacts.top(corner, self.block, time),
@@ -166,7 +167,7 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
 
     /// The horizontal hold at `time`. In free motion without ties, `ü = −a_gx` is integrated in closed form.
     #[inline(always)]
-    fn footing_at(&self, time: f64, state: &State<f64, N>) -> Footing<f64> {
+    fn footing_at(&self, time: T, state: &State<T, N>) -> Footing<T> {
         match self.footing {
             Footing::Slides { direction, .. } if N > 4 => Footing::Slides { u: state[4], u_dot: state[5], direction },
             Footing::Free { .. } if N > 4 => Footing::Free { u: state[4], u_dot: state[5] },
@@ -185,26 +186,26 @@ impl<'a, L: Law, const N: usize> Motion<'a, L, N> {
 
 /// The first four numbers of a state.
 #[inline(always)]
-fn four<const N: usize>(state: &State<f64, N>) -> State {
+fn four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
     State::from(std::array::from_fn(|i| state[i]))
 }
 
-impl<L: Law, const N: usize> Equations<f64, N> for Motion<'_, L, N> {
+impl<L: Law, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N, T> {
     #[inline(always)]
-    fn rate(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
+    fn rate(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         if L::KNOWN { self.rate_inlined(time, state) } else { self.rate_called(time, state) }
     }
 }
 
-impl<L: Law, const N: usize> Motion<'_, L, N> {
+impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
     /// One function for all laws; inlining it into each stage of a step would make steps too large.
     #[inline(never)]
-    fn rate_called(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
+    fn rate_called(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_inlined(time, state)
     }
 
     #[inline(always)]
-    fn rate_inlined(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
+    fn rate_inlined(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         if N > 4 {
             return self.rate_extended(time, state);
         }
@@ -218,14 +219,14 @@ impl<L: Law, const N: usize> Motion<'_, L, N> {
 
     /// The same where the horizontal motion is integrated too.
     #[inline(never)]
-    fn rate_extended(&self, time: f64, state: &State<f64, N>) -> Rate<f64, N> {
+    fn rate_extended(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
         self.rate_of(&self.at(time, *state))
     }
 }
 
 /// Rate of a state under a law that holds no corner, and the powers.
 #[inline(always)]
-pub fn rate<R: Real>(
+pub fn rate<R: Scalar>(
     law: impl Law,
     block: &Block<R>,
     excitation: &Excitation<R>,
@@ -238,7 +239,7 @@ pub fn rate<R: Real>(
 }
 
 #[inline(always)]
-fn rate_of<R: Real>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
+fn rate_of<R: Scalar>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Forcing<R>) -> Rate<R> {
     // Where nothing holds the block, `Footing::free_work` is the horizontal part of the work.
     let closed = !law.grips() && !law.is_extended();
     let integrated = if closed { Forcing { x: R::from(0.0), ..forcing } } else { forcing };
@@ -248,7 +249,7 @@ fn rate_of<R: Real>(law: impl Law, block: &Block<R>, x: &Instant<R>, forcing: Fo
     }
 }
 
-impl<'a, R: Real> Evaluation<'a, R> {
+impl<'a, R: Scalar> Evaluation<'a, R> {
     /// Evaluates a state under a law that holds no corner.
     #[inline(always)]
     pub fn of(
@@ -282,7 +283,9 @@ impl<'a, R: Real> Evaluation<'a, R> {
     pub fn forcing_rate(&self) -> Forcing<R> {
         self.excitation.rate_at(self.time)
     }
+}
 
+impl<R: Real> Evaluation<'_, R> {
     /// Equivalent accelerations of the block and of its motion (m/s²), as sums over rotation and height.
     #[inline(always)]
     pub fn unrest(&self) -> [R; 2] {
@@ -293,7 +296,7 @@ impl<'a, R: Real> Evaluation<'a, R> {
     }
 }
 
-impl<R: Real> Evaluation<'_, R>
+impl<R: Scalar> Evaluation<'_, R>
 where
     Dual<R>: Beside<R>,
 {
@@ -316,43 +319,48 @@ where
     }
 }
 
-impl Evaluation<'_> {
+impl<T: Elementary> Evaluation<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The same at the actual rate of the forcing, not inlined.
     #[inline(never)]
-    pub fn rates(&self) -> Instant<Dual64> {
+    pub fn rates(&self) -> Instant<Dual<T>> {
         self.with_rates(self.forcing_rate())
     }
 
-    /// Kinetic and potential energy per unit mass, together (m²/s²).
-    pub fn energy(&self) -> f64 {
-        let (kinetic, potential) = energy(self.block, self.regime, &self.forcing.ties, &self.instant);
-        kinetic + potential
-    }
-
-    /// Acceleration of the foot (m/s²), positive to the right.
-    pub fn foot_acceleration(&self) -> f64 {
-        let (x, (sin, cos)) = (&self.instant, libm::sincos(self.instant.theta));
-        let Lever { x: across, q } = self.block.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
-        x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
-    }
-
-    /// Displacement of the foot from its place at the start (m), positive to the right.
-    pub fn foot_place(&self) -> f64 {
-        let (sin, cos) = libm::sincos(self.instant.theta);
-        let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
-        self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
-    }
-
     /// Tension of a tie (N) and its rate (N/s).
-    pub fn tension(&self, tie: usize) -> Sample {
+    pub fn tension(&self, tie: usize) -> Sample<T> {
         match self.forcing.ties[tie] {
             TieState::Taut => tie::tension_with_rate(self.block, &self.block.ties.all()[tie], &self.rates()),
             TieState::Slack | TieState::Limp | TieState::Broken => Sample::default(),
         }
     }
+}
+
+impl<T: Elementary> Evaluation<'_, T> {
+    /// Kinetic and potential energy per unit mass, together (m²/s²).
+    pub fn energy(&self) -> T {
+        let (kinetic, potential) = energy(self.block, self.regime, &self.forcing.ties, &self.instant);
+        kinetic + potential
+    }
+
+    /// Acceleration of the foot (m/s²), positive to the right.
+    pub fn foot_acceleration(&self) -> T {
+        let (x, (sin, cos)) = (&self.instant, self.instant.theta.sin_cos());
+        let Lever { x: across, q } = self.block.lever(self.regime.foot().unwrap_or(Foot::Middle), sin, cos);
+        x.u_ddot - q * x.theta_ddot + across * x.theta_dot * x.theta_dot
+    }
+
+    /// Displacement of the foot from its place at the start (m), positive to the right.
+    pub fn foot_place(&self) -> T {
+        let (sin, cos) = self.instant.theta.sin_cos();
+        let offset = self.block.offset_from(self.regime.foot().unwrap_or(Foot::Middle));
+        self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
+    }
 
     /// Powers per mass (m²/s³) taken by friction and by the dashpots of the ties.
-    pub fn dissipated(&self) -> [f64; forces::DISSIPATIVE] {
+    pub fn dissipated(&self) -> [T; forces::DISSIPATIVE] {
         forces::dissipated(self.block, &self.forcing.ties, &self.instant)
     }
 }

@@ -1,7 +1,7 @@
 //! Velocities before a corner lands, grips or changes the pivot → velocities after.
 
 use crate::block::{Block, Corner, Foot, Lever, Regime};
-use crate::numerics::scalar::Elementary;
+use crate::numerics::scalar::{Beside, Elementary, Scalar, greatest, least};
 use crate::system::instant::Instant;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
@@ -15,11 +15,11 @@ pub struct Velocities<T = f64> {
     pub theta_dot: T,
 }
 
-impl Velocities {
+impl<T: Elementary> Velocities<T> {
     /// Kinetic energy per unit mass (m²/s²).
-    pub fn kinetic(&self, block: &Block) -> f64 {
-        let Velocities { u_dot, v_dot, theta_dot } = self;
-        0.5 * (block.i0 * theta_dot * theta_dot + u_dot * u_dot + v_dot * v_dot)
+    pub fn kinetic(&self, block: &Block<T>) -> T {
+        let Velocities { u_dot, v_dot, theta_dot } = *self;
+        (block.i0 * theta_dot * theta_dot + u_dot * u_dot + v_dot * v_dot) * 0.5
     }
 }
 
@@ -29,9 +29,9 @@ impl Velocities {
 /// Linear and angular momentum change by the impulses of H and N at the landing corner only, the corner's vertical
 /// velocity by the factor ε, and the horizontal constraint from the standing corner to the middle of the base.
 /// (m/s), (rad/s) positive clockwise.
-pub fn landing(block: &Block, corner: Corner, theta: f64, v_dot: f64, theta_dot: f64) -> (f64, f64) {
+pub fn landing<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_dot: T, theta_dot: T) -> (T, T) {
     let Block { i0, epsilon, .. } = *block;
-    let (sin, cos) = libm::sincos(theta);
+    let (sin, cos) = theta.sin_cos();
     let Lever { x, q } = block.lever(Foot::Corner(corner), sin, cos);
     let before = block.lever(Foot::Corner(corner.other()), sin, cos);
     let after = block.lever(Foot::Middle, sin, cos);
@@ -54,7 +54,13 @@ pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_
 /// vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept.
 ///
 /// If the rate is reduced, no energy is gained as long as the support pushes, that is, as long as v̇ grows.
-pub fn landing_with_grip(block: &Block, corner: Corner, theta: f64, before: Velocities, rate_after: f64) -> Velocities {
+pub fn landing_with_grip<T: Elementary>(
+    block: &Block<T>,
+    corner: Corner,
+    theta: T,
+    before: Velocities<T>,
+    rate_after: T,
+) -> Velocities<T> {
     let Lever { x, q } = lever(block, corner, theta);
     let Velocities { u_dot, v_dot, theta_dot } = before;
     let momentum = block.i0 * theta_dot + q * u_dot - x * v_dot;
@@ -64,16 +70,16 @@ pub fn landing_with_grip(block: &Block, corner: Corner, theta: f64, before: Velo
 
 /// Velocities after the landing of `corner` with a vertical impulse alone, which makes its vertical rate `rate_after`
 /// (m/s).
-pub fn landing_without_grip(
-    block: &Block,
+pub fn landing_without_grip<T: Elementary>(
+    block: &Block<T>,
     corner: Corner,
-    theta: f64,
-    before: Velocities,
-    rate_after: f64,
-) -> Velocities {
+    theta: T,
+    before: Velocities<T>,
+    rate_after: T,
+) -> Velocities<T> {
     let Lever { x, .. } = lever(block, corner, theta);
     let Velocities { u_dot, v_dot, theta_dot } = before;
-    let impulse = (rate_after - v_dot - x * theta_dot) / (1.0 + x * x / block.i0);
+    let impulse = (rate_after - v_dot - x * theta_dot) / (x * x / block.i0 + 1.0);
     Velocities { u_dot, v_dot: v_dot + impulse, theta_dot: theta_dot + x * impulse / block.i0 }
 }
 
@@ -81,24 +87,24 @@ pub fn landing_without_grip(
 /// impulse is the one within `|P_H| ≤ μ P_N` that leaves the foot slowest.
 ///
 /// The restitution makes P_N linear in P_H, and with it the velocity of the foot.
-pub fn landing_with_friction(
-    block: &Block,
+pub fn landing_with_friction<T: Elementary>(
+    block: &Block<T>,
     corner: Corner,
     foot: Foot,
-    theta: f64,
-    before: Velocities,
-    rate_after: f64,
-) -> Velocities {
-    let (sin, cos) = libm::sincos(theta);
+    theta: T,
+    before: Velocities<T>,
+    rate_after: T,
+) -> Velocities<T> {
+    let (sin, cos) = theta.sin_cos();
     let Lever { x, q } = block.lever(Foot::Corner(corner), sin, cos);
     let height = block.lever(foot, sin, cos).q;
     let Velocities { u_dot, v_dot, theta_dot } = before;
     let Block { i0, friction, .. } = *block;
     // P_N = constant + slope P_H, per mass.
-    let constant = (rate_after - v_dot - x * theta_dot) / (1.0 + x * x / i0);
+    let constant = (rate_after - v_dot - x * theta_dot) / (x * x / i0 + 1.0);
     let slope = x * q / (i0 + x * x);
     let speed = u_dot - height * (theta_dot + x * constant / i0);
-    let speed_slope = 1.0 + height * (q - x * slope) / i0;
+    let speed_slope = height * (q - x * slope) / i0 + 1.0;
     let horizontal = within_friction(friction, -speed / speed_slope, constant, slope);
     let vertical = constant + slope * horizontal;
     Velocities {
@@ -109,40 +115,45 @@ pub fn landing_with_friction(
 }
 
 /// The impulse nearest to the one that is wanted with `|P_H| ≤ μ P_N`, where `P_N = constant + slope P_H`.
-fn within_friction(friction: f64, wanted: f64, constant: f64, slope: f64) -> f64 {
+fn within_friction<T: Elementary>(friction: T, wanted: T, constant: T, slope: T) -> T {
     let bound = |direction: f64| {
-        let part = 1.0 - friction * slope * direction;
-        if part > 0.0 { friction * constant / part } else { f64::INFINITY }
+        let part = -(friction * slope * direction) + 1.0;
+        if part.value() > 0.0 { friction * constant / part } else { T::from(f64::INFINITY) }
     };
-    wanted.min(bound(1.0)).max(-bound(-1.0))
+    greatest(least(wanted, bound(1.0)), -bound(-1.0))
 }
 
 /// Velocities after both corners land at once and grip as far as friction allows, so that their vertical rates become
 /// `rates_after` (m/s); the impulses per mass at L and R (m/s) beside them; a landing needs both to be positive or zero.
-pub fn landing_on_both(block: &Block, theta: f64, before: Velocities, rates_after: [f64; 2]) -> ([f64; 2], Velocities) {
-    let (sin, cos) = libm::sincos(theta);
+pub fn landing_on_both<T: Elementary>(
+    block: &Block<T>,
+    theta: T,
+    before: Velocities<T>,
+    rates_after: [T; 2],
+) -> ([T; 2], Velocities<T>) {
+    let (sin, cos) = theta.sin_cos();
     let Lever { x, q } = block.lever(Foot::Middle, sin, cos);
     let half_base = block.b * cos;
-    let theta_dot = 0.5 * (rates_after[0] - rates_after[1]) / half_base;
-    let v_dot = 0.5 * (rates_after[0] + rates_after[1]) - x * theta_dot;
+    let theta_dot = (rates_after[0] - rates_after[1]) * 0.5 / half_base;
+    let v_dot = (rates_after[0] + rates_after[1]) * 0.5 - x * theta_dot;
     let sum = v_dot - before.v_dot;
     let grips = q * theta_dot;
-    let u_dot = if block.friction > 0.0 {
-        before.u_dot + within_friction(block.friction, grips - before.u_dot, sum, 0.0)
+    let u_dot = if block.friction.value() > 0.0 {
+        before.u_dot + within_friction(block.friction, grips - before.u_dot, sum, T::from(0.0))
     } else {
         grips
     };
     // I0 Δθ̇ = −h cos θ ∫H + b cos θ (∫N_L − ∫N_R) + h sin θ (∫N_L + ∫N_R)
     let turn = block.i0 * (theta_dot - before.theta_dot) + q * (u_dot - before.u_dot) - x * sum;
     let difference = turn / half_base;
-    ([0.5 * (sum + difference), 0.5 * (sum - difference)], Velocities { u_dot, v_dot, theta_dot })
+    ([(sum + difference) * 0.5, (sum - difference) * 0.5], Velocities { u_dot, v_dot, theta_dot })
 }
 
 /// Velocities after the foot of `regime` grips: a horizontal impulse alone stops it.
 ///
 /// `θ̇_a = (I0 θ̇_b + M k u̇_b)/(I0 + M k²)`, with k the height of the centre of mass over the foot.
-pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Velocities {
-    let (sin, cos) = libm::sincos(theta);
+pub fn grip<T: Elementary>(block: &Block<T>, regime: Regime, theta: T, before: Velocities<T>) -> Velocities<T> {
+    let (sin, cos) = theta.sin_cos();
     let height = block.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
     let theta_dot = (block.i0 * before.theta_dot + height * before.u_dot) / (block.i0 + height * height);
     Velocities { u_dot: height * theta_dot, theta_dot, ..before }
@@ -150,7 +161,7 @@ pub fn grip(block: &Block, regime: Regime, theta: f64, before: Velocities) -> Ve
 
 /// Vertical rate (m/s) with which a corner that slides along the rigid base leaves it if it is stopped by a horizontal
 /// impulse alone, negative if it is pressed on: `s P Q u̇_I/(i0 + Q²)`, with its horizontal velocity `u̇_I = u̇ − Q θ̇`.
-pub fn thrown_by_grip<T: Elementary>(block: &Block, corner: Corner, x: &Instant<T>) -> T {
+pub fn thrown_by_grip<P: Scalar, T: Beside<P>>(block: &Block<P>, corner: Corner, x: &Instant<T>) -> T {
     let (sin, cos) = x.theta.sin_cos();
     let Lever { x: across, q } = block.lever(Foot::Corner(corner), sin, cos);
     across * q * (x.u_dot - q * x.theta_dot) / (q * q + block.i0)
@@ -164,11 +175,11 @@ pub fn height_over<T: Elementary>(block: &Block<T>, foot: Foot, theta: T) -> T {
 
 /// Energy per unit mass (m²/s²) that the landing of a corner with the vertical velocity `rate` (m/s) takes, if the corner
 /// does not move horizontally before or after: `½ (1 − ε²) v̇_I² (I0 + M Q²)/(I0 + M R0²)` with `Q = R0 cos(α + sθ)`.
-pub fn landing_loss(block: &Block, corner: Corner, theta: f64, rate: f64) -> f64 {
+pub fn landing_loss<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, rate: T) -> T {
     let Block { i0, epsilon, .. } = *block;
     let Lever { x, q } = lever(block, corner, theta);
     let share = (i0 + q * q) / (i0 + q * q + x * x);
-    0.5 * (1.0 - epsilon * epsilon) * rate * rate * share
+    (-(epsilon * epsilon) + 1.0) * 0.5 * rate * rate * share
 }
 
 /// The centre of mass as seen from a corner.

@@ -143,15 +143,15 @@ impl Footing<f64> {
 
 /// Place, velocities and contacts of the block: with the excitation they determine its motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pose {
+pub struct Pose<T = f64> {
     /// Time (s).
-    pub time: f64,
+    pub time: T,
     /// `[θ, θ̇, w, ẇ]`; the meaning of w depends on the regime, see [`super::dynamics`].
-    pub state: State,
+    pub state: State<T>,
     /// The contacts of the corners.
-    pub contacts: Contacts,
+    pub contacts: Contacts<T>,
     /// The horizontal hold.
-    pub footing: Footing<f64>,
+    pub footing: Footing<T>,
     /// The states of the ties.
     pub ties: TieStates,
 }
@@ -173,7 +173,7 @@ pub struct Held<T> {
     pub top: [T; 3],
 }
 
-impl<R: Real> Held<R> {
+impl<R: Scalar> Held<R> {
     /// A corner held on a support at this height that creeps at this rate: `C ÿ = −K ẏ`.
     pub fn on(block: &Block<R>, corner: Corner, Sample { value, rate }: Sample<R>) -> Held<R> {
         Held { corner, top: [value, rate, creeping(block, rate)] }
@@ -190,6 +190,6 @@ impl<R: Real> Held<R> {
 
 /// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing
 /// moves.
-fn creeping<R: Real>(block: &Block<R>, rate: R) -> R {
-    R::select_less(R::from(0.0), rate.abs(), -(block.creep_rate() * rate), R::from(0.0))
+fn creeping<R: Scalar>(block: &Block<R>, rate: R) -> R {
+    R::select_less(R::Real::from(0.0), rate.value().abs(), -(block.creep_rate() * rate), R::from(0.0))
 }

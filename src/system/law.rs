@@ -2,6 +2,7 @@
 
 use crate::block::ties::NO_TIES;
 use crate::block::{Block, Corner, Foundation, Regime, TieStates};
+use crate::numerics::scalar::Elementary;
 use crate::system::instant::Footing;
 use crate::system::instant::Pose;
 
@@ -67,14 +68,14 @@ pub struct AnyLaw {
 impl AnyLaw {
     /// The law of a block in a pose.
     #[inline]
-    pub fn of(block: &Block, pose: &Pose) -> AnyLaw {
+    pub fn of<T: Elementary>(block: &Block<T>, pose: &Pose<T>) -> AnyLaw {
         let Pose { contacts, footing, ties, .. } = pose;
         AnyLaw {
             regime: contacts.regime(),
             foundation: block.foundation,
             grips: footing.grips(),
             held: contacts.held(),
-            has_friction: block.friction > 0.0,
+            has_friction: block.friction.value() > 0.0,
             slides: matches!(footing, Footing::Slides { .. }),
             tied: !block.ties.is_empty(),
             ties: *ties,

@@ -28,9 +28,9 @@ use crate::block::Block;
 
 /// A block and the rules by which it moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct System {
+pub struct System<T = f64> {
     /// The block on its foundation.
-    pub block: Block,
+    pub block: Block<T>,
     /// Whether the block flies once no corner touches. In the paper's analysis it does not: the run ends as soon as the last corner
     /// bears nothing.
     pub flies: bool,

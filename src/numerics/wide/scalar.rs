@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::numerics::dual::Dual;
+use crate::numerics::dual::{Dual, beside_duals};
 use crate::numerics::scalar::{Real, Scalar};
 use crate::numerics::wide::{Array, MOST_LANES, Simd, Wide};
 
@@ -101,36 +101,4 @@ fn far_from_zero(angles: &Array) -> (Array, Array) {
     (sines, cosines)
 }
 
-impl<V: Simd> From<Wide<V>> for Dual<Wide<V>> {
-    #[inline(always)]
-    fn from(value: Wide<V>) -> Dual<Wide<V>> {
-        Dual::constant(value)
-    }
-}
-
-impl<V: Simd> Add<Wide<V>> for Dual<Wide<V>> {
-    type Output = Dual<Wide<V>>;
-
-    #[inline(always)]
-    fn add(self, other: Wide<V>) -> Dual<Wide<V>> {
-        Dual::new(self.re + other, self.eps)
-    }
-}
-
-impl<V: Simd> Sub<Wide<V>> for Dual<Wide<V>> {
-    type Output = Dual<Wide<V>>;
-
-    #[inline(always)]
-    fn sub(self, other: Wide<V>) -> Dual<Wide<V>> {
-        Dual::new(self.re - other, self.eps)
-    }
-}
-
-impl<V: Simd> Mul<Wide<V>> for Dual<Wide<V>> {
-    type Output = Dual<Wide<V>>;
-
-    #[inline(always)]
-    fn mul(self, other: Wide<V>) -> Dual<Wide<V>> {
-        Dual::new(self.re * other, self.eps * other)
-    }
-}
+beside_duals!([V: Simd] Wide<V>);

@@ -17,7 +17,7 @@ use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::{Array, Width};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{AtEvent, Simulation, SimulationError};
 use crate::system::events::{Event, Surface};
 use crate::system::instant::Pose;
 use crate::system::instant::State;
@@ -208,7 +208,7 @@ impl Lane {
         (*begins, *short_failed) = (false, false);
         // An event may let a support creep from another height.
         support_heights.0 = f64::NAN;
-        simulation.single_step(*stop, &excitation, start, budget, observer)
+        simulation.single_step(*stop, &excitation, start, AtEvent::Apply, budget, observer)
     }
 
     /// The ground accelerations under which it is stepped.

@@ -3,6 +3,7 @@
 use crate::block::{Contact, Corner, Creep, Regime};
 use crate::excitation::Excitation;
 use crate::numerics::roots::Sample;
+use crate::numerics::scalar::Elementary;
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::placement::Placement;
@@ -69,18 +70,18 @@ pub(super) enum Leaving {
 }
 
 /// A pose that is being changed.
-pub struct Change<'a> {
-    pub(super) system: &'a System,
-    excitation: &'a Excitation,
-    pub pose: Pose,
+pub struct Change<'a, T = f64> {
+    pub(super) system: &'a System<T>,
+    excitation: &'a Excitation<T>,
+    pub pose: Pose<T>,
     pub counts: TransitionCounts,
     pub path: Path,
     /// Whether a corner has landed on its support in this instant.
     pub(super) landed: bool,
 }
 
-impl<'a> Change<'a> {
-    pub fn begin(system: &'a System, pose: &Pose, excitation: &'a Excitation) -> Change<'a> {
+impl<'a, T: Elementary> Change<'a, T> {
+    pub fn begin(system: &'a System<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Change<'a, T> {
         Change {
             system,
             excitation,
@@ -96,45 +97,45 @@ impl<'a> Change<'a> {
     }
 
     /// The block in the present pose.
-    pub(super) fn now(&mut self) -> Evaluation<'a> {
+    pub(super) fn now(&mut self) -> Evaluation<'a, T> {
         self.counts.evaluations += 1;
         Motion::from_pose(&self.system.block, &self.pose, self.excitation).at(self.pose.time, self.pose.state)
     }
 
     /// Goes on from a placement on the present contacts.
-    pub(super) fn place(&mut self, placement: &Placement) {
+    pub(super) fn place(&mut self, placement: &Placement<T>) {
         let regime = self.regime();
         self.pose.state = placement.state(regime).into();
         self.path.push(regime);
     }
 
     /// The foot is held from here on, where it is, with velocities that agree with that.
-    pub(super) fn hold(&mut self, placement: &Placement) {
+    pub(super) fn hold(&mut self, placement: &Placement<T>) {
         self.place(placement);
-        self.pose.footing = Footing::AT_START;
+        self.pose.footing = Footing::Grips { offset: T::from(0.0) };
         let offset = placement.u - self.now().instant.u;
         self.pose.footing = Footing::Grips { offset };
     }
 
     /// Height of the support under a corner that has left it (m), and its rate (m/s).
-    pub(super) fn support(&self, corner: Corner) -> Sample {
+    pub(super) fn support(&self, corner: Corner) -> Sample<T> {
         self.pose.contacts.top(corner, &self.system.block, self.pose.time)
     }
 
     /// `corner` touches from now on, at the height of its support.
-    pub(super) fn put_down(&mut self, corner: Corner, placement: &mut Placement) {
+    pub(super) fn put_down(&mut self, corner: Corner, placement: &mut Placement<T>) {
         self.landed = true;
         placement.corners[corner.index()].0 = self.support(corner).value;
         self.pose.contacts.set(corner, Contact::Bearing);
     }
 
     /// The recovery of the support under a corner that bears nothing from here on, from this height (m).
-    pub(super) fn creep_from(&self, corner: Corner, height: f64) -> Creep {
+    pub(super) fn creep_from(&self, corner: Corner, height: T) -> Creep<T> {
         Creep { depth: self.system.block.free_height(corner) - height, since: self.pose.time }
     }
 
     /// Goes on from a placement; without any corner on the base, the block flies.
-    pub(super) fn go_on_from(&mut self, placement: &Placement) {
+    pub(super) fn go_on_from(&mut self, placement: &Placement<T>) {
         self.place(placement);
         if self.regime() == Regime::Separated {
             self.pose.footing = Footing::Free { u: placement.u, u_dot: placement.velocities.u_dot };

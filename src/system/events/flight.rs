@@ -3,20 +3,25 @@
 //! The landing corner grips if nothing held the block; otherwise it comes down without a horizontal impulse.
 
 use crate::block::{Contact, Corner, Foot, Regime};
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Beside, Elementary, greatest};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
 use crate::system::events::landing::{self, without_gain};
 use crate::system::events::placement::Placement;
 use crate::system::impact::{self, Velocities};
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The gap under `corner` closed in flight, or while the other corner slides.
-    pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation) {
+    pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation<T>) {
         let (other, placement) = (corner.other(), Placement::of(&now.instant));
         if self.is_level(other, now) {
             match self.land_on_both(now) {
                 Ok(()) => return,
-                Err(impulses) if impulses[corner.index()] < 0.0 => return self.land_alone(other, placement),
+                Err(impulses) if impulses[corner.index()].value() < 0.0 => return self.land_alone(other, placement),
                 Err(_) => {}
             }
         }
@@ -24,7 +29,7 @@ impl Change<'_> {
     }
 
     /// Both corners land at once from flight, unless one of the impulses, which are returned, would have to pull.
-    pub(super) fn land_on_both(&mut self, now: &Evaluation) -> Result<(), [f64; 2]> {
+    pub(super) fn land_on_both(&mut self, now: &Evaluation<T>) -> Result<(), [T; 2]> {
         let (before, mut both) = (self.pose.contacts, Placement::of(&now.instant));
         let rates = Corner::BOTH.map(|corner| {
             let (rate, support) = (both.corners[corner.index()].1, self.support(corner).rate);
@@ -32,7 +37,7 @@ impl Change<'_> {
             self.rate_after_landing(rate, support)
         });
         let (impulses, velocities) = impact::landing_on_both(&self.system.block, both.theta, both.velocities, rates);
-        if impulses.iter().any(|&impulse| impulse < 0.0) {
+        if impulses.iter().any(|impulse| impulse.value() < 0.0) {
             self.pose.contacts = before;
             return Err(impulses);
         }
@@ -45,24 +50,24 @@ impl Change<'_> {
     }
 
     /// Whether, in flight, the gap under this corner is closed to rounding and closing.
-    pub(super) fn is_level(&self, corner: Corner, now: &Evaluation) -> bool {
+    pub(super) fn is_level(&self, corner: Corner, now: &Evaluation<T>) -> bool {
         let gap = landing::gap(&now.instant, now.support_heights, corner);
-        let closed = gap.value <= landing::rounding(&self.system.block) && gap.rate < 0.0;
+        let closed = gap.value.value() <= landing::rounding(&self.system.block) && gap.rate.value() < 0.0;
         now.regime == Regime::Separated && closed
     }
 
-    fn land_alone(&mut self, corner: Corner, mut placement: Placement) {
+    fn land_alone(&mut self, corner: Corner, mut placement: Placement<T>) {
         let block = &self.system.block;
         let (i, before, regime) = (corner.index(), placement.velocities, self.regime());
         let support = self.support(corner).rate;
         self.put_down(corner, &mut placement);
         let rate = placement.corners[i].1;
-        self.counts.impacts += u32::from(rate < 0.0);
+        self.counts.impacts += u32::from(rate.value() < 0.0);
         let mut after = self.rate_after_landing(rate, support);
         let flying = regime == Regime::Separated;
         if flying {
             let mut velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
-            if rate >= 0.0 || velocities.v_dot < before.v_dot {
+            if rate.value() >= 0.0 || velocities.v_dot.value() < before.v_dot.value() {
                 // The support came up to the corner, or it would have to pull: the horizontal stop alone throws the corner
                 // up faster than that.
                 let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
@@ -84,12 +89,12 @@ impl Change<'_> {
     }
 
     /// Vertical rate of a corner after its landing from flight (m/s), on a support that moves at `support` (m/s).
-    fn rate_after_landing(&self, rate: f64, support: f64) -> f64 {
-        self.or_rest(if rate < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
+    fn rate_after_landing(&self, rate: T, support: T) -> T {
+        self.or_rest(if rate.value() < 0.0 { self.system.block.epsilon * rate } else { rate }, support)
     }
 
     /// `corner` comes down from flight, or while the other one slides.
-    pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Evaluation) {
+    pub(super) fn land_on_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) {
         let other = corner.other();
         let placement = Placement::of(&now.instant);
         if !self.is_level(other, now) {
@@ -98,9 +103,11 @@ impl Change<'_> {
         let block = &self.system.block;
         let rates = Corner::BOTH.map(|corner| self.rebound(placement.corners[corner.index()].1));
         let (impulses, velocities) = impact::landing_on_both(block, placement.theta, placement.velocities, rates);
-        if impulses[corner.index()] < 0.0 {
+        if impulses[corner.index()].value() < 0.0 {
             self.land_on_corner(other, placement);
-        } else if impulses[other.index()] < 0.0 || velocities.kinetic(block) > placement.velocities.kinetic(block) {
+        } else if impulses[other.index()].value() < 0.0
+            || velocities.kinetic(block).value() > placement.velocities.kinetic(block).value()
+        {
             self.land_on_corner(corner, placement);
         } else {
             self.counts.impacts += 2;
@@ -110,10 +117,11 @@ impl Change<'_> {
 
     /// `corner` comes down alone: it stops horizontally and rebounds with ε times its vertical rate, but with no more than
     /// the energy allows, and no less than the horizontal stop alone throws it up.
-    fn land_on_corner(&mut self, corner: Corner, placement: Placement) {
+    fn land_on_corner(&mut self, corner: Corner, placement: Placement<T>) {
         let block = &self.system.block;
         let before = placement.velocities;
-        let land = |rate: f64| match block.friction > 0.0 {
+        let zero = T::from(0.0);
+        let land = |rate: T| match block.friction.value() > 0.0 {
             true => {
                 let foot = Foot::Corner(corner);
                 impact::landing_with_friction(block, corner, foot, placement.theta, before, rate)
@@ -122,18 +130,19 @@ impl Change<'_> {
         };
         let mut rate = self.rebound(placement.corners[corner.index()].1);
         // The energy after the landing grows with the square of the rate.
-        let [energy, held, rebound] = [before, land(0.0), land(rate)].map(|velocities| velocities.kinetic(block));
-        if block.friction > 0.0 {
-            rate = self.or_rest(without_gain(block, before, rate, land).0, 0.0);
-        } else if rebound > energy {
+        let [energy, held, rebound] = [before, land(zero), land(rate)].map(|velocities| velocities.kinetic(block));
+        if block.friction.value() > 0.0 {
+            rate = self.or_rest(without_gain(block, before, rate, land).0, zero);
+        } else if rebound.value() > energy.value() {
             // No rebound is left where its energy is lost in rounding.
-            let part = if rebound > held { (energy - held).max(0.0) / (rebound - held) } else { 0.0 };
-            rate = self.or_rest(rate * part.sqrt(), 0.0);
+            let gains = rebound.value() > held.value() && energy.value() > held.value();
+            rate = if gains { rate * ((energy - held) / (rebound - held)).sqrt() } else { zero };
+            rate = self.or_rest(rate, zero);
         }
-        if block.friction == 0.0 && land(rate).v_dot < before.v_dot {
+        if block.friction.value() == 0.0 && land(rate).v_dot.value() < before.v_dot.value() {
             let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
             let thrown = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
-            rate = self.or_rest(thrown, 0.0);
+            rate = self.or_rest(thrown, zero);
         }
         self.counts.impacts += 1;
         // The other one slid.
@@ -144,28 +153,30 @@ impl Change<'_> {
     }
 
     /// Vertical rate of a corner after its landing (m/s), upwards.
-    fn rebound(&self, rate: f64) -> f64 {
-        self.or_rest((-self.system.block.epsilon * rate).max(0.0), 0.0)
+    fn rebound(&self, rate: T) -> T {
+        let zero = T::from(0.0);
+        self.or_rest(greatest(-self.system.block.epsilon * rate, zero), zero)
     }
 
     /// The corners with a rate have come down; those whose rate is zero stand.
-    pub(super) fn come_down(&mut self, mut placement: Placement, velocities: Velocities, rates: [Option<f64>; 2]) {
+    pub(super) fn come_down(&mut self, mut placement: Placement<T>, velocities: Velocities<T>, rates: [Option<T>; 2]) {
         placement.strike(&self.system.block, velocities);
         for (corner, rate) in Corner::BOTH.into_iter().zip(rates) {
-            if rate == Some(0.0) {
+            let stands = rate.is_some_and(|rate| rate.value() == 0.0);
+            if stands {
                 self.pose.contacts.set(corner, Contact::Bearing);
             } else {
                 self.raise(corner);
             }
             if let Some(rate) = rate {
-                placement.corners[corner.index()] = (0.0, rate);
-                self.counts.liftoffs += u32::from(rate != 0.0);
+                placement.corners[corner.index()] = (T::from(0.0), rate);
+                self.counts.liftoffs += u32::from(!stands);
             }
         }
         match self.regime() {
             Regime::Separated => self.go_on_from(&placement),
             Regime::FullContact => {
-                placement.theta = 0.0;
+                placement.theta = T::from(0.0);
                 self.stand(&mut placement);
             }
             Regime::TiltingLeft | Regime::TiltingRight => self.stand(&mut placement),

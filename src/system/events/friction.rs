@@ -3,6 +3,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{Beside, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::event::EventKind;
@@ -13,8 +14,11 @@ use crate::system::instant::{Footing, Instant};
 
 /// The distance of a foot that grips from sliding to one side (m/s²): `μ N ∓ H` per mass, with − where H is to push to the right.
 #[inline(never)]
-pub(super) fn rest_to_limit(at: &Evaluation, push: Corner) -> Sample {
-    let of = |x: &Instant<Dual<f64>>| {
+pub(super) fn rest_to_limit<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<T>
+where
+    Dual<T>: Beside<T>,
+{
+    let of = |x: &Instant<Dual<T>>| {
         let normal = x.reaction[0] + x.reaction[1];
         normal * at.block.friction + x.horizontal * push.sign()
     };
@@ -24,42 +28,45 @@ pub(super) fn rest_to_limit(at: &Evaluation, push: Corner) -> Sample {
 
 /// The speed of a foot that slides (m/s).
 #[inline(never)]
-pub(super) fn speed(at: &Evaluation) -> Sample {
+pub(super) fn speed<T: Elementary>(at: &Evaluation<T>) -> Sample<T> {
     let Footing::Slides { direction, .. } = at.footing else { return Sample::default() };
     let rate = at.foot_acceleration();
-    Sample { value: direction * at.instant.slip_rate, rate: direction * rate }
+    Sample { value: at.instant.slip_rate * direction, rate: rate * direction }
 }
 
 /// Round-off of [`rest_to_limit`] at zero (m/s²). On the rigid base no dashpot makes forces of the round-off of rates.
 #[inline(never)]
-pub(super) fn rounding_of_limit(block: &Block) -> f64 {
+pub(super) fn rounding_of_limit<T: Elementary>(block: &Block<T>) -> f64 {
     const ULPS: f64 = 16.0;
     match block.foundation {
-        Foundation::Viscoelastic => ROUNDING * grip::size(block) * (1.0 + block.friction),
-        Foundation::Rigid => ULPS * f64::EPSILON * block.gravity * (1.0 + block.friction),
+        Foundation::Viscoelastic => ROUNDING * grip::size(block) * (1.0 + block.friction.value()),
+        Foundation::Rigid => ULPS * f64::EPSILON * block.gravity.value() * (1.0 + block.friction.value()),
     }
 }
 
 /// Round-off of [`speed`] at zero (m/s).
 #[inline]
-pub(super) fn rounding_of_speed(block: &Block) -> f64 {
-    ROUNDING * (block.p * block.r0)
+pub(super) fn rounding_of_speed<T: Elementary>(block: &Block<T>) -> f64 {
+    ROUNDING * (block.p * block.r0).value()
 }
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// Decides whether the foot grips or slides, and to which side: it grips if it does not move and `|H| ≤ μ N` holds it.
     /// Without a limit of friction nothing changes.
-    pub(super) fn rub(&mut self, placement: &mut Placement) {
+    pub(super) fn rub(&mut self, placement: &mut Placement<T>) {
         let block = &self.system.block;
-        if block.friction == 0.0 || self.regime() == Regime::Separated {
+        if block.friction.value() == 0.0 || self.regime() == Regime::Separated {
             return;
         }
         let foot = self.regime().foot().unwrap_or(Foot::Middle);
         let height = impact::height_over(block, foot, placement.theta);
         let velocities = &mut placement.velocities;
         let speed = velocities.u_dot - height * velocities.theta_dot;
-        if speed.abs() > rounding_of_speed(block) {
-            self.slide(placement, speed.signum());
+        if speed.value().abs() > rounding_of_speed(block) {
+            self.slide(placement, speed.value().signum());
             return;
         }
         velocities.u_dot = height * velocities.theta_dot;
@@ -68,6 +75,7 @@ impl Change<'_> {
         let rounding = rounding_of_limit(block);
         for push in Corner::BOTH {
             let Sample { value, rate } = rest_to_limit(&now, push);
+            let (value, rate) = (value.value(), rate.value());
             if value < -rounding || (value <= rounding && rate < 0.0) {
                 // H pushes the block to a side, and the foot slides to the other one.
                 self.slide(placement, push.sign());
@@ -78,14 +86,14 @@ impl Change<'_> {
 
     /// The same from where the block is.
     pub(super) fn rub_here(&mut self) {
-        if self.system.block.friction > 0.0 {
+        if self.system.block.friction.value() > 0.0 {
             let now = self.now();
             self.rub(&mut Placement::of(&now.instant));
         }
     }
 
     /// A foot that grips and is pushed from a side slides; one that slides has stopped and grips, or turns.
-    pub(super) fn slide_or_grip(&mut self, pushed_from: Option<Corner>, now: &Evaluation) -> EventKind {
+    pub(super) fn slide_or_grip(&mut self, pushed_from: Option<Corner>, now: &Evaluation<T>) -> EventKind {
         self.pose.contacts.let_bear();
         let mut placement = Placement::of(&now.instant);
         match pushed_from {
@@ -104,8 +112,8 @@ impl Change<'_> {
     }
 
     /// Lets the block stand; its foot grips as far as friction allows.
-    pub(super) fn stand(&mut self, placement: &mut Placement) {
-        if self.system.block.friction > 0.0 {
+    pub(super) fn stand(&mut self, placement: &mut Placement<T>) {
+        if self.system.block.friction.value() > 0.0 {
             self.place(placement);
             self.rub(placement);
         } else {
@@ -115,14 +123,14 @@ impl Change<'_> {
 
     /// Where ties, friction or an eccentric centre of mass make the place of the block matter, a foot that grips has not
     /// moved it.
-    pub(super) fn place_foot(&mut self, placement: &Placement) {
+    pub(super) fn place_foot(&mut self, placement: &Placement<T>) {
         if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {
             self.grip_here(placement);
         }
     }
 
     /// Places the foot of a block at its beginning, where it grips.
-    pub(in crate::system) fn grip_at_start(&mut self, placement: &mut Placement) {
+    pub(in crate::system) fn grip_at_start(&mut self, placement: &mut Placement<T>) {
         if self.system.block.is_extended() && self.regime() != Regime::Separated {
             let now = self.now();
             (placement.u, placement.velocities.u_dot) = (now.instant.u, now.instant.u_dot);
@@ -130,14 +138,14 @@ impl Change<'_> {
     }
 
     /// Lets the foot grip where it is.
-    pub(super) fn grip_here(&mut self, placement: &Placement) {
-        self.pose.footing = Footing::AT_START;
+    pub(super) fn grip_here(&mut self, placement: &Placement<T>) {
+        self.pose.footing = Footing::Grips { offset: T::from(0.0) };
         self.pose.state = placement.state(self.regime()).into();
         let offset = placement.u - self.now().instant.u;
         self.pose.footing = Footing::Grips { offset };
     }
 
-    fn slide(&mut self, placement: &Placement, direction: f64) {
+    fn slide(&mut self, placement: &Placement<T>, direction: f64) {
         self.pose.footing = Footing::Slides { u: placement.u, u_dot: placement.velocities.u_dot, direction };
     }
 }

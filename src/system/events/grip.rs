@@ -5,8 +5,9 @@
 //! support ever pulls, and no landing or grip makes energy.
 
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
+use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::Elementary;
+use crate::numerics::scalar::{Beside, Elementary, least};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
@@ -14,7 +15,10 @@ use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
 /// The distance of a sliding foot from being pressed on if it gripped (m/s²).
-pub(super) fn slide(at: &Evaluation) -> Sample {
+pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T>
+where
+    Dual<T>: Beside<T>,
+{
     let block = at.block;
     match (block.foundation, at.regime.pivot()) {
         // It may be pressed on for a moment only, where the slide turns back.
@@ -27,20 +31,20 @@ pub(super) fn slide(at: &Evaluation) -> Sample {
             Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
         }
         // Both corners stand on the rigid base, which neither throws up: they grip.
-        (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: 0.0 },
+        (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: T::from(0.0) },
     }
 }
 
 /// Size of the terms of [`slide`] (m/s²): a foot may slide as fast as it wants, and dashpots make forces of the round-off of its
 /// rates.
 #[inline]
-pub(super) fn size(block: &Block) -> f64 {
-    block.gravity.max(block.xi_v * block.omega_v * block.p * block.r0)
+pub(super) fn size<T: Elementary>(block: &Block<T>) -> f64 {
+    block.gravity.value().max((block.xi_v * block.omega_v * block.p * block.r0).value())
 }
 
 /// Round-off of [`slide`] at zero (m/s²).
 #[inline]
-pub(super) fn rounding(block: &Block) -> f64 {
+pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * size(block)
 }
 
@@ -49,7 +53,7 @@ pub(super) fn rounding(block: &Block) -> f64 {
 ///
 /// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
 /// corner would leave it again, land, and grip, over and over.
-pub fn pressure_if_gripped<T: Elementary>(block: &Block, regime: Regime, x: &Instant<T>) -> T {
+pub fn pressure_if_gripped<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
     let Block { i0, omega_v, xi_v, .. } = *block;
     let (sin, cos) = x.theta.sin_cos();
     let height = block.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
@@ -58,17 +62,20 @@ pub fn pressure_if_gripped<T: Elementary>(block: &Block, regime: Regime, x: &Ins
         let i = corner.index();
         let change = block.lever(Foot::Corner(corner), sin, cos).x * (theta_dot - x.theta_dot);
         let rate = x.corner_dot[i] + change;
-        let thrown = if rate.value() > 0.0 { rate } else { T::from(0.0) };
+        let zero = T::Real::from(0.0);
+        let thrown = T::select_less(zero, rate.value(), rate, T::from(0.0));
         x.reaction[i] - (change * xi_v + thrown * std::f64::consts::FRAC_1_SQRT_2) * omega_v
     };
     let touching = Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner));
-    let least = |a: T, b: T| if b.value() < a.value() { b } else { a };
     touching.map(pressed).fold(T::from(f64::INFINITY), least)
 }
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// Holds the sliding foot where it is.
-    pub(super) fn grip_from(&mut self, mut placement: Placement) {
+    pub(super) fn grip_from(&mut self, mut placement: Placement<T>) {
         let before = self.regime();
         match self.system.block.foundation {
             Foundation::Viscoelastic => {
@@ -80,21 +87,22 @@ impl Change<'_> {
     }
 
     /// On supports a horizontal impulse stops the foot.
-    pub(super) fn grip(&mut self, placement: &mut Placement) {
+    pub(super) fn grip(&mut self, placement: &mut Placement<T>) {
         let block = &self.system.block;
         let velocities = impact::grip(block, self.regime(), placement.theta, placement.velocities);
         placement.strike(block, velocities);
         self.hold(placement);
     }
 
-    fn grip_rigid_base(&mut self, placement: Placement) {
+    fn grip_rigid_base(&mut self, placement: Placement<T>) {
+        let zero = T::from(0.0);
         let (velocities, rates) = match self.regime().pivot() {
             Some(corner) => {
                 let held =
-                    impact::landing_with_grip(&self.system.block, corner, placement.theta, placement.velocities, 0.0);
-                (held, Corner::BOTH.map(|of| (of == corner).then_some(0.0)))
+                    impact::landing_with_grip(&self.system.block, corner, placement.theta, placement.velocities, zero);
+                (held, Corner::BOTH.map(|of| (of == corner).then_some(zero)))
             }
-            None => (Velocities { u_dot: 0.0, v_dot: 0.0, theta_dot: 0.0 }, [Some(0.0); 2]),
+            None => (Velocities { u_dot: zero, v_dot: zero, theta_dot: zero }, [Some(zero); 2]),
         };
         self.come_down(placement, velocities, rates);
     }

@@ -1,8 +1,10 @@
 //! Landing on a support while the other corner stands and grips: the gap under a lifted corner closes.
 
 use crate::block::{Block, Corner, Foot, Foundation};
-use crate::numerics::Real;
+use crate::numerics::Scalar;
+use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{Beside, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
@@ -11,50 +13,53 @@ use crate::system::instant::Instant;
 
 /// The gap `v_I − y_I` between a lifted corner and its support (m), whose heights and rates are `supports`.
 #[inline(always)]
-pub fn gap<R: Real>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) -> Sample<R> {
+pub fn gap<R: Scalar>(x: &Instant<R>, supports: [Sample<R>; 2], corner: Corner) -> Sample<R> {
     let i = corner.index();
     Sample { value: x.corner[i] - supports[i].value, rate: x.corner_dot[i] - supports[i].rate }
 }
 
 /// Size of the terms of a gap (m).
 #[inline]
-fn size(block: &Block) -> f64 {
+fn size<T: Elementary>(block: &Block<T>) -> f64 {
     match block.foundation {
-        Foundation::Viscoelastic => block.static_deflection().max(block.b),
-        Foundation::Rigid => block.r0,
+        Foundation::Viscoelastic => block.static_deflection().value().max(block.b.value()),
+        Foundation::Rigid => block.r0.value(),
     }
 }
 
 /// Round-off of a gap at zero (m).
 #[inline]
-pub(super) fn rounding(block: &Block) -> f64 {
+pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
     ROUNDING * size(block)
 }
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// Applies the impact map, if the corner comes down, and holds the middle of the base.
-    pub(super) fn land(&mut self, corner: Corner, now: &Evaluation) {
+    pub(super) fn land(&mut self, corner: Corner, now: &Evaluation<T>) {
         let block = &self.system.block;
         let (regime, mut placement) = (self.regime(), Placement::of(&now.instant));
         let before = placement.velocities;
         self.put_down(corner, &mut placement);
         let rate = placement.corners[corner.index()].1;
-        if rate < 0.0 {
+        if rate.value() < 0.0 {
             let (v_dot, theta_dot) = impact::landing(block, corner, placement.theta, before.v_dot, before.theta_dot);
             placement.strike(block, Velocities { v_dot, theta_dot, ..before });
             // Exactly ε times the rate before, which the map gives only to rounding.
             placement.corners[corner.index()].1 = block.epsilon * rate;
             self.counts.impacts += 1;
-            self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate);
+            self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate).value();
         }
         placement.velocities.u_dot =
             impact::height_over(block, Foot::Middle, placement.theta) * placement.velocities.theta_dot;
-        self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
+        self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
         self.settle(regime, placement);
     }
 
     /// The same with friction, also from flight: a horizontal impulse within its limit slows the foot of the regime after the landing.
-    pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation) {
+    pub(super) fn land_with_friction(&mut self, corner: Corner, now: &Evaluation<T>) {
         if self.is_level(corner.other(), now) && self.land_on_both(now).is_ok() {
             return;
         }
@@ -65,10 +70,10 @@ impl Change<'_> {
         self.put_down(corner, &mut placement);
         let i = corner.index();
         let rate = placement.corners[i].1;
-        if rate < 0.0 {
+        if rate.value() < 0.0 {
             let foot = self.regime().foot().unwrap_or(Foot::Corner(corner));
             let after = self.or_rest(block.epsilon * rate, support);
-            let land = |rate: f64| impact::landing_with_friction(block, corner, foot, placement.theta, before, rate);
+            let land = |rate: T| impact::landing_with_friction(block, corner, foot, placement.theta, before, rate);
             let (rate, velocities) = without_gain(block, before, after, land);
             placement.strike(block, velocities);
             placement.corners[i].1 = rate;
@@ -79,34 +84,42 @@ impl Change<'_> {
 
     /// A corner's rate after a landing (m/s), or that of its support if the corner would leave it by little more. So a sequence
     /// of ever lower flights ends: each flight rises at least ten times as high as the round-off of a gap.
-    pub(super) fn or_rest(&self, rate: f64, support_rate: f64) -> f64 {
+    pub(super) fn or_rest(&self, rate: T, support_rate: T) -> T {
         let block = &self.system.block;
-        let slowest = (20.0 * block.gravity * rounding(block)).sqrt();
-        if rate > support_rate && rate - support_rate < slowest { support_rate } else { rate }
+        let slowest = (20.0 * block.gravity.value() * rounding(block)).sqrt();
+        let faster = rate.value() - support_rate.value();
+        if faster > 0.0 && faster < slowest { support_rate } else { rate }
     }
 }
 
 /// Returns the velocities after a landing with this rate after it (m/s or rad/s), which is reduced if the landing would create energy.
-pub(super) fn without_gain(
-    block: &Block,
-    before: Velocities,
-    rate: f64,
-    land: impl Fn(f64) -> Velocities,
-) -> (f64, Velocities) {
+pub(super) fn without_gain<T: Elementary>(
+    block: &Block<T>,
+    before: Velocities<T>,
+    rate: T,
+    land: impl Fn(T) -> Velocities<T>,
+) -> (T, Velocities<T>) {
     const HALVINGS: u32 = 60;
     let energy = before.kinetic(block);
     let all = land(rate);
-    if all.kinetic(block) <= energy || rate == 0.0 {
+    if all.kinetic(block).value() <= energy.value() || rate.value() == 0.0 {
         return (rate, all);
     }
-    let (mut low, mut high) = (0.0, rate);
+    let surplus = |rate: T| land(rate).kinetic(block) - energy;
+    let value = |rate: f64| land(T::from(rate)).kinetic(block).value();
+    let (mut low, mut high) = (0.0, rate.value());
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if land(middle).kinetic(block) <= energy {
+        if value(middle) <= energy.value() {
             low = middle;
         } else {
             high = middle;
         }
     }
+    // A step by Newton's method brings the derivatives; the energy is a square of the rate, whose central difference is exact.
+    let slope = (value(1.001 * low) - value(0.999 * low)) / (0.002 * low);
+    let left = surplus(T::from(low));
+    let change = left - T::constant(left.value());
+    let low = if slope.is_normal() { T::from(low) - change * (1.0 / slope) } else { T::from(low) };
     (low, land(low))
 }

@@ -5,7 +5,7 @@
 use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Real};
+use crate::numerics::scalar::{Beside, Elementary, Scalar};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving, ROUNDING};
@@ -15,7 +15,10 @@ use crate::system::instant::{Footing, Instant};
 
 /// The reaction N_I/M of a touching corner (m/s²).
 #[inline(always)]
-pub(super) fn reaction(foundation: Foundation, at: &Evaluation, corner: Corner) -> Sample {
+pub(super) fn reaction<T: Elementary>(foundation: Foundation, at: &Evaluation<T>, corner: Corner) -> Sample<T>
+where
+    Dual<T>: Beside<T>,
+{
     match foundation {
         Foundation::Viscoelastic => on_support(at.block, &at.instant, corner),
         // It follows from the accelerations, so that its rate takes those of the whole equations.
@@ -28,18 +31,21 @@ pub(super) fn reaction(foundation: Foundation, at: &Evaluation, corner: Corner) 
 
 /// Round-off of a reaction at zero (m/s²).
 #[inline]
-pub(super) fn rounding(block: &Block) -> f64 {
-    ROUNDING * block.gravity
+pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
+    ROUNDING * block.gravity.value()
 }
 
 #[inline(never)]
-fn rates_on_rigid_base(at: &Evaluation) -> [f64; 2] {
+fn rates_on_rigid_base<T: Elementary>(at: &Evaluation<T>) -> [T; 2]
+where
+    Dual<T>: Beside<T>,
+{
     at.with_rates_of(at.forcing_rate(), |x| x.reaction.map(|n| n.eps))
 }
 
 /// The same of a support.
 #[inline(always)]
-pub fn on_support<R: Real>(block: &Block<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
+pub fn on_support<R: Scalar>(block: &Block<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
 where
     Dual<R>: Beside<R>,
 {
@@ -56,14 +62,14 @@ where
 /// and the other regime presses it back, neither regime holds, and the true motion follows the boundary with `N_I ≈ 0`.
 /// The corner is then held in full contact until one of the two regimes lets it go. The last corner that touches
 /// slides in that case, since a support that bears nothing cannot hold it.
-pub fn gap_opening(at: &Evaluation, corner: Corner, corner_dot: f64) -> f64 {
+pub fn gap_opening<T: Elementary>(at: &Evaluation<T>, corner: Corner, corner_dot: T) -> T {
     // Without damping the rate K/C is infinite: a rate decides by its sign, and none leaves the acceleration.
-    let creep = if corner_dot == 0.0 { 0.0 } else { at.block.creep_rate() * corner_dot };
+    let creep = if corner_dot.is_zero() { T::from(0.0) } else { at.block.creep_rate() * corner_dot };
     acceleration_if_let_go(at, corner) + creep
 }
 
 /// Vertical acceleration (m/s²) of a touching corner if it left now, the other one staying as it is.
-fn acceleration_if_let_go(at: &Evaluation, corner: Corner) -> f64 {
+fn acceleration_if_let_go<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> T {
     let &Evaluation { block, instant: ref x, .. } = at;
     let other = corner.other();
     let after = if at.regime.touches(other) {
@@ -76,16 +82,19 @@ fn acceleration_if_let_go(at: &Evaluation, corner: Corner) -> f64 {
     after.corner_ddot[corner.index()]
 }
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The reaction of `corner` fell through zero, or the corner, which `was_held`, would no longer be pressed on.
-    pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation) -> Leaving {
+    pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {
         match self.system.block.foundation {
             Foundation::Viscoelastic => self.leave_support(corner, was_held, now),
             Foundation::Rigid => self.leave_rigid_base(corner, now),
         }
     }
 
-    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation) -> Leaving {
+    fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {
         let x = &now.instant;
         // A foot that slides lifts just when its gap opens; and the paper's analysis ends where the last reaction falls.
         let opens = !self.pose.footing.grips() || self.lets_go(corner, x.corner_dot[corner.index()], now);
@@ -102,7 +111,7 @@ impl Change<'_> {
                 }
             }
             Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
-                if !opens && self.system.block.friction == 0.0 =>
+                if !opens && self.system.block.friction.value() == 0.0 =>
             {
                 self.release(x);
                 return Leaving::Slides;
@@ -117,19 +126,19 @@ impl Change<'_> {
 
     /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. The paper's analysis ends
     /// when the last corner bears nothing.
-    pub(super) fn lets_go(&self, corner: Corner, corner_dot: f64, now: &Evaluation) -> bool {
+    pub(super) fn lets_go(&self, corner: Corner, corner_dot: T, now: &Evaluation<T>) -> bool {
         let last = !now.regime.touches(corner.other());
-        (last && !self.system.flies) || gap_opening(now, corner, corner_dot) >= 0.0
+        (last && !self.system.flies) || gap_opening(now, corner, corner_dot).value() >= 0.0
     }
 
     /// `corner` has left its support, which creeps back from here on.
-    pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement) {
+    pub(super) fn take_off(&mut self, corner: Corner, placement: &Placement<T>) {
         self.pose.contacts.set(corner, Contact::Lifted(self.creep_from(corner, placement.corners[corner.index()].0)));
         self.counts.liftoffs += 1;
     }
 
     /// `corner` leaves the rigid base, and so does any other that would have to be pulled then.
-    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation) -> Leaving {
+    pub(super) fn leave_rigid_base(&mut self, corner: Corner, now: &Evaluation<T>) -> Leaving {
         let first = self.let_go(corner, now);
         match self.settle_on_rigid_base() {
             Some(Leaving::Lifts) => Leaving::Lifts,
@@ -139,11 +148,11 @@ impl Change<'_> {
 
     /// `corner` lifts from the rigid base, or slides from here on if it is the last one and would be pressed on without being
     /// held. The paper's analysis ends when the last corner bears nothing.
-    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation) -> Leaving {
+    pub(super) fn let_go(&mut self, corner: Corner, now: &Evaluation<T>) -> Leaving {
         let x = &now.instant;
         let last = !now.regime.touches(corner.other());
-        let holds = self.pose.footing.grips() && self.system.block.friction == 0.0;
-        if last && self.system.flies && holds && acceleration_if_let_go(now, corner) < 0.0 {
+        let holds = self.pose.footing.grips() && self.system.block.friction.value() == 0.0;
+        if last && self.system.flies && holds && acceleration_if_let_go(now, corner).value() < 0.0 {
             self.release(x);
             return Leaving::Slides;
         }

@@ -35,7 +35,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::ties::MOST_TIES;
 use crate::block::{Block, Corner, Foundation, Regime, TieState};
+use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{Beside, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::instant::Pose;
@@ -131,13 +133,19 @@ pub const BEYOND: usize = 2 + 2 * MOST_TIES;
 impl Surface {
     /// Value and rate at an instant.
     #[inline(always)]
-    pub fn sample(self, at: &Evaluation) -> Sample {
+    pub fn sample<T: Elementary>(self, at: &Evaluation<T>) -> Sample<T>
+    where
+        Dual<T>: Beside<T>,
+    {
         self.sample_on(at.block.foundation, at)
     }
 
     /// The same on a `foundation` that the compiler may know: that of the block.
     #[inline(always)]
-    pub fn sample_on(self, foundation: Foundation, at: &Evaluation) -> Sample {
+    pub fn sample_on<T: Elementary>(self, foundation: Foundation, at: &Evaluation<T>) -> Sample<T>
+    where
+        Dual<T>: Beside<T>,
+    {
         match self {
             Surface::Reaction(corner) => lift_off::reaction(foundation, at, corner),
             Surface::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner),
@@ -195,7 +203,7 @@ impl Surface {
 
     /// Round-off of a zero of this surface.
     #[inline]
-    pub fn rounding(self, block: &Block) -> f64 {
+    pub fn rounding<T: Elementary>(self, block: &Block<T>) -> f64 {
         match self {
             Surface::Reaction(_) | Surface::Held(_) | Surface::Unloaded(_) => lift_off::rounding(block),
             Surface::Gap(_) => landing::rounding(block),
@@ -213,9 +221,9 @@ impl Surface {
 
 /// The pose after an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition {
+pub struct Transition<T = f64> {
     /// The pose right after.
-    pub pose: Pose,
+    pub pose: Pose<T>,
     /// The event as it is reported; none where a corner is held from here on, or bears again.
     pub happened: Option<EventKind>,
     /// Its share of the counters and sums of a run.
@@ -224,9 +232,12 @@ pub struct Transition {
     pub path: Path,
 }
 
-impl System {
+impl<T: Elementary> System<T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The change of a pose at `now`, when the motion has fallen through a surface.
-    pub fn transition(&self, pose: &Pose, now: &Evaluation, surface: Surface) -> Transition {
+    pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, surface: Surface) -> Transition<T> {
         let mut change = Change::begin(self, pose, now.excitation);
         let happened = match surface {
             Surface::Reaction(corner) | Surface::Held(corner) => {
@@ -238,10 +249,10 @@ impl System {
             }
             Surface::Gap(corner) => {
                 match (self.block.foundation, pose.footing.grips()) {
-                    (Foundation::Viscoelastic, _) if self.block.friction > 0.0 => {
+                    (Foundation::Viscoelastic, _) if self.block.friction.value() > 0.0 => {
                         change.land_with_friction(corner, now)
                     }
-                    (Foundation::Rigid, _) if self.block.friction > 0.0 && now.regime != Regime::Separated => {
+                    (Foundation::Rigid, _) if self.block.friction.value() > 0.0 && now.regime != Regime::Separated => {
                         change.change_pivot(corner, now);
                     }
                     (Foundation::Viscoelastic, true) => change.land(corner, now),
@@ -267,8 +278,8 @@ impl System {
                 Some(EventKind::Taut(tie))
             }
             Surface::Tension(tie) => {
-                let stretch = tie::stretch(now, tie.into()).value;
-                let damped = self.block.ties.all()[usize::from(tie)].damping > 0.0 && stretch > 0.0;
+                let stretch = tie::stretch(now, tie.into()).value.value();
+                let damped = self.block.ties.all()[usize::from(tie)].damping.value() > 0.0 && stretch > 0.0;
                 change.set_tie(tie.into(), if damped { TieState::Limp } else { TieState::Slack });
                 change.go_on_tied(now);
                 Some(EventKind::Slack(tie))
@@ -292,9 +303,9 @@ impl System {
     /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the
     /// distance of H from the limit of friction.
     #[inline]
-    pub fn fallen(&self, now: &Evaluation) -> Option<Surface> {
-        if self.block.friction > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
-            let slides = |surface: &Surface| surface.sample(now).value < -surface.rounding(&self.block);
+    pub fn fallen(&self, now: &Evaluation<T>) -> Option<Surface> {
+        if self.block.friction.value() > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
+            let slides = |surface: &Surface| surface.sample(now).value.value() < -surface.rounding(&self.block);
             // A foot that slides has other reactions.
             if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
                 return Some(surface);
@@ -304,12 +315,12 @@ impl System {
     }
 
     /// The pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides; otherwise nothing.
-    pub fn released(&self, pose: &Pose, now: &Evaluation) -> Option<Pose> {
+    pub fn released(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<Pose<T>> {
         self.released_by(pose, now).map(|(pose, _)| pose)
     }
 
     /// The same, with the regimes passed through.
-    pub(in crate::system) fn released_by(&self, pose: &Pose, now: &Evaluation) -> Option<(Pose, Path)> {
+    pub(in crate::system) fn released_by(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<(Pose<T>, Path)> {
         let surface = self.fallen(now)?;
         let Transition { pose, path, .. } = self.transition(pose, now, surface);
         Some((pose, path))

@@ -1,6 +1,8 @@
 //! Housner's change of the pivot: on the rigid base the gap under a lifted corner closes at θ = 0.
 
 use crate::block::{Contacts, Corner};
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Beside, Elementary, greatest, least};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
 use crate::system::events::landing::without_gain;
@@ -8,20 +10,24 @@ use crate::system::events::placement::Placement;
 use crate::system::impact::Velocities;
 use crate::system::instant::State;
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
-    pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation) {
+    pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation<T>) {
         let block = &self.system.block;
-        let theta_dot = block.restitution_of(corner).max(0.0) * now.state[1];
+        let theta_dot = greatest(block.restitution_of(corner), T::from(0.0)) * now.state[1];
+        let zero = T::from(0.0);
         self.counts.impacts += 1;
         self.pose.contacts = Contacts::FULL;
-        if block.friction > 0.0 {
+        if block.friction.value() > 0.0 {
             self.change_pivot_with_friction(corner, theta_dot, now);
-        } else if theta_dot.abs() < self.system.slowest * block.p {
+        } else if theta_dot.value().abs() < self.system.slowest * block.p.value() {
             self.pose.state = State::zeros();
         } else {
             self.raise(corner.other());
-            self.pose.state = State::from([0.0, theta_dot, 0.0, 0.0]);
+            self.pose.state = State::from([zero, theta_dot, zero, zero]);
             self.counts.liftoffs += 1;
         }
         self.settle_on_rigid_base();
@@ -29,23 +35,24 @@ impl Change<'_> {
 
     /// The same with friction: e determines the vertical rates after the impact and with them the vertical impulse, and a horizontal
     /// impulse within its limit slows the new pivot. A block that slides may gain energy by this; e is then reduced.
-    fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: f64, now: &Evaluation) {
+    fn change_pivot_with_friction(&mut self, corner: Corner, theta_dot: T, now: &Evaluation<T>) {
         let block = &self.system.block;
-        let mut placement = Placement { theta: 0.0, v: 0.0, ..Placement::of(&now.instant) };
+        let zero = T::from(0.0);
+        let mut placement = Placement { theta: zero, v: zero, ..Placement::of(&now.instant) };
         let before = placement.velocities;
-        let ends = theta_dot.abs() < self.system.slowest * block.p;
-        let strike = |theta_dot: f64| {
+        let ends = theta_dot.value().abs() < self.system.slowest * block.p.value();
+        let strike = |theta_dot: T| {
             let v_dot = -block.offset(corner) * theta_dot;
-            let most = block.friction * (v_dot - before.v_dot).max(0.0);
-            let u_dot = before.u_dot + (block.h * theta_dot - before.u_dot).clamp(-most, most);
+            let most = block.friction * greatest(v_dot - before.v_dot, zero);
+            let u_dot = before.u_dot + least(greatest(block.h * theta_dot - before.u_dot, -most), most);
             Velocities { u_dot, v_dot, theta_dot }
         };
-        let (_, velocities) = without_gain(block, before, if ends { 0.0 } else { theta_dot }, strike);
+        let (_, velocities) = without_gain(block, before, if ends { zero } else { theta_dot }, strike);
         placement.strike(block, velocities);
         for corner in Corner::BOTH {
-            placement.corners[corner.index()].0 = 0.0;
+            placement.corners[corner.index()].0 = zero;
         }
-        placement.corners[corner.index()].1 = 0.0;
+        placement.corners[corner.index()].1 = zero;
         if !ends {
             self.raise(corner.other());
             self.counts.liftoffs += 1;

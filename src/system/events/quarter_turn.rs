@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::numerics::Real;
+use crate::numerics::Scalar;
 use crate::numerics::roots::Sample;
 use crate::system::instant::Instant;
 
@@ -11,6 +11,10 @@ pub(crate) const SIZE: f64 = FRAC_PI_2;
 
 /// The rest of the quarter turn, `π/2 − |θ|` (rad).
 #[inline(always)]
-pub fn rest<R: Real>(x: &Instant<R>) -> Sample<R> {
-    Sample { value: -x.theta.abs() + FRAC_PI_2, rate: R::select_less(x.theta, R::default(), x.theta_dot, -x.theta_dot) }
+pub fn rest<R: Scalar>(x: &Instant<R>) -> Sample<R> {
+    let (theta, zero) = (x.theta.value(), R::Real::default());
+    Sample {
+        value: -R::select_less(theta, zero, -x.theta, x.theta) + FRAC_PI_2,
+        rate: R::select_less(theta, zero, x.theta_dot, -x.theta_dot),
+    }
 }

@@ -1,6 +1,8 @@
 //! The regime after an event: a corner leaves if its support, or the rigid base, would have to pull it.
 
 use crate::block::{Corner, Foundation, Regime};
+use crate::numerics::dual::Dual;
+use crate::numerics::scalar::{Beside, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving};
@@ -11,14 +13,17 @@ use crate::system::forces::support::{reaction, reaction_rate};
 use crate::system::impact;
 use crate::system::instant::Footing;
 
-impl Change<'_> {
+impl<T: Elementary> Change<'_, T>
+where
+    Dual<T>: Beside<T>,
+{
     /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
     /// within the resolution of time, and repeats. `before` is the regime that the block comes from.
-    pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement) {
+    pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) {
         let block = &self.system.block;
-        let omega_v = block.omega_v;
+        let omega_v = block.omega_v.value();
         // Two events closer than this cannot be told apart.
-        let resolution = 4.0 * f64::EPSILON * self.pose.time.abs().max(1.0 / omega_v);
+        let resolution = 4.0 * f64::EPSILON * self.pose.time.value().abs().max(1.0 / omega_v);
         loop {
             self.pose.contacts.let_bear();
             let regime = self.regime();
@@ -36,8 +41,8 @@ impl Change<'_> {
             self.rub(&mut placement);
             self.place_foot(&placement);
             let mut now = self.now();
-            let slides = !self.pose.footing.grips() && regime != Regime::Separated && block.friction == 0.0;
-            if slides && pressure_if_gripped(block, regime, &now.instant) > grip::rounding(block) {
+            let slides = !self.pose.footing.grips() && regime != Regime::Separated && block.friction.value() == 0.0;
+            if slides && pressure_if_gripped(block, regime, &now.instant).value() > grip::rounding(block) {
                 self.grip(&mut placement);
                 now = self.now();
             }
@@ -45,7 +50,7 @@ impl Change<'_> {
             let mut leaving: Option<(Corner, f64)> = None;
             for corner in Corner::BOTH.into_iter().filter(|&corner| regime.touches(corner)) {
                 let (height, rate) = placement.corners[corner.index()];
-                let n = reaction(block, corner, height, rate);
+                let n = reaction(block, corner, height, rate).value();
                 // The round-off of a zero: the rate decides.
                 let n = if n.abs() <= lift_off::rounding(block) { 0.0 } else { n };
                 match self.leaves(corner, n, rate, resolution, &now) {
@@ -66,33 +71,33 @@ impl Change<'_> {
     }
 
     /// [`Placement::hold_pivot`], and the energy that comes with it.
-    fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement) {
+    fn hold_pivot(&mut self, pivot: Corner, placement: &mut Placement<T>) {
         let block = &self.system.block;
         let before = placement.velocities;
         placement.hold_pivot(block, pivot);
-        self.counts.constraint += placement.velocities.kinetic(block) - before.kinetic(block);
+        self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
     }
 
     /// Stops the other corner by an impulse after a corner has landed and lifted in the same instant; with friction it slides
     /// instead.
-    fn keep_momentum(&self, regime: Regime, placement: &mut Placement) {
+    fn keep_momentum(&self, regime: Regime, placement: &mut Placement<T>) {
         let block = &self.system.block;
-        if block.friction == 0.0 {
+        if block.friction.value() == 0.0 {
             placement.strike(block, impact::grip(block, regime, placement.theta, placement.velocities));
         }
     }
 
     /// Whether and how a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its
     /// support now.
-    fn leaves(&self, corner: Corner, n: f64, corner_dot: f64, resolution: f64, now: &Evaluation) -> Option<Leaving> {
+    fn leaves(&self, corner: Corner, n: f64, corner_dot: T, resolution: f64, now: &Evaluation<T>) -> Option<Leaving> {
         if n < 0.0 {
             return Some(Leaving::Lifts);
         }
         let falling = {
             let corner_ddot = now.instant.corner_ddot[corner.index()];
-            let rate = reaction_rate(&self.system.block, corner_dot, corner_ddot);
+            let rate = reaction_rate(&self.system.block, corner_dot, corner_ddot).value();
             // Without damping and after a landing at ε = 0 the rate is zero, and the next derivative decides.
-            n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && corner_ddot > 0.0)))
+            n + rate * resolution < 0.0 || (n == 0.0 && (rate < 0.0 || (rate == 0.0 && corner_ddot.value() > 0.0)))
         };
         if !falling {
             None
@@ -101,7 +106,9 @@ impl Change<'_> {
         } else {
             match now.regime {
                 Regime::FullContact => Some(Leaving::Held),
-                Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated if self.system.block.friction > 0.0 => {
+                Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated
+                    if self.system.block.friction.value() > 0.0 =>
+                {
                     Some(Leaving::Lifts)
                 }
                 Regime::TiltingLeft | Regime::TiltingRight | Regime::Separated => Some(Leaving::Slides),
@@ -131,18 +138,21 @@ impl Change<'_> {
     }
 }
 
-impl System {
+impl<T: Elementary> System<T>
+where
+    Dual<T>: Beside<T>,
+{
     /// The corner that the rigid base would have to pull at this instant or right after it; of two, the one with the lower
     /// reaction. None on supports, whose reactions follow from the motion.
-    pub fn leaving_rigid_base(&self, now: &Evaluation) -> Option<Corner> {
+    pub fn leaving_rigid_base(&self, now: &Evaluation<T>) -> Option<Corner> {
         if self.block.foundation == Foundation::Viscoelastic {
             return None;
         }
-        let falls = |corner: Corner| lift_off::reaction(Foundation::Rigid, now, corner).rate < 0.0;
+        let falls = |corner: Corner| lift_off::reaction(Foundation::Rigid, now, corner).rate.value() < 0.0;
         Corner::BOTH
             .into_iter()
             .filter(|&corner| now.regime.touches(corner))
-            .map(|corner| (corner, now.instant.reaction[corner.index()]))
+            .map(|corner| (corner, now.instant.reaction[corner.index()].value()))
             .filter(|&(corner, n)| n < 0.0 || (n == 0.0 && falls(corner)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(corner, _)| corner)

@@ -4,7 +4,7 @@
 
 use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::numerics::scalar::{Beside, Elementary, Scalar};
 
 /// Reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
 #[inline(always)]
@@ -15,7 +15,7 @@ pub fn reaction<P: Scalar, T: Beside<P>>(block: &Block<P>, corner: Corner, heigh
 
 /// Rate of change of the reaction (m/s³), from the corner's rate (m/s) and acceleration (m/s²).
 #[inline(always)]
-pub fn reaction_rate<R: Real>(block: &Block<R>, rate: R, acceleration: R) -> R
+pub fn reaction_rate<R: Scalar>(block: &Block<R>, rate: R, acceleration: R) -> R
 where
     Dual<R>: Beside<R>,
 {

@@ -7,7 +7,7 @@ use crate::block::{Block, Tie, TieState, TieStates};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::numerics::scalar::{Beside, Elementary, Scalar};
 use crate::system::instant::{Instant, Place};
 
 /// A tie that is stretched.
@@ -164,14 +164,14 @@ fn each<P: Scalar, T: Beside<P>>(
 
 /// Stretch of a tie (m) and its rate (m/s), from an instant.
 #[inline]
-pub fn length<R: Real + Beside<R>>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Sample<R> {
+pub fn length<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Sample<R> {
     let Stretch { length, rate, .. } = stretch(block, tie, &Place::of(x));
     Sample { value: length, rate }
 }
 
 /// Tension of a tie if it is taut (N) and its rate (N/s), from an instant with rates.
 #[inline]
-pub fn tension_with_rate<R: Real>(block: &Block<R>, tie: &Tie<R>, x: &Instant<Dual<R>>) -> Sample<R>
+pub fn tension_with_rate<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<Dual<R>>) -> Sample<R>
 where
     Dual<R>: Beside<R>,
 {

@@ -1,0 +1,407 @@
+//! A run, step by step → the derivatives of its state, of its outputs, and of the times of its events.
+
+use rocking_block::block::{Contact, Corner, Creep};
+use rocking_block::excitation::{Excitation, Inputs};
+use rocking_block::numerics::{Equations, State, dop853, short};
+use rocking_block::simulation::follow::{Course, Steps};
+use rocking_block::simulation::outputs::{Observation, observe};
+use rocking_block::simulation::peaks::Peaks;
+use rocking_block::simulation::{Simulation, SimulationError};
+use rocking_block::system::System;
+use rocking_block::system::evaluation::{Evaluation, Motion};
+use rocking_block::system::events::{Event, EventKind, Surface};
+use rocking_block::system::instant::{Footing, Pose};
+use rocking_block::system::law::{AnyLaw, Law};
+
+use crate::peaks::{Raised, Stretch};
+use crate::varied::Varied;
+use crate::{BATCH, Number};
+
+/// The numbers of states under laws that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
+const EXTENDED: usize = 6;
+
+/// An event with the derivatives of its time.
+#[derive(Clone, Copy, Debug)]
+pub struct EventGradient {
+    /// The event.
+    pub event: Event,
+    /// Derivatives of its time (s per unit of the parameter); not a number where it grazes.
+    pub time: [f64; BATCH],
+}
+
+/// An event that grazes: from there on there are no derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grazing {
+    /// Its time (s).
+    pub time: f64,
+    /// Its kind; none where a corner is held from there on, or bears again.
+    pub kind: Option<EventKind>,
+}
+
+/// The derivatives of a run in the directions of a batch, which go where the run goes.
+#[derive(Clone, Debug)]
+pub struct Follower {
+    pub(crate) varied: Varied,
+    pub(crate) system: System<Number>,
+    /// The block at the time of the run, which does not vary.
+    pose: Pose<Number>,
+    /// Derivatives of the time of the event or kink at which the run is; zeros after it.
+    shift: [f64; BATCH],
+    /// Displacement of the foot from its place at the start (m).
+    slip: Number,
+    raised: Raised,
+    /// Events so far.
+    events: Vec<EventGradient>,
+    grazing: Option<Grazing>,
+}
+
+impl Follower {
+    /// The derivatives of a run at its beginning under these inputs.
+    pub fn new(simulation: &Simulation, varied: Varied, inputs: &Inputs) -> Follower {
+        let System { flies, slowest, .. } = *simulation.system();
+        let system = System { block: varied.block, flies, slowest };
+        let time = simulation.time();
+        let excitation = varied.excitation(inputs, simulation.pulse().acts_at(time));
+        let pose = system.beginning(&varied.initial, Number::from(time), &excitation);
+        let mut follower = Follower {
+            varied,
+            system,
+            pose,
+            shift: [0.0; BATCH],
+            slip: Number::from(0.0),
+            raised: Raised::new(),
+            events: Vec::new(),
+            grazing: None,
+        };
+        follower.meet(simulation.pose());
+        let start = follower.stretch(time, inputs, simulation);
+        follower.raised.begin(&start, simulation.block().ties.all().len());
+        follower
+    }
+
+    /// Goes with a step of the run under these inputs, from `before` to the present time. At its end the motion falls through
+    /// `surface`, if there is one.
+    fn take_step(
+        &mut self,
+        course: Course,
+        surface: Option<Surface>,
+        (before, peaks): (f64, &Peaks),
+        simulation: &Simulation,
+        inputs: &Inputs,
+    ) {
+        let mut stretch = self.stretch(before, inputs, simulation);
+        self.go(course, before, simulation, &stretch.excitation);
+        stretch.end = simulation.time();
+        if let Some(surface) = surface {
+            stretch.end_shift = self.event_time(surface, course, &stretch.excitation);
+            self.shift = stretch.end_shift;
+        }
+        self.raised.take_in(peaks, &simulation.peaks(), &stretch, self.slip);
+    }
+
+    /// The motion from here on, as far as the present step goes.
+    fn stretch(&self, time: f64, inputs: &Inputs, simulation: &Simulation) -> Stretch {
+        Stretch {
+            start: self.pose,
+            start_shift: self.shift,
+            excitation: self.varied.excitation(inputs, simulation.pulse().acts_at(time)),
+            end: time,
+            end_shift: [0.0; BATCH],
+        }
+    }
+
+    /// Where the pulse begins or ends, the time of that varies, and the rate of the state jumps.
+    fn pass_kink(&mut self, simulation: &Simulation, inputs: &Inputs) {
+        let time = simulation.time();
+        let Some((shift, acted)) = self.varied.kink(simulation.pulse(), time) else { return };
+        for (acts, sign) in [(acted, 1.0), (!acted, -1.0)] {
+            let excitation = self.varied.excitation(inputs, acts);
+            let now = self.at(&self.pose, &excitation);
+            self.pose = moved(&self.pose, &now, shift.map(|shift| sign * shift));
+        }
+        self.pose.time = Number::from(time);
+        self.shift = shift;
+    }
+
+    /// Goes with a step of the run that began at `start` (s).
+    fn go(&mut self, course: Course, start: f64, simulation: &Simulation, excitation: &Excitation<Number>) {
+        let slides = !self.pose.footing.grips() && self.pose.contacts.regime().foot().is_some();
+        let end = simulation.time();
+        let place = slides.then(|| self.at(&self.pose, excitation).foot_place());
+        match course {
+            Course::Stayed => return,
+            Course::Rested => {
+                for rate in [1, 3] {
+                    self.pose.state[rate] = Number::from(0.0);
+                }
+                self.pose.time = Number::from(end);
+            }
+            Course::Step | Course::ShortStep => {
+                let law = AnyLaw::of(&self.system.block, &self.pose);
+                self.pose = match law.extended() {
+                    Some(law) => self.step::<EXTENDED>(law, &self.pose, course, start, end, excitation),
+                    None => self.step::<4>(law, &self.pose, course, start, end, excitation),
+                };
+            }
+        }
+        self.meet(simulation.pose());
+        if let Some(place) = place {
+            self.slip = self.slip + self.at(&self.pose, excitation).foot_place() - place;
+        }
+        self.shift = [0.0; BATCH];
+    }
+
+    fn step<const M: usize>(
+        &self,
+        law: impl Law,
+        pose: &Pose<Number>,
+        course: Course,
+        start: f64,
+        end: f64,
+        excitation: &Excitation<Number>,
+    ) -> Pose<Number> {
+        let motion = Motion::<_, M, _>::under(law, &self.system.block, pose, excitation);
+        let rate = |time: f64, state: State<Number, M>| motion.rate(Number::from(time), &state).state;
+        let (state, size) = (motion.state_at(pose), end - start);
+        let state = match course {
+            Course::ShortStep => short::follow(start, size, state, rate),
+            Course::Stayed | Course::Step | Course::Rested => dop853::follow(start, size, state, rate),
+        };
+        let there = motion.at(Number::from(end), state);
+        Pose { time: there.time, state: there.state, footing: there.footing, ..*pose }
+    }
+
+    /// Derivatives of the time at which the motion falls through a surface.
+    fn event_time(&self, surface: Surface, course: Course, excitation: &Excitation<Number>) -> [f64; BATCH] {
+        let now = self.at(&self.pose, excitation);
+        let Number { re: value, eps } = surface.sample(&now).value;
+        if course == Course::Stayed && value < -surface.rounding(&self.system.block) {
+            // The excitation has jumped, or an event has brought it there: in that instant.
+            return self.shift;
+        }
+        if self.grazes(surface, &now, excitation) {
+            return [f64::NAN; BATCH];
+        }
+        let speed = self.speed(surface, &self.pose, excitation);
+        eps.map(|eps| -eps / speed)
+    }
+
+    /// Whether the function of a surface hardly falls below zero before it rises again: a neighbouring run has no such event.
+    fn grazes(&self, surface: Surface, now: &Evaluation<Number>, excitation: &Excitation<Number>) -> bool {
+        // Depth of the dip, in units of the round-off of a zero, which is 1e-13 of the largest term.
+        const DEPTH: f64 = 1e4;
+        // Part of the fastest period over which the rate is compared.
+        const NEAR: f64 = 1e-4;
+        let block = &self.system.block;
+        let duration = NEAR / block.omega_v.re.max(block.p.re);
+        let speed = self.speed(surface, &self.pose, excitation);
+        let later = advanced(&self.pose, now, duration);
+        let curvature = (self.speed(surface, &later, excitation) - speed) / duration;
+        // It falls as `speed t + curvature t²/2`.
+        speed >= 0.0 || (curvature > 0.0 && speed * speed <= 2.0 * curvature * DEPTH * surface.rounding(block))
+    }
+
+    /// Rate of a surface's function along the motion.
+    fn speed(&self, surface: Surface, pose: &Pose<Number>, excitation: &Excitation<Number>) -> f64 {
+        let now = self.at(pose, excitation);
+        let along = moved(pose, &now, [1.0; BATCH]);
+        let [here, along] = [&now, &self.at(&along, excitation)].map(|at| surface.sample(at).value);
+        along.eps[0] - here.eps[0]
+    }
+
+    /// Passes an event, which the run has just applied: up to its moving time under the law before it, through the transition, and
+    /// back to the time of the run under the law after it.
+    fn pass_event(
+        &mut self,
+        surface: Surface,
+        happened: Option<Event>,
+        simulation: &Simulation,
+        inputs: &Inputs,
+        since: f64,
+    ) {
+        let (shift, time) = (self.shift, simulation.time());
+        let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(since));
+        let now = self.at(&self.pose, &excitation);
+        let (slip_rate, before) = (now.instant.slip_rate.re, moved(&self.pose, &now, shift));
+        self.pose = self.system.transition(&before, &self.at(&before, &excitation), surface).pose;
+        self.meet(simulation.pose());
+        if shift.iter().any(|shift| !shift.is_finite()) && self.grazing.is_none() {
+            self.grazing = Some(Grazing { time, kind: happened.map(|event| event.kind) });
+        }
+        self.events.extend(happened.map(|event| EventGradient { event, time: shift }));
+        if !simulation.is_frozen() {
+            let after = self.at(&self.pose, &excitation);
+            let slowed = slip_rate - after.instant.slip_rate.re;
+            self.pose = moved(&self.pose, &after, shift.map(|shift| -shift));
+            self.slip.eps = std::array::from_fn(|i| self.slip.eps[i] + slowed * shift[i]);
+        }
+        self.pose.time = Number::from(time);
+    }
+
+    /// Takes the values of the run's pose; they differ by round-off only. A pose of another kind leaves no derivatives.
+    fn meet(&mut self, run: &Pose) {
+        let pose = &mut self.pose;
+        let mut alike = pose.ties == run.ties;
+        pose.time.re = run.time;
+        for (number, value) in pose.state.0.iter_mut().zip(run.state.0) {
+            number.re = value;
+        }
+        match (&mut pose.footing, run.footing) {
+            (Footing::Grips { offset }, Footing::Grips { offset: value }) => offset.re = value,
+            (Footing::Free { u, u_dot }, Footing::Free { u: value, u_dot: rate })
+            | (Footing::Slides { u, u_dot, .. }, Footing::Slides { u: value, u_dot: rate, .. }) => {
+                (u.re, u_dot.re) = (value, rate);
+            }
+            (footing, value) => (*footing, alike) = (value.map(Number::from), false),
+        }
+        for corner in Corner::BOTH {
+            let contact = match (pose.contacts.of(corner), run.contacts.of(corner)) {
+                (Contact::Bearing, Contact::Bearing) => Contact::Bearing,
+                (Contact::Held(creep), Contact::Held(value)) => Contact::Held(met(creep, value)),
+                (Contact::Lifted(creep), Contact::Lifted(value)) => Contact::Lifted(met(creep, value)),
+                (_, contact) => {
+                    alike = false;
+                    let creep = |value| met(Creep::default(), value);
+                    match contact {
+                        Contact::Bearing => Contact::Bearing,
+                        Contact::Held(value) => Contact::Held(creep(value)),
+                        Contact::Lifted(value) => Contact::Lifted(creep(value)),
+                    }
+                }
+            };
+            pose.contacts.set(corner, contact);
+        }
+        pose.ties = run.ties;
+        debug_assert!(alike, "{pose:?} {run:?}");
+        if !alike {
+            for number in &mut pose.state.0 {
+                number.eps = [f64::NAN; BATCH];
+            }
+        }
+    }
+
+    pub(crate) fn at<'a>(&'a self, pose: &Pose<Number>, excitation: &'a Excitation<Number>) -> Evaluation<'a, Number> {
+        Motion::from_pose(&self.system.block, pose, excitation).at(pose.time, pose.state)
+    }
+
+    /// The block `elapsed` seconds after the beginning of a stretch of the motion.
+    pub(crate) fn inside<'a>(&'a self, stretch: &'a Stretch, elapsed: f64) -> Evaluation<'a, Number> {
+        let Stretch { start, excitation, .. } = stretch;
+        if elapsed == 0.0 {
+            return self.at(start, excitation);
+        }
+        let (time, law) = (start.time.re, AnyLaw::of(&self.system.block, start));
+        let pose = match law.extended() {
+            Some(law) => self.step::<EXTENDED>(law, start, Course::Step, time, time + elapsed, excitation),
+            None => self.step::<4>(law, start, Course::Step, time, time + elapsed, excitation),
+        };
+        self.at(&pose, excitation)
+    }
+
+    /// The observed quantities now, right after these inputs have begun to act, with their derivatives at this time.
+    pub fn observe(&self, simulation: &Simulation, inputs: &Inputs) -> Observation<Number> {
+        let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(simulation.time()));
+        let now = self.at(&self.pose, &excitation);
+        let shown = match simulation.ending() {
+            Some(_) => now,
+            None => match self.system.released(&self.pose, &now) {
+                Some(released) => self.at(&released, &excitation),
+                None => now,
+            },
+        };
+        let heights = shown.support_heights.map(|top| top.value);
+        let seen = observe(&self.system.block, shown.regime, &shown.instant, heights, shown.forcing);
+        if simulation.is_frozen() { seen.without_motion() } else { seen }
+    }
+
+    /// The block now: `[θ, θ̇, w, ẇ]` and its footing, with their derivatives at this time.
+    pub fn pose(&self) -> &Pose<Number> {
+        &self.pose
+    }
+
+    /// The displacement of the foot from its place at the start (m).
+    pub fn slip(&self) -> Number {
+        self.slip
+    }
+
+    /// The peaks since the start.
+    pub fn peaks(&self, simulation: &Simulation) -> Peaks<Number> {
+        self.raised.peaks(self, &simulation.peaks())
+    }
+
+    /// The events since the start, with the derivatives of their times.
+    pub fn events(&self) -> &[EventGradient] {
+        &self.events
+    }
+
+    /// The event from which on there are no derivatives, if one grazes.
+    pub fn grazing(&self) -> Option<Grazing> {
+        self.grazing
+    }
+}
+
+/// A creep with its values taken from another one.
+fn met(mut creep: Creep<Number>, Creep { depth, since }: Creep) -> Creep<Number> {
+    (creep.depth.re, creep.since.re) = (depth, since);
+    creep
+}
+
+/// Sends a run to `until` (s) under inputs that are linear in time, as [`Simulation::advance`] does, to the same bits; its derivatives
+/// go with it.
+pub fn advance(
+    simulation: &mut Simulation,
+    followers: &mut [Follower],
+    until: f64,
+    inputs: &Inputs,
+) -> Result<(), SimulationError> {
+    while simulation.time() < until && simulation.ending().is_none() {
+        for follower in followers.iter_mut() {
+            follower.pass_kink(simulation, inputs);
+        }
+        let (since, mut steps) = (simulation.time(), Steps::towards(simulation, until));
+        loop {
+            let (before, peaks) = (simulation.time(), simulation.peaks());
+            let Some((course, surface)) = steps.next(simulation, inputs)? else { break };
+            for follower in followers.iter_mut() {
+                follower.take_step(course, surface, (before, &peaks), simulation, inputs);
+            }
+            let Some(surface) = surface else { continue };
+            let mut happened = None;
+            simulation.settle(inputs, &mut |event| happened = Some(*event))?;
+            for follower in followers.iter_mut() {
+                follower.pass_event(surface, happened, simulation, inputs, since);
+            }
+        }
+    }
+    simulation.arrive(until);
+    for follower in followers {
+        follower.pose.time = Number::from(simulation.time());
+    }
+    Ok(())
+}
+
+/// The pose at a time that differs by `shift` in each direction, along the motion at `now`.
+fn moved(pose: &Pose<Number>, now: &Evaluation<Number>, shift: [f64; BATCH]) -> Pose<Number> {
+    let by = |number: Number, rate: Number| {
+        Number::new(number.re, std::array::from_fn(|i| number.eps[i] + rate.re * shift[i]))
+    };
+    displaced(pose, now, by)
+}
+
+/// The pose after a time (s), to first order along the motion at `now`.
+fn advanced(pose: &Pose<Number>, now: &Evaluation<Number>, duration: f64) -> Pose<Number> {
+    displaced(pose, now, |number, rate| Number { re: number.re + rate.re * duration, ..number })
+}
+
+fn displaced(pose: &Pose<Number>, now: &Evaluation<Number>, by: impl Fn(Number, Number) -> Number) -> Pose<Number> {
+    let x = &now.instant;
+    let footing = match pose.footing {
+        Footing::Grips { offset } => Footing::Grips { offset },
+        Footing::Free { u, u_dot } => Footing::Free { u: by(u, x.u_dot), u_dot: by(u_dot, x.u_ddot) },
+        Footing::Slides { u, u_dot, direction } => {
+            Footing::Slides { u: by(u, x.u_dot), u_dot: by(u_dot, x.u_ddot), direction }
+        }
+    };
+    let state = State::from(std::array::from_fn(|i| by(pose.state[i], now.rate.state[i])));
+    Pose { time: by(pose.time, Number::from(1.0)), state, footing, ..*pose }
+}

@@ -1,0 +1,137 @@
+//! The steps in which peaks rise for the last time → the derivatives of the peaks.
+
+use rocking_block::block::ties::MOST_TIES;
+use rocking_block::excitation::Excitation;
+use rocking_block::numerics::roots::{Sample, sign_change};
+use rocking_block::simulation::peaks::{Channel, Channels, Peaks};
+use rocking_block::system::evaluation::Evaluation;
+use rocking_block::system::instant::Pose;
+
+use crate::follower::Follower;
+use crate::{BATCH, Number};
+
+/// The motion over a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    /// The block at its beginning.
+    pub start: Pose<Number>,
+    /// Derivatives of the time of the event at its beginning; zeros if there is none.
+    pub start_shift: [f64; BATCH],
+    pub excitation: Excitation<Number>,
+    /// Time at its end (s).
+    pub end: f64,
+    /// The same of the event at its end.
+    pub end_shift: [f64; BATCH],
+}
+
+/// A quantity that has a peak.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Quantity {
+    Channel(Channel),
+    Tension(usize),
+}
+
+const CHANNELS: [Channel; 5] =
+    [Channel::Theta, Channel::Reaction, Channel::Horizontal, Channel::Uplift, Channel::FrictionDemand];
+
+/// For each peak the step in which it rose last.
+#[derive(Clone, Debug)]
+pub(crate) struct Raised {
+    channels: [Option<Box<Stretch>>; CHANNELS.len()],
+    tensions: [Option<Box<Stretch>>; MOST_TIES],
+    /// Derivatives of the peak slip.
+    slip: [f64; BATCH],
+}
+
+impl Raised {
+    pub fn new() -> Raised {
+        Raised { channels: Default::default(), tensions: Default::default(), slip: [0.0; BATCH] }
+    }
+
+    /// Takes in the beginning of a block with this number of ties.
+    pub fn begin(&mut self, start: &Stretch, ties: usize) {
+        for place in self.channels.iter_mut().chain(self.tensions.iter_mut().take(ties)) {
+            *place = Some(Box::new(*start));
+        }
+    }
+
+    /// Takes in a step from and to which the peaks have these values.
+    pub fn take_in(&mut self, before: &Peaks, after: &Peaks, step: &Stretch, slip: Number) {
+        for (place, channel) in self.channels.iter_mut().zip(CHANNELS) {
+            if after.of(channel) != before.of(channel) {
+                *place = Some(Box::new(*step));
+            }
+        }
+        for (tie, place) in self.tensions.iter_mut().enumerate() {
+            if after.tension[tie] != before.tension[tie] {
+                *place = Some(Box::new(*step));
+            }
+        }
+        if after.slip != before.slip {
+            self.slip = slip.eps.map(|eps| slip.re.signum() * eps);
+        }
+    }
+
+    /// The peaks of a run with these values.
+    pub fn peaks(&self, follower: &Follower, peaks: &Peaks) -> Peaks<Number> {
+        let of = |quantity: Quantity, value: f64, stretch: &Option<Box<Stretch>>| {
+            let eps =
+                stretch.as_deref().map_or([0.0; BATCH], |stretch| derivatives(follower, stretch, quantity, value));
+            Number::new(value, eps)
+        };
+        let channel = |i: usize| of(Quantity::Channel(CHANNELS[i]), peaks.of(CHANNELS[i]), &self.channels[i]);
+        Peaks {
+            theta: channel(0),
+            reaction: channel(1),
+            horizontal: channel(2),
+            uplift: channel(3),
+            friction_demand: channel(4),
+            slip: Number::new(peaks.slip, self.slip),
+            tension: std::array::from_fn(|i| of(Quantity::Tension(i), peaks.tension[i], &self.tensions[i])),
+        }
+    }
+}
+
+/// Derivatives of the peak of a quantity, which has reached this value in a step: at one of its ends, whose time may vary, or at a
+/// maximum inside, where the rate is zero.
+fn derivatives(follower: &Follower, stretch: &Stretch, quantity: Quantity, peak: f64) -> [f64; BATCH] {
+    // Where the highest of these instants inside is between its neighbours there is a maximum.
+    const PIECES: u32 = 8;
+    let duration = stretch.end - stretch.start.time.re;
+    let at = |elapsed: f64| samples(quantity, &follower.inside(stretch, elapsed));
+    let ends = [(at(0.0), stretch.start_shift, -1.0), (at(duration), stretch.end_shift, 1.0)];
+    // Of several samples of a channel, those of both corners or directions, the greatest.
+    let greatest = |samples: &[Sample<Number>]| {
+        samples.iter().enumerate().max_by(|a, b| a.1.value.re.total_cmp(&b.1.value.re)).map_or(0, |(i, _)| i)
+    };
+    const SAME: f64 = 1e-12;
+    for (samples, shift, outwards) in &ends {
+        let Some(Sample { value, rate }) = samples.get(greatest(samples)) else { continue };
+        if value.re >= peak - SAME * peak.abs() && outwards * rate.re >= 0.0 {
+            return std::array::from_fn(|i| value.eps[i] + rate.re * shift[i]);
+        }
+    }
+    let times: Vec<f64> = (0..=PIECES).map(|i| duration * f64::from(i) / f64::from(PIECES)).collect();
+    let highest = |time: &&f64| {
+        let samples = at(**time);
+        samples.get(greatest(&samples)).map_or(f64::NEG_INFINITY, |sample| sample.value.re)
+    };
+    let Some(&top) = times.iter().max_by(|a, b| highest(a).total_cmp(&highest(b))) else { return [f64::NAN; BATCH] };
+    let which = greatest(&at(top));
+    let rate = |time: f64| at(time)[which].rate.re;
+    let piece = duration / f64::from(PIECES);
+    let (low, high) = if rate(top) >= 0.0 { (top, top + piece) } else { (top - piece, top) };
+    let (low, high) = (low.max(0.0), high.min(duration));
+    let time = sign_change(low, high, rate(low), rate(high), rate);
+    at(time)[which].value.eps
+}
+
+fn samples(quantity: Quantity, now: &Evaluation<Number>) -> Vec<Sample<Number>> {
+    match quantity {
+        Quantity::Tension(tie) => vec![now.tension(tie)],
+        Quantity::Channel(channel) => {
+            let channels: Channels<Number> = now.channels_inlined();
+            channels.candidates().into_iter().filter(|(of, _)| *of == channel).map(|(_, sample)| sample).collect()
+        }
+    }
+}

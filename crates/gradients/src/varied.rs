@@ -1,0 +1,229 @@
+//! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
+
+use rocking_block::block::parameters::Common;
+use rocking_block::block::{Block, Dimensionless, Physical, Tie, Ties};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
+use rocking_block::numerics::scalar::Elementary;
+use rocking_block::simulation::Initial;
+
+use crate::{BATCH, Number};
+
+/// The parameters of a block in the way in which they are given: those of the other way follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Given<T = f64> {
+    /// The paper's parameters.
+    Dimensionless(Dimensionless<T>),
+    /// Sizes, stiffness and damping.
+    Physical(Physical<T>),
+}
+
+/// The real parameters of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters<T = f64> {
+    /// The block.
+    pub given: Given<T>,
+    /// Its other parameters.
+    pub common: Common<T>,
+    /// Its ties.
+    pub ties: Vec<Tie<T>>,
+    /// Its initial values.
+    pub initial: Initial<T>,
+    /// The pulse.
+    pub pulse: Pulse<T>,
+    /// The scale of the records (1).
+    pub scale: T,
+}
+
+impl<T: Elementary> Parameters<T> {
+    /// The parameter of this name, if these have it.
+    pub fn number(&mut self, name: &str) -> Option<&mut T> {
+        let Parameters { given, common, ties, initial, pulse, scale } = self;
+        if let Some((tie, of)) = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.')) {
+            let tie = ties.get_mut(tie.parse::<usize>().ok()?.checked_sub(1)?)?;
+            return match of {
+                "block_x" => Some(&mut tie.block[0]),
+                "block_z" => Some(&mut tie.block[1]),
+                "ground_x" => Some(&mut tie.ground[0]),
+                "ground_z" => Some(&mut tie.ground[1]),
+                "stiffness" => Some(&mut tie.stiffness),
+                "pretension" => Some(&mut tie.pretension),
+                "slack" => Some(&mut tie.slack),
+                "damping" => Some(&mut tie.damping),
+                "strength" => Some(&mut tie.strength),
+                _ => None,
+            };
+        }
+        match (name, given) {
+            ("alpha", Given::Dimensionless(of)) => Some(&mut of.alpha),
+            ("p", Given::Dimensionless(of)) => Some(&mut of.p),
+            ("eta", Given::Dimensionless(of)) => Some(&mut of.eta),
+            ("xi_v", Given::Dimensionless(of)) => Some(&mut of.xi_v),
+            ("width", Given::Physical(of)) => Some(&mut of.width),
+            ("height", Given::Physical(of)) => Some(&mut of.height),
+            ("K", Given::Physical(of)) => Some(&mut of.stiffness),
+            ("C", Given::Physical(of)) => Some(&mut of.damping),
+            ("inertia", Given::Physical(of)) => of.inertia.as_mut(),
+            ("mass", _) => Some(&mut common.mass),
+            ("gamma", _) => Some(&mut common.gamma),
+            ("epsilon", _) => Some(&mut common.epsilon),
+            ("g", _) => Some(&mut common.gravity),
+            ("restitution_factor", _) => Some(&mut common.restitution_factor),
+            ("eccentricity", _) => Some(&mut common.eccentricity),
+            ("friction", _) => Some(&mut common.friction),
+            ("initial.theta", _) => Some(&mut initial.theta),
+            ("initial.theta_dot", _) => Some(&mut initial.theta_dot),
+            ("initial.v", _) => initial.vertical.as_mut().map(|(v, _)| v),
+            ("initial.v_dot", _) => initial.vertical.as_mut().map(|(_, v_dot)| v_dot),
+            ("pulse.amplitude", _) if pulse.shape != PulseShape::None => Some(&mut pulse.amplitude),
+            ("pulse.period", _) if pulse.shape != PulseShape::None => Some(&mut pulse.period),
+            ("pulse.start", _) if pulse.shape != PulseShape::None => Some(&mut pulse.start),
+            ("pulse.phase", _) if pulse.shape == PulseShape::Gabor => Some(&mut pulse.phase),
+            ("pulse.cycles", _) if pulse.shape == PulseShape::Gabor => Some(&mut pulse.cycles),
+            ("scale", _) => Some(scale),
+            _ => None,
+        }
+    }
+
+    fn map<U: Elementary>(&self, of: impl Fn(T) -> U) -> Parameters<U> {
+        let Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction } =
+            self.common;
+        Parameters {
+            given: match self.given {
+                Given::Dimensionless(Dimensionless { alpha, p, eta, xi_v }) => {
+                    Given::Dimensionless(Dimensionless { alpha: of(alpha), p: of(p), eta: of(eta), xi_v: of(xi_v) })
+                }
+                Given::Physical(Physical { width, height, stiffness, damping, inertia }) => Given::Physical(Physical {
+                    width: of(width),
+                    height: of(height),
+                    stiffness: of(stiffness),
+                    damping: of(damping),
+                    inertia: inertia.map(&of),
+                }),
+            },
+            common: Common {
+                mass: of(mass),
+                gamma: of(gamma),
+                epsilon: of(epsilon),
+                gravity: of(gravity),
+                foundation,
+                restitution_factor: of(restitution_factor),
+                eccentricity: of(eccentricity),
+                friction: of(friction),
+            },
+            ties: self
+                .ties
+                .iter()
+                .map(|tie| Tie {
+                    block: tie.block.map(&of),
+                    ground: tie.ground.map(&of),
+                    stiffness: of(tie.stiffness),
+                    pretension: of(tie.pretension),
+                    slack: of(tie.slack),
+                    damping: of(tie.damping),
+                    strength: of(tie.strength),
+                })
+                .collect(),
+            initial: Initial {
+                theta: of(self.initial.theta),
+                theta_dot: of(self.initial.theta_dot),
+                vertical: self.initial.vertical.map(|(v, v_dot)| (of(v), of(v_dot))),
+            },
+            pulse: Pulse {
+                shape: self.pulse.shape,
+                amplitude: of(self.pulse.amplitude),
+                period: of(self.pulse.period),
+                start: of(self.pulse.start),
+                phase: of(self.pulse.phase),
+                cycles: of(self.pulse.cycles),
+            },
+            scale: of(self.scale),
+        }
+    }
+}
+
+/// The block, the initial values and the excitation of a run, with their derivatives in the directions of a batch.
+#[derive(Clone, Copy, Debug)]
+pub struct Varied {
+    /// The block.
+    pub block: Block<Number>,
+    /// Its initial values.
+    pub initial: Initial<Number>,
+    /// The pulse.
+    pub pulse: Pulse<Number>,
+    /// The factor on the ground accelerations of the inputs (1), whose value is 1.
+    pub ground: Number,
+}
+
+impl Varied {
+    /// The derivatives of a block with respect to up to [`BATCH`] of its parameters, by their names. None if it lacks one of them.
+    pub fn with_respect_to(parameters: &Parameters, block: &Block, names: &[&str]) -> Option<Varied> {
+        let mut varied = parameters.map(Number::from);
+        for (i, name) in names.iter().enumerate() {
+            *varied.number(name)?.eps.get_mut(i)? = 1.0;
+        }
+        let Parameters { given, common, ties, initial, pulse, scale } = varied;
+        let derived = match &given {
+            Given::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, &common),
+            Given::Physical(physical) => Block::of_physical(physical, &common),
+        };
+        let ground = Number::new(1.0, scale.eps.map(|eps| eps / scale.re));
+        let block = with_values(Block { ties: Ties::of(&ties), ..derived }, block);
+        Some(Varied { block, initial, pulse, ground })
+    }
+
+    /// The excitation under these inputs, with the pulse if it `acts`.
+    pub fn excitation(&self, inputs: &Inputs, acts: bool) -> Excitation<Number> {
+        let of = |ramp: Ramp| Ramp { value: Number::from(ramp.value), rate: Number::from(ramp.rate) };
+        let scaled = |ramp: Ramp| Ramp { value: self.ground * ramp.value, rate: self.ground * ramp.rate };
+        let inputs = Inputs {
+            time: Number::from(inputs.time),
+            a_gx: scaled(inputs.a_gx),
+            a_gz: scaled(inputs.a_gz),
+            f_x: of(inputs.f_x),
+            f_z: of(inputs.f_z),
+            m_y: of(inputs.m_y),
+        };
+        Excitation::new(&inputs, acts.then_some(&self.pulse), self.block.mass)
+    }
+
+    /// The beginning or the end of `pulse`, whose parameters these are, if it is at `time` (s): the derivatives of that time, and
+    /// whether the pulse acts right before.
+    pub fn kink(&self, pulse: &Pulse, time: f64) -> Option<([f64; BATCH], bool)> {
+        if pulse.shape == PulseShape::None {
+            return None;
+        }
+        let end = self.pulse.start + self.pulse.duration();
+        if time == pulse.start {
+            Some((self.pulse.start.eps, false))
+        } else {
+            (time == pulse.end()).then_some((end.eps, true))
+        }
+    }
+}
+
+/// These derivatives at the values of a block, to the last bit.
+fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
+    let at = |number: Number, re: f64| Number { re, ..number };
+    Block {
+        mass: at(from.mass, block.mass),
+        gravity: at(from.gravity, block.gravity),
+        gamma: at(from.gamma, block.gamma),
+        epsilon: at(from.epsilon, block.epsilon),
+        foundation: block.foundation,
+        restitution_factor: at(from.restitution_factor, block.restitution_factor),
+        alpha: at(from.alpha, block.alpha),
+        r0: at(from.r0, block.r0),
+        b: at(from.b, block.b),
+        h: at(from.h, block.h),
+        p: at(from.p, block.p),
+        omega_v: at(from.omega_v, block.omega_v),
+        xi_v: at(from.xi_v, block.xi_v),
+        stiffness: at(from.stiffness, block.stiffness),
+        damping: at(from.damping, block.damping),
+        i0: at(from.i0, block.i0),
+        eccentricity: at(from.eccentricity, block.eccentricity),
+        share: std::array::from_fn(|i| at(from.share[i], block.share[i])),
+        friction: at(from.friction, block.friction),
+        ties: from.ties,
+    }
+}

@@ -1,0 +1,102 @@
+//! The cases of tests/reference and tests/reference_more, and further ones.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use rocking_block::block::{Common, Dimensionless, Foundation, Tie};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::ground::Ground;
+use rocking_block::simulation::Initial;
+use rocking_gradients::{Given, Parameters};
+use serde_json::Value;
+
+use crate::run::Run;
+
+fn root() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A record of the project, every 5 ms.
+fn record() -> Ground {
+    let path = root().join("crates/rocking/records/np01002p_4225a_a.smc");
+    let bytes = std::fs::read(path).unwrap();
+    let record = rocking_records::parse("record", &bytes, &rocking_records::ReadOptions::default()).unwrap();
+    Ground { horizontal: Some(rocking_records::Record { start_time: 0.0, ..record }), vertical: None }
+}
+
+/// A reference case that is driven by a pulse or starts from an initial state.
+pub fn reference(folder: &str, name: &str) -> Run {
+    let text = std::fs::read_to_string(root().join("tests").join(folder).join("cases.json")).unwrap();
+    let cases: Value = serde_json::from_str(&text).unwrap();
+    let case = cases.as_array().unwrap().iter().find(|case| case["name"] == name).unwrap();
+    let or = |value: &Value, default: f64| value.as_f64().unwrap_or(default);
+    let of = |key: &str, default: f64| or(&case[key], default);
+    let motion = &case["a_gx"];
+    let shape = match motion["kind"].as_str() {
+        Some("sine") => PulseShape::OneSine,
+        Some("cosine") => PulseShape::OneCosine,
+        _ => PulseShape::None,
+    };
+    let mass = of("M", 1.0);
+    let pair = |value: &Value| [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()];
+    let ties = case["ties"].as_array().into_iter().flatten().map(|tie| Tie {
+        block: pair(&tie["block"]),
+        ground: pair(&tie["ground"]),
+        stiffness: mass * or(&tie["stiffness"], 0.0),
+        pretension: mass * or(&tie["pretension"], 0.0),
+        slack: or(&tie["slack"], 0.0),
+        damping: mass * or(&tie["damping"], 0.0),
+        strength: mass * or(&tie["strength"], 0.0),
+    });
+    let foundation = if case["foundation"] == "rigid" { Foundation::Rigid } else { Foundation::Viscoelastic };
+    let initial = &case["initial"];
+    Run {
+        name: name.into(),
+        parameters: Parameters {
+            given: Given::Dimensionless(Dimensionless {
+                alpha: of("alpha", 0.0),
+                p: of("p", 1.0),
+                eta: of("eta", 40.0),
+                xi_v: of("xi_v", 0.1),
+            }),
+            common: Common {
+                mass,
+                gamma: of("gamma", 3.0),
+                epsilon: of("epsilon", 0.0),
+                gravity: of("g", 9.81),
+                foundation,
+                eccentricity: of("eccentricity", 0.0),
+                friction: of("friction", 0.0),
+                ..Common::default()
+            },
+            ties: ties.collect(),
+            initial: Initial {
+                theta: or(&initial["theta"], 0.0),
+                theta_dot: or(&initial["theta_dot"], 0.0),
+                vertical: None,
+            },
+            pulse: Pulse {
+                shape,
+                amplitude: or(&motion["a_p"], 0.0),
+                period: TAU / or(&motion["omega_p"], TAU),
+                start: 0.0,
+                ..Pulse::NONE
+            },
+            scale: 1.0,
+        },
+        ground: Ground::default(),
+        flies: false,
+        tolerance: 1e-13,
+        step: 0.1,
+        rows: 60,
+        difference: 2e-4,
+    }
+}
+
+/// A reference case under a record of the project.
+pub fn under_record(folder: &str, name: &str, scale: f64) -> Run {
+    let mut run = reference(folder, name);
+    run.parameters.pulse = Pulse::NONE;
+    run.parameters.scale = scale;
+    Run { name: format!("{name} under a record"), ground: record(), ..run }
+}

@@ -1,0 +1,8 @@
+//! Derivatives of runs with respect to their parameters, against central differences of the solver and against closed forms.
+
+#![allow(missing_docs)]
+
+mod cases;
+mod closed_form;
+mod differences;
+mod run;
