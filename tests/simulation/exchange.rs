@@ -75,7 +75,7 @@ fn peaks_between_external_states_match_the_motion() {
             let mut outside = motion.clone();
             outside.begin_exchange();
             outside.pass_events(&Inputs::default(), f64::INFINITY, &mut |_| ()).unwrap();
-            let (mut peaks, mut least) = (Peaks::default(), [f64::INFINITY; 2]);
+            let (mut peaks, mut least) = (Peaks::<f64>::default(), [f64::INFINITY; 2]);
             for step in 0..steps {
                 let end = h * (f64::from(step) + f64::from(seventh + 1) / 7.0);
                 let begin = motion.time();
