@@ -8,7 +8,7 @@ use crate::numerics::scalar::Elementary;
 use crate::simulation::exchange::TIES;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
 use crate::unit::fmi3_variables::Fmi3Values;
-use crate::unit::variables::{Causality, Choice, Parameter, Text, VARIABLES, Variable, choices};
+use crate::unit::variables::{Choice, Parameter, Text, VARIABLES, Variable, choices};
 
 /// Values of all parameters that the importer sets.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -420,10 +420,5 @@ impl Variable {
     /// Returns its name in modelDescription.xml.
     pub fn name(self) -> &'static str {
         VARIABLES[self as usize].name
-    }
-
-    /// Whether it is an output.
-    pub fn is_output(self) -> bool {
-        VARIABLES[self as usize].causality == Causality::Output
     }
 }

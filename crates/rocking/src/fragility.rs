@@ -6,20 +6,18 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Parser;
 
-use crate::checks::check;
 use crate::choices;
 use crate::explicit_options::ExplicitOptions;
+use crate::fit_options::FitOptions;
 use crate::formats::PictureOptions;
 use crate::fragility_report::{FragilityReport, MeasureReport, RowCounts, SurfaceReport};
-use crate::input;
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::relative_measure::BlockScales;
 use crate::report::{ReportOptions, WrittenFiles};
-use rocking_block::words::Words;
 use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
-    Assessment, Component, Ida, Limit, Link, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
+    Assessment, Component, Ida, Limit, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
     sufficiency_of_cases,
 };
 use rocking_studies::intensity::Measure;
@@ -33,26 +31,8 @@ pub struct Options {
     /// Intensity measure, or any other column of positive numbers, with or without its unit; several are compared
     #[arg(long, value_name = "COLUMN", required = true)]
     im: Vec<String>,
-    /// Limit to exceed: overturned, or a number such as 0.5 for |theta|/alpha > 0.5. Counts the probabilities of ensembles if
-    /// the table has them, else the outcomes of single runs
-    #[arg(long, value_name = "LIMIT", default_value = "overturned")]
-    limit: Limit,
-    /// Use only the rows in which a column has this value; several conditions must all hold
-    #[arg(long = "where", value_name = "COLUMN=VALUE")]
-    conditions: Vec<String>,
-    /// Distribution behind the curve
-    #[arg(long, value_parser = choices::link(), default_value = Link::Probit.word())]
-    link: Link,
-    /// Confidence level of the intervals and of the band
-    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
-    ci: f64,
-    /// Compute intervals from this many bootstrap samples of the records, not from the profile likelihood (clustered by record
-    /// if rows share records)
-    #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
-    bootstrap: Option<u32>,
-    /// Seed of the bootstrap samples
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    fit: FitOptions,
     /// Second measure, for a surface of both
     #[arg(long, value_name = "COLUMN")]
     surface: Option<String>,
@@ -84,12 +64,12 @@ pub struct Options {
 
 /// Runs the command.
 pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let Options { im, limit, link, ci, bootstrap, seed, beside, ida, .. } = options;
+    let Options { im, fit, beside, ida, .. } = options;
+    let FitOptions { limit, link, ci, .. } = fit;
     let plot = options.picture.plot.as_deref();
     explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
-    explicit.refuse_unless(bootstrap.is_some(), &["seed"], "without --bootstrap")?;
     explicit.refuse_unless(options.export.is_some(), &["id", "alpha", "p", "g"], "without --export")?;
-    check("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
+    fit.check(explicit)?;
     for option in ["plot", "surface", "ida", "export"].into_iter().filter(|option| explicit.has(option)) {
         anyhow::ensure!(im.len() == 1, "--{option} with {} measures; expected one --im", im.len());
     }
@@ -107,21 +87,14 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let export_files = exports.iter().map(|path| Pending::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let picture = plot.map(Pending::new).transpose()?;
     let ida_picture = ida.as_deref().map(Pending::new).transpose()?;
-    let (name, text) = input::text(&options.table)?;
-    let mut table = SweepTable::read(&name, text.as_bytes())?;
-    for condition in &options.conditions {
-        let (column, value) = condition
-            .split_once('=')
-            .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))?;
-        table.keep(column, value)?;
-    }
+    let (name, table) = fit.table(&options.table)?;
     let found = table.cases(*limit)?;
     let blocks = charts::blocks(&table);
     let column = |name: &str| -> anyhow::Result<Vec<Option<f64>>> {
         let numbers = table.numbers(name)?;
         Ok(found.cases.iter().map(|case| numbers[case.row]).collect())
     };
-    let uncertainty = bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, *seed));
+    let uncertainty = fit.uncertainty();
     let (mut measures, mut surface, mut svg) = (Vec::new(), None, None);
     let (mut exported, mut warnings) = (Vec::new(), Vec::new());
     let mut intervals = None;
@@ -212,12 +185,12 @@ impl Options {
         let further = |&limit: &Limit| {
             let cases = table.cases(limit)?.cases;
             let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
-            let found = Assessment::new(&cases, &values, self.link, self.ci, Uncertainty::Profile);
+            let found = Assessment::new(&cases, &values, self.fit.link, self.fit.ci, Uncertainty::Profile);
             Ok((limit, found.with_context(|| limit.to_string())?.fit))
         };
         let further = self.export_limit.iter().map(further).collect::<anyhow::Result<Vec<_>>>()?;
         let curves =
-            || std::iter::once((self.limit, &found.fit)).chain(further.iter().map(|(limit, fit)| (*limit, fit)));
+            || std::iter::once((self.fit.limit, &found.fit)).chain(further.iter().map(|(limit, fit)| (*limit, fit)));
         let limits: Vec<String> = curves().map(|(limit, _)| limit.to_string()).collect();
         let file = table.file().rsplit(['/', '\\']).next().unwrap_or_default();
         let description = format!(

@@ -6,14 +6,15 @@ use anyhow::Context;
 use clap::{Args, Parser};
 use serde::Serialize;
 
-use crate::checks::{check, check_tolerance, checked};
+use crate::checks::check;
 use crate::excitation::{Excitation, ExcitationOptions};
 use crate::explicit_options::ExplicitOptions;
 use crate::formats::check_table;
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::report::{ReportOptions, WrittenFiles};
+use crate::single_run::SingleRunOptions;
 use rocking_block::block::{Block, Common, Foundation, Physical};
-use rocking_block::simulation::{Initial, OnSeparation, Settings};
+use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::history::block_line;
 use rocking_studies::frame::Frame;
 use rocking_studies::run::{History, Run};
@@ -28,15 +29,8 @@ pub struct Options {
     /// Initial rotation, positive to the right [rad]
     #[arg(long, value_name = "RAD", default_value_t = 0.0, help_heading = "Run")]
     theta: f64,
-    /// Relative tolerance of the integration
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", help_heading = "Run")]
-    tolerance: f64,
-    /// Duration; by default the run lasts until the ground has come to rest and the frame has come down [s]
-    #[arg(long, value_name = "S", help_heading = "Run")]
-    duration: Option<f64>,
-    /// Time between rows of the table; by default the record's time step, or 0.01 [s]
-    #[arg(long, value_name = "S", help_heading = "Run")]
-    step: Option<f64>,
+    #[command(flatten)]
+    single_run: SingleRunOptions,
     /// Table of the history; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
@@ -182,21 +176,11 @@ impl Options {
     fn run(&self, explicit: &ExplicitOptions, frame: &Frame) -> anyhow::Result<(Run, String)> {
         let block = frame.block;
         let Excitation { ground, pulse, description } = self.excitation.read(explicit, block.gravity, None)?;
-        let theta = self.theta;
-        check("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
-        check_tolerance(self.tolerance)?;
-        let is_moved = !description.is_empty() || theta != 0.0;
+        let is_moved = !description.is_empty() || self.theta != 0.0;
         anyhow::ensure!(is_moved, "nothing moves the frame; expected --record, --pulse or --theta");
-        let output_step = self.step.or(ground.time_step()).unwrap_or(0.01);
-        check("step", output_step, |x| x >= 1e-6, "a time of at least 1e-6 s")?;
-        checked("duration", self.duration, |x| x > 0.0 && x <= 1e6, "a time > 0 s, at most 1e6 s")?;
+        let initial = Initial { theta: self.theta, ..Initial::default() };
         // The equivalent block does not fly like the frame.
-        let on_separation = OnSeparation::Terminate;
-        let settings = Settings { tolerance: self.tolerance, on_separation, ..Settings::default() };
-        let initial = Initial { theta, ..Initial::default() };
-        let run = Run { block, settings, initial, pulse, ground, duration: self.duration, output_step };
-        let rows = run.longest_duration() / output_step;
-        anyhow::ensure!(rows < 1e8, "the run has {rows:.0} rows; expected fewer than 1e8");
+        let run = self.single_run.run(block, OnSeparation::Terminate, initial, pulse, ground)?;
         Ok((run, if description.is_empty() { "free motion".into() } else { description }))
     }
 }

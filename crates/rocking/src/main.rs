@@ -15,11 +15,13 @@
 //! | [`run_options`] | options shared by commands → settings, a table of many runs |
 //! | [`mod@tie`] | text of an option → a tie |
 //! | [`block_options`] | options of a single block → a block |
+//! | [`single_run`] | tolerance, duration, rows → one run |
 //! | [`simulate`], [`summary`] | options → one run; a run → its summary as JSON |
 //! | [`sketch`] | options → a block → its sketch and its values |
 //! | [`frame`] | options → columns under a beam → one run of their equivalent block |
 //! | [`spectrum`] | options → peak rotations of blocks of all sizes |
 //! | [`sweep`] | study file → the table of a sweep |
+//! | [`fit_options`] | options, table of a sweep → its rows, a limit, the method of intervals |
 //! | [`fragility`], [`fragility_report`] | table of a sweep → fragility curves; curves → text or JSON |
 //! | [`relative_measure`] | options of a block → the measure of records behind a measure relative to the block |
 //! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
@@ -61,6 +63,7 @@ mod block_options;
 mod summary;
 
 mod simulate;
+mod single_run;
 
 mod sketch;
 
@@ -72,6 +75,7 @@ mod sweep;
 
 mod relative_measure;
 
+mod fit_options;
 mod fragility_report;
 
 mod fragility;

@@ -6,17 +6,16 @@ use anyhow::Context;
 use clap::{Args, Parser};
 
 use crate::checks::check;
-use crate::choices;
 use crate::explicit_options::ExplicitOptions;
+use crate::fit_options::FitOptions;
 use crate::formats::{PictureOptions, check_table};
 use crate::input;
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::rate_report::{CurveReport, HazardReport, RateReport};
 use crate::relative_measure::BlockScales;
 use crate::report::{ReportOptions, WrittenFiles};
-use rocking_block::words::Words;
 use rocking_charts::fragility::probability_of;
-use rocking_studies::fragility::{Assessment, Cases, Interval, Limit, Link, SweepTable, Uncertainty};
+use rocking_studies::fragility::{Assessment, Cases, Interval};
 use rocking_studies::intensity::Measure;
 use rocking_studies::risk::{AnnualRate, FragilityCurve, HazardCurve, HazardOptions, interval, read_hazard, si};
 
@@ -74,27 +73,11 @@ struct FragilityOptions {
     /// Dispersion of a lognormal curve; 0 for a step
     #[arg(long, value_name = "BETA", requires = "median")]
     beta: Option<f64>,
-    /// Limit to exceed: overturned, or a number such as 0.5 for |theta|/alpha > 0.5
-    #[arg(long, value_name = "LIMIT", default_value = "overturned")]
-    limit: Limit,
-    /// Use only the rows in which a column has this value; several conditions must all hold
-    #[arg(id = "where", long, value_name = "COLUMN=VALUE")]
-    conditions: Vec<String>,
     /// Use the fractions of the table's rows at each of its levels, without a fitted curve
     #[arg(long, requires = "table")]
     empirical: bool,
-    /// Distribution behind the curve
-    #[arg(long, value_parser = choices::link(), default_value = Link::Probit.word())]
-    link: Link,
-    /// Confidence level of the interval
-    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
-    ci: f64,
-    /// Compute the interval from this many bootstrap samples of the records
-    #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
-    bootstrap: Option<u32>,
-    /// Seed of the bootstrap samples
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    fit: FitOptions,
 }
 
 /// A fragility curve and its origin.
@@ -110,17 +93,16 @@ struct Fragility {
 
 /// Runs the command.
 pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> {
-    let FragilityOptions { table, median, empirical, limit, ci, bootstrap, .. } = &options.fragility;
+    let FragilityOptions { table, median, empirical, fit, .. } = &options.fragility;
     let plot = options.picture.plot.as_deref();
     explicit.refuse_unless(plot.is_some(), &["plot-format"], "without --plot")?;
-    explicit.refuse_unless(bootstrap.is_some(), &["seed"], "without --bootstrap")?;
+    fit.check(explicit)?;
     explicit.refuse_unless(table.is_some(), &["where", "link", "ci", "bootstrap"], "without --table")?;
     explicit.refuse_unless(!empirical, &["link", "ci", "bootstrap"], "with --empirical")?;
     anyhow::ensure!(
         table.is_some() || median.is_some(),
         "no fragility curve; expected --table and --im, or --median and --beta"
     );
-    check("ci", *ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
     check("g", options.block.g, |x| x > 0.0, "an acceleration above 0")?;
     for &years in &options.years {
         check("years", years, |x| x > 0.0, "a number of years above 0")?;
@@ -149,14 +131,14 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
         HazardReport::new(file, heading.clone(), &hazard),
         fragility.report,
         &found,
-        ends.map(|ends| (*ci, ends)),
+        ends.map(|ends| (fit.ci, ends)),
         &options.years,
         fragility.rows,
     );
     let mut written = Vec::new();
     if let (Some(file), Some(format)) = (picture, format) {
         let limit = match table {
-            Some(_) => probability_of(*limit),
+            Some(_) => probability_of(fit.limit),
             None => "probability of exceedance".into(),
         };
         let band = |at: &[f64]| -> Option<Vec<Interval>> { Some(fragility.assessment.as_ref()?.band(at)) };
@@ -263,22 +245,16 @@ impl FragilityOptions {
     fn table(&self) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
         let Some(path) = &self.table else { unreachable!("checked before") };
-        let (name, text) = input::text(path)?;
-        let mut table = SweepTable::read(&name, text.as_bytes())?;
-        for condition in &self.conditions {
-            let (column, value) = condition
-                .split_once('=')
-                .with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))?;
-            table.keep(column, value)?;
-        }
-        let Cases { cases, .. } = table.cases(self.limit)?;
+        let FitOptions { limit, link, ci, .. } = self.fit;
+        let (name, table) = self.fit.table(path)?;
+        let Cases { cases, .. } = table.cases(limit)?;
         let numbers = table.numbers(im)?;
         let heading = table.heading(im)?.to_string();
         let values: Vec<Option<f64>> = cases.iter().map(|case| numbers[case.row]).collect();
         let known = || values.iter().flatten().copied();
         let rows = known().reduce(f64::min).zip(known().reduce(f64::max)).map(|(least, greatest)| [least, greatest]);
         let at = || format!("{name}: {im}");
-        let limit = self.limit.to_string();
+        let limit = limit.to_string();
         if self.empirical {
             let mut levels: Vec<(f64, Vec<f64>)> = Vec::new();
             let mut pairs: Vec<(f64, f64)> =
@@ -303,9 +279,8 @@ impl FragilityOptions {
             let report = CurveReport::empirical(name.clone(), limit, levels.len());
             return Ok(Fragility { curve, heading: Some(heading), assessment: None, rows, report });
         }
-        let uncertainty =
-            self.bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, self.seed));
-        let assessment = Assessment::new(&cases, &values, self.link, self.ci, uncertainty).with_context(at)?;
+        let uncertainty = self.fit.uncertainty();
+        let assessment = Assessment::new(&cases, &values, link, ci, uncertainty).with_context(at)?;
         let curve = FragilityCurve::of(&assessment.fit).with_context(at)?;
         let intervals = uncertainty.words(assessment.independence);
         let report = CurveReport::fitted(name, limit, &assessment.fit, intervals);

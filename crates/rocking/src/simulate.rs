@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::{Args, Parser};
 
 use crate::block_options::BlockOptions;
-use crate::checks::{check, check_friction_demand, check_tolerance, checked};
+use crate::checks::{check, check_friction_demand};
 use crate::choices;
 use crate::excitation::{Excitation, ExcitationOptions};
 use crate::explicit_options::ExplicitOptions;
@@ -14,9 +14,10 @@ use crate::formats::{PictureOptions, check_table};
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles};
+use crate::single_run::SingleRunOptions;
 use crate::summary::Summary;
 use rocking_block::block::{Foundation, TieState};
-use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings};
+use rocking_block::simulation::{Ending, Initial, OnSeparation};
 use rocking_block::words::Words;
 use rocking_charts::picture::PictureFormat;
 use rocking_records::{ReadOptions, Record};
@@ -40,19 +41,12 @@ pub struct Options {
     block: BlockOptions,
     #[command(flatten)]
     initial: InitialOptions,
-    /// Relative tolerance of the integration
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", help_heading = "Run")]
-    tolerance: f64,
+    #[command(flatten)]
+    single_run: SingleRunOptions,
     /// Action at complete separation
     #[arg(long, value_parser = choices::on_separation(), default_value = OnSeparation::Terminate.word(),
           help_heading = "Run")]
     on_separation: OnSeparation,
-    /// Duration; by default the run lasts until the ground has come to rest and the block has come down [s]
-    #[arg(long, value_name = "S", help_heading = "Run")]
-    duration: Option<f64>,
-    /// Time between rows of the table; by default the record's time step, or 0.01 [s]
-    #[arg(long, value_name = "S", help_heading = "Run")]
-    step: Option<f64>,
     /// Table of the history; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
@@ -158,27 +152,14 @@ impl Options {
             description = "free motion".into();
         }
         let InitialOptions { theta, theta_dot, v, v_dot } = self.initial;
-        check("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
         check("theta-dot", theta_dot, |_| true, "a finite rate")?;
         check_friction_demand(self.friction_demand)?;
-        check_tolerance(self.tolerance)?;
         let vertical = (v.is_some() || v_dot.is_some()).then_some((v.unwrap_or_default(), v_dot.unwrap_or_default()));
         for value in vertical.iter().flat_map(|(v, v_dot)| [v, v_dot]) {
             check("v and v-dot", *value, |_| true, "finite numbers")?;
         }
-        let output_step = self.step.or(ground.time_step()).unwrap_or(0.01);
-        check("step", output_step, |x| x > 0.0, "a time > 0 s")?;
-        checked("duration", self.duration, |x| x > 0.0, "a time > 0 s")?;
-        let settings = Settings { tolerance: self.tolerance, on_separation: self.on_separation, ..Settings::default() };
         let initial = Initial { theta, theta_dot, vertical };
-        let run = Run { block, settings, initial, pulse, ground, duration: self.duration, output_step };
-        let duration = run.longest_duration();
-        let rows = duration / output_step;
-        anyhow::ensure!(
-            rows < 1e8,
-            "{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8"
-        );
-        Ok((run, description))
+        Ok((self.single_run.run(block, self.on_separation, initial, pulse, ground)?, description))
     }
 
     /// Returns the embedded record, if neither excitation nor initial state is given.
