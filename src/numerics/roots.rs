@@ -178,8 +178,7 @@ pub fn may_fall(start: Sample, end: Sample, rounding: f64, duration: f64) -> boo
     }
 }
 
-/// Returns the greatest of `most` and the values of `function` in `[0, duration]`: at the ends, of which samples are given, or at a maximum
-/// inside.
+/// Returns the greatest of `most` and the values of `function` in `[0, duration]`, from its samples at both ends.
 #[inline]
 pub fn greatest(most: f64, start: Sample, end: Sample, duration: f64, mut function: impl FnMut(f64) -> Sample) -> f64 {
     if may_rise_inside(most, start, end, duration) {
@@ -294,7 +293,7 @@ mod tests {
         assert!(calls <= 56, "{calls} evaluations");
     }
 
-    /// A dip between the ends, of which both are positive: a gap that closes and opens within one step.
+    /// A dip between two positive ends: a gap that closes and opens within one step.
     #[test]
     fn sees_a_dip_between_positive_ends() {
         let dip = |t: f64| Sample { value: (t - 0.43) * (t - 0.47), rate: 2.0 * t - 0.9 };

@@ -123,8 +123,8 @@ fn within_friction<T: Elementary>(friction: T, wanted: T, constant: T, slope: T)
     greatest(least(wanted, bound(1.0)), -bound(-1.0))
 }
 
-/// Velocities after both corners land at once and grip as far as friction allows, so that their vertical rates become
-/// `rates_after` (m/s); the impulses per mass at L and R (m/s) beside them; a landing needs both to be positive or zero.
+/// Impulses per mass at L and R (m/s), and velocities, after both corners land at once and grip as far as friction allows, so that their
+/// vertical rates become `rates_after` (m/s). A landing needs both impulses to be positive or zero.
 pub fn landing_on_both<T: Elementary>(
     block: &Block<T>,
     theta: T,

@@ -60,7 +60,7 @@ pub struct Place<T> {
     pub sin_cos: [T; 2],
     /// θ̇ (rad/s).
     pub theta_dot: T,
-    /// Place of the centre of mass beside that at rest, `[u, v]` (m).
+    /// Displacement of the centre of mass from its position at rest, `[u, v]` (m).
     pub center: [T; 2],
     /// Its velocity relative to the ground (m/s).
     pub velocity: [T; 2],

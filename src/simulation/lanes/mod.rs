@@ -34,7 +34,7 @@ pub struct Lane {
     pub tag: usize,
     simulation: Simulation,
     inputs: Inputs,
-    /// Time to which it is to go (s).
+    /// Time of the next stop (s).
     until: f64,
     /// Time to which the excitation is smooth (s).
     stop: f64,

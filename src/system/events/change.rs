@@ -55,7 +55,7 @@ impl Path {
     }
 }
 
-/// Round-off of a zero beside the largest term that enters: some thousand ulp.
+/// Round-off of a zero relative to its largest term: some thousand ulp.
 pub(crate) const ROUNDING: f64 = 1e-13;
 
 /// The way in which a corner that bears nothing any more leaves.

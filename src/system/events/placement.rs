@@ -5,8 +5,8 @@ use crate::numerics::scalar::Elementary;
 use crate::system::impact::{self, Velocities};
 use crate::system::instant::Instant;
 
-/// Where the block is while its regime is decided. Heights and rates of the corners stand beside those of the centre of
-/// mass, since their exact values (a rate of zero, say) decide.
+/// Position and velocities of the block while its regime is decided. It has those of the corners in addition to those of the centre
+/// of mass, because their exact values, such as a rate of zero, decide.
 #[derive(Clone, Copy)]
 pub struct Placement<T = f64> {
     /// Height (m) and vertical rate (m/s) of each corner.

@@ -1,4 +1,4 @@
-//! Decisions of a lane beside those of a single run.
+//! Decisions of a lane compared with those of a single run.
 
 use proptest::prelude::*;
 
