@@ -20,16 +20,16 @@ use crate::work::wait;
 /// The initial state of a block: a dictionary with these keys.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Beginning {
+pub struct InitialValues {
     theta: f64,
     theta_dot: f64,
     v: Option<f64>,
     v_dot: Option<f64>,
 }
 
-impl Beginning {
+impl InitialValues {
     fn initial(&self) -> PyResult<Initial> {
-        let Beginning { theta, theta_dot, v, v_dot } = *self;
+        let InitialValues { theta, theta_dot, v, v_dot } = *self;
         finite("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
         finite("theta_dot", theta_dot, |_| true, "a finite rate")?;
         for (name, value) in [("v", v), ("v_dot", v_dot)] {
@@ -50,7 +50,7 @@ pub fn history<'py>(
     vertical: Option<&Bound<'py, Record>>,
     scale: f64,
     pulse: Option<PulseOptions>,
-    beginning: Beginning,
+    beginning: InitialValues,
     options: RunOptions,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {

@@ -39,7 +39,7 @@ pub unsafe fn read<'a, T>(name: &str, pointer: *const T, count: size_t) -> Resul
 }
 
 /// The importer's memory for results. It is never read, since it may be uninitialized.
-pub struct Room<'a, T> {
+pub struct OutputArray<'a, T> {
     pointer: *mut T,
     count: usize,
     memory: PhantomData<&'a mut [MaybeUninit<T>]>,
@@ -49,20 +49,20 @@ pub struct Room<'a, T> {
 ///
 /// # Safety
 /// `pointer` is null or points to memory for `count` elements that nothing else uses meanwhile (standard, 2.1.7), except
-/// arrays that are read by [`Room::read_beside`].
-pub unsafe fn room<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<Room<'a, T>, Fault> {
+/// arrays that are read by [`OutputArray::read_input`].
+pub unsafe fn output_array<'a, T>(name: &str, pointer: *mut T, count: size_t) -> Result<OutputArray<'a, T>, Fault> {
     if count > 0 {
         usable(name, pointer, count)?;
     }
-    Ok(Room { pointer, count, memory: PhantomData })
+    Ok(OutputArray { pointer, count, memory: PhantomData })
 }
 
-impl<'a, T> Room<'a, T> {
+impl<'a, T> OutputArray<'a, T> {
     /// Returns an array for reading while this one is written: a copy if the two share memory.
     ///
     /// # Safety
     /// As for [`read`].
-    pub unsafe fn read_beside<U: Copy>(
+    pub unsafe fn read_input<U: Copy>(
         &self,
         name: &str,
         pointer: *const U,
@@ -80,8 +80,8 @@ impl<'a, T> Room<'a, T> {
         if self.count == 0 {
             return &mut [];
         }
-        // SAFETY: not null, aligned and of a possible length (see `room`); by its contract memory for `count` elements
-        // (standard, 2.1.7), whose content is not assumed, and by that of `read_beside` no slice shares it.
+        // SAFETY: not null, aligned and of a possible length (see `output_array`); by its contract memory for `count` elements
+        // (standard, 2.1.7), whose content is not assumed, and by that of `read_input` no slice shares it.
         unsafe { std::slice::from_raw_parts_mut(self.pointer.cast(), self.count) }
     }
 
@@ -93,7 +93,7 @@ impl<'a, T> Room<'a, T> {
     }
 }
 
-impl Room<'_, u8> {
+impl OutputArray<'_, u8> {
     /// Copies bytes to the beginning of the array.
     pub fn copy(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let (found, needed) = (self.count, bytes.len());
@@ -107,13 +107,13 @@ impl Room<'_, u8> {
 /// Returns the place for a single result.
 ///
 /// # Safety
-/// As for [`room()`], with one element.
-pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<Room<'a, T>, Fault> {
+/// As for [`output_array`], with one element.
+pub unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<OutputArray<'a, T>, Fault> {
     if pointer.is_null() {
         return Err(Fault::new(format!("{name} is NULL; expected a place for the result")));
     }
     // SAFETY: by contract.
-    unsafe { room(name, pointer, 1) }
+    unsafe { output_array(name, pointer, 1) }
 }
 
 /// Returns a C string.
@@ -156,18 +156,18 @@ mod tests {
             memory = [1.0, 2.0, 3.0, 4.0, 5.0];
             let start = memory.as_mut_ptr();
             // SAFETY: within the memory.
-            let mut room = unsafe { room("room", start.add(shift), 5 - shift) }.unwrap();
+            let mut output = unsafe { output_array("output", start.add(shift), 5 - shift) }.unwrap();
             // SAFETY: as before.
-            let array = unsafe { room.read_beside("array", start.cast_const(), 5 - shift) }.unwrap();
+            let array = unsafe { output.read_input("array", start.cast_const(), 5 - shift) }.unwrap();
             assert!(matches!(array, Cow::Owned(_)));
-            room.places().iter_mut().zip(array.iter()).for_each(|(place, &value)| _ = place.write(10.0 * value));
+            output.places().iter_mut().zip(array.iter()).for_each(|(place, &value)| _ = place.write(10.0 * value));
             let tenfold: Vec<f64> = (1..=5 - shift).map(|i| 10.0 * i as f64).collect();
             assert_eq!(memory[shift..], tenfold);
         }
         // SAFETY: two parts of the memory that touch and do not overlap.
         let array = unsafe {
-            let room = room("room", start.add(2), 3).unwrap();
-            room.read_beside("array", start.cast_const(), 2).unwrap()
+            let output = output_array("output", start.add(2), 3).unwrap();
+            output.read_input("array", start.cast_const(), 2).unwrap()
         };
         assert!(matches!(array, Cow::Borrowed([..])));
     }

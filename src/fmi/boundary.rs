@@ -13,7 +13,7 @@
 //! - **Calls within a call.** The logger, or another thread, may call functions of an instance that is in use. Such a call
 //!   returns the error status without a message and changes nothing; freeing does nothing. Only the intermediate updates of
 //!   FMI 3.0 admit calls; see [`call_in_pieces`].
-//! - **Uninitialized memory.** Results go into [`Room`]s, which are never read.
+//! - **Uninitialized memory.** Results go into [`OutputArray`]s, which are never read.
 //! - **Overlapping arrays,** such as a direction and its sensitivities in one array: inputs are read before results are
 //!   written.
 //! - **Panics** are caught, and the instance refuses every later call.
@@ -28,7 +28,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use crate::fmi::arrays::{Room, place};
+use crate::fmi::arrays::{OutputArray, place};
 use crate::fmi::instance::{Answer, Instance};
 use crate::fmi::{Call, Status, Version};
 use crate::unit::fault::Fault;
@@ -286,7 +286,7 @@ pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
 }
 
 /// Writes the pointer of a deserialized state to the importer's place.
-pub fn give_state(place: Room<*mut c_void>, unit: Unit) -> Answer {
+pub fn give_state(place: OutputArray<*mut c_void>, unit: Unit) -> Answer {
     place.put(Box::into_raw(Box::new(unit)).cast());
     Ok(Status::Ok)
 }

@@ -235,9 +235,9 @@ impl Simulation {
         if now.time <= after {
             return false;
         }
-        let Transition { pose, happened, .. } = self.system.transition(&self.pose, now, surface);
+        let Transition { pose, event, .. } = self.system.transition(&self.pose, now, surface);
         let separates = pose.contacts.regime() == Regime::Separated && !self.system.flies;
-        let ends = match happened {
+        let ends = match event {
             None => return false,
             Some(EventKind::Overturning) => self.settings.on_overturning == OnOverturning::Terminate,
             Some(_) => separates && self.settings.on_separation == OnSeparation::Terminate,
@@ -362,7 +362,7 @@ impl Simulation {
         if self.events_in_this_instant > MOST_EVENTS_IN_AN_INSTANT {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
-        let Transition { pose, happened, counts, path } = self.system.transition(&self.pose, now, surface);
+        let Transition { pose, event, counts, path } = self.system.transition(&self.pose, now, surface);
         if path.overflows() {
             return Err(SimulationError::NoRegime { time, count: self.events_in_this_instant });
         }
@@ -375,11 +375,11 @@ impl Simulation {
         self.sums.constraint += constraint;
         let after = self.now(now.block, now.excitation);
         let lost = now.energy() - after.energy();
-        match happened.and_then(EventKind::tie) {
+        match event.and_then(EventKind::tie) {
             Some(_) => self.sums.ties += lost,
             None => self.sums.impacts += lost,
         }
-        let Some(kind) = happened else { return Ok(after) };
+        let Some(kind) = event else { return Ok(after) };
         if kind == EventKind::Overturning {
             self.ending = Some((Ending::Overturned, time));
         }

@@ -4,7 +4,7 @@ use crate::beyond_cases::{Case, Change, cases};
 use crate::common::{Record, inputs_at, record_named};
 use crate::functions::*;
 use crate::host::{Instance, call};
-use crate::logging::Told;
+use crate::logging::LoggedEvent;
 use crate::skipped::skip;
 
 /// Differences of θ from the trajectory, as a part of α, and of event times (s).
@@ -49,7 +49,8 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
             }
         }
     }
-    let told: Vec<Told> = instance.messages().into_iter().map(|message| Told::read(&message.text)).collect();
+    let told: Vec<LoggedEvent> =
+        instance.messages().into_iter().map(|message| LoggedEvent::read(&message.text)).collect();
     let expected = case.lasting_events();
     if told.len() != expected.len() {
         wrong.push(format!("{name}: {} events, not {}", told.len(), expected.len()));

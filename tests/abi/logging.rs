@@ -7,16 +7,16 @@ use crate::host::{FMU, Instance, Message, call};
 
 /// An event, parsed from its line.
 #[derive(Debug, PartialEq)]
-pub struct Told {
+pub struct LoggedEvent {
     pub time: f64,
     pub what: String,
     pub before: i32,
     pub after: i32,
 }
 
-impl Told {
+impl LoggedEvent {
     /// Reads `t = 1.234567890 s: lift-off of L, full contact -> tilting right`.
-    pub fn read(line: &str) -> Told {
+    pub fn read(line: &str) -> LoggedEvent {
         let read = || {
             let (time, rest) = line.strip_prefix("t = ")?.split_once(" s: ")?;
             let (what, regimes) = rest.split_once(", ")?;
@@ -25,7 +25,12 @@ impl Told {
                 let names = ["tilting left", "full contact", "tilting right", "separated"];
                 names.iter().position(|name| *name == regime).map(|place| place as i32 - 1)
             };
-            Some(Told { time: time.parse().ok()?, what: what.into(), before: number(before)?, after: number(after)? })
+            Some(LoggedEvent {
+                time: time.parse().ok()?,
+                what: what.into(),
+                before: number(before)?,
+                after: number(after)?,
+            })
         };
         read().unwrap_or_else(|| panic!("{line:?} tells no event"))
     }
@@ -66,7 +71,7 @@ fn events_are_one_line_each_with_time_and_regimes() {
     let messages = rock(&instance);
     assert!(messages.iter().all(|m| m.status == OK && m.category == "logEvents" && m.format == "%s"));
     assert!(messages.iter().all(|m| m.instance == "block" && !m.text.contains('\n')));
-    let events: Vec<Told> = messages.iter().map(|message| Told::read(&message.text)).collect();
+    let events: Vec<LoggedEvent> = messages.iter().map(|message| LoggedEvent::read(&message.text)).collect();
     assert!(events.len() > 5);
     assert!(events.is_sorted_by(|a, b| a.time <= b.time), "{events:?}");
     assert!(events.windows(2).all(|pair| pair[0].after == pair[1].before), "each goes on from where the last led");

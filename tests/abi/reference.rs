@@ -3,10 +3,10 @@
 use rocking_block::block::Foundation;
 
 use crate::common::{Case, cases, inputs_at, record_step};
-use crate::compare::{Comparison, Happened, Seen, Tolerance};
+use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance};
 use crate::functions::*;
 use crate::host::{Instance, call};
-use crate::logging::Told;
+use crate::logging::LoggedEvent;
 use crate::skipped::skip;
 
 /// Returns |a − b|/|b|.
@@ -87,25 +87,25 @@ fn run(case: &Case, tolerance: Tolerance) -> Result<Vec<String>, String> {
         (OK, false, false) => "completed",
         (DISCARD, true, false) => "separated",
         (DISCARD, false, true) => "overturned",
-        _ => "in no way that there is",
+        _ => "in an unknown way",
     };
     compared.end(end, instance.real_status(LAST_SUCCESSFUL_TIME).unwrap());
-    let told = instance.messages().into_iter().map(|message| Told::read(&message.text));
-    let happened = told.map(|Told { time, what, before, after }| Happened {
+    let logged = instance.messages().into_iter().map(|message| LoggedEvent::read(&message.text));
+    let events = logged.map(|LoggedEvent { time, what, before, after }| RecordedEvent {
         time,
         before,
         after,
         overturns: what == "overturning",
     });
-    compared.events(&happened.collect::<Vec<_>>());
+    compared.events(&events.collect::<Vec<_>>());
     if case.block().foundation == Foundation::Rigid && instance.get("derived.e") != instance.get("derived.e_max") {
         compared.complain("Housner's block has the restitution of epsilon = 0");
     }
     Ok(compared.judge(tolerance))
 }
 
-fn seen(instance: &Instance) -> Seen {
-    Seen {
+fn seen(instance: &Instance) -> RecordedRow {
+    RecordedRow {
         theta: instance.get("theta"),
         theta_dot: instance.get("theta_dot"),
         v: instance.get("v"),

@@ -76,7 +76,7 @@ pub enum Tolerance {
 }
 
 /// Outputs at one time, in SI units.
-pub struct Seen {
+pub struct RecordedRow {
     pub theta: f64,
     pub theta_dot: f64,
     pub v: f64,
@@ -90,7 +90,7 @@ pub struct Seen {
 
 /// An event of a run: time (s), regimes before and after, and whether the block overturned.
 #[derive(Clone, Debug)]
-pub struct Happened {
+pub struct RecordedEvent {
     pub time: f64,
     pub before: i32,
     pub after: i32,
@@ -121,7 +121,7 @@ impl Comparison<'_> {
     }
 
     /// Compares a row. No row is at the instant of an event, which would have two sides.
-    pub fn row(&mut self, row: &Row, seen: &Seen) {
+    pub fn row(&mut self, row: &Row, seen: &RecordedRow) {
         let Block { alpha, p, r0, mass, gravity, foundation, .. } = self.block;
         let weight = mass * gravity;
         let velocity = alpha * p;
@@ -148,10 +148,10 @@ impl Comparison<'_> {
     }
 
     /// Compares all events.
-    pub fn events(&mut self, found: &[Happened]) {
+    pub fn events(&mut self, found: &[RecordedEvent]) {
         for (i, (time, before, after)) in self.case.events.iter().enumerate() {
             let overturns = after.as_str() == Some("overturned");
-            let same = |event: &Happened| {
+            let same = |event: &RecordedEvent| {
                 event.before == *before
                     && event.overturns == overturns
                     && (overturns || after.as_i64() == Some(event.after.into()))

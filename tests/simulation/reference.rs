@@ -5,7 +5,7 @@ use rocking_block::simulation::{Ending, Progress, Settings, Simulation};
 use rocking_block::system::events::{Event, EventKind};
 
 use crate::common::{Case, cases, inputs_at, record_step};
-use crate::compare::{Comparison, Happened, Seen, Tolerance};
+use crate::compare::{Comparison, RecordedEvent, RecordedRow, Tolerance};
 use crate::skipped::skip;
 
 /// Compares a run with its trajectory, or returns the name of a missing record.
@@ -32,7 +32,7 @@ fn run(case: &Case, tolerance: Tolerance) -> Result<Vec<String>, String> {
         let until = (sample as f64 * step).min(case.t_end);
         let progress = simulation
             .advance(until, &inputs, &mut |event| {
-                events.push(Happened {
+                events.push(RecordedEvent {
                     time: event.time,
                     before: event.before.number(),
                     after: event.after.number(),
@@ -82,9 +82,9 @@ fn impacts_and_liftoffs(case: &Case) -> [u32; 2] {
     counts
 }
 
-fn seen(simulation: &Simulation, inputs: &Inputs) -> Seen {
+fn seen(simulation: &Simulation, inputs: &Inputs) -> RecordedRow {
     let (x, energies) = (simulation.observe(inputs), simulation.energies());
-    Seen {
+    RecordedRow {
         theta: x.theta,
         theta_dot: x.theta_dot,
         v: x.v,

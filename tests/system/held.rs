@@ -179,14 +179,14 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
             let state = [theta, theta_dot, 0.0, 0.5 * (left + right)];
             let x = instant(&block, Regime::FullContact, state, pose.footing, now.forcing);
             let lifts = x.corner_ddot[Corner::Left.index()] > 0.0;
-            let Transition { pose: after, happened, counts, .. } =
+            let Transition { pose: after, event, counts, .. } =
                 system.transition(&pose, &now, Surface::Gap(Corner::Left));
             assert_eq!(
                 after.contacts.regime(),
                 if lifts { Regime::TiltingRight } else { Regime::FullContact },
                 "{x:?}"
             );
-            assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+            assert_eq!(event, Some(EventKind::Landing(Corner::Left)));
             assert_eq!([counts.impacts, counts.liftoffs], [1, u32::from(lifts)]);
             became[usize::from(lifts)] += 1;
         }

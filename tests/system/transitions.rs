@@ -56,9 +56,9 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
             footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
             ties: NO_TIES,
         };
-        let Transition { pose: after, happened, counts, .. } =
+        let Transition { pose: after, event, counts, .. } =
             transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
-        assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+        assert_eq!(event, Some(EventKind::Landing(Corner::Left)));
         assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 0));
         let [_, _, height, found] = after.state.0;
         assert_eq!(height, top.value);
@@ -106,9 +106,9 @@ fn a_corner_that_slid_until_the_other_one_landed_has_lifted() {
             footing: Footing::Free { u: 0.0, u_dot: -0.4 * block.h },
             ties: NO_TIES,
         };
-        let Transition { pose: after, happened, counts, .. } =
+        let Transition { pose: after, event, counts, .. } =
             transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
-        assert_eq!(happened, Some(EventKind::Landing(Corner::Left)));
+        assert_eq!(event, Some(EventKind::Landing(Corner::Left)));
         assert!(!after.contacts.touches(Corner::Right), "{after:?}");
         assert_eq!(after.contacts.touches(Corner::Left), lifts == 1, "{after:?}");
         assert_eq!([counts.impacts, counts.liftoffs], [1, lifts]);

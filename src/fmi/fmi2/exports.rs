@@ -13,7 +13,7 @@
 
 use std::ffi::c_char;
 
-use crate::fmi::arrays::{place, read, room, texts};
+use crate::fmi::arrays::{output_array, place, read, texts};
 use crate::fmi::fmi2::boundary::{self, call, is_true};
 use crate::fmi::fmi2::calls::Call;
 use crate::fmi::fmi2::instance::{Instance, write};
@@ -93,26 +93,26 @@ functions! {
     fmi2Reset Reset() = Instance::reset;
     /// Reads Real variables.
     fmi2GetReal GetReal(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Real) = |instance| {
-        let mut values = room("value", values, count)?;
-        let references = values.read_beside("vr", references, count)?;
+        let mut values = output_array("value", values, count)?;
+        let references = values.read_input("vr", references, count)?;
         instance.get(Kind::Real, &references, values.places(), |value| value)
     };
     /// Reads Integer variables and enumerations.
     fmi2GetInteger GetInteger(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Integer) = |instance| {
-        let mut values = room("value", values, count)?;
-        let references = values.read_beside("vr", references, count)?;
+        let mut values = output_array("value", values, count)?;
+        let references = values.read_input("vr", references, count)?;
         instance.get(Kind::Integer, &references, values.places(), |value| value as fmi2Integer)
     };
     /// Reads Boolean variables.
     fmi2GetBoolean GetBoolean(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2Boolean) = |instance| {
-        let mut values = room("value", values, count)?;
-        let references = values.read_beside("vr", references, count)?;
+        let mut values = output_array("value", values, count)?;
+        let references = values.read_input("vr", references, count)?;
         instance.get(Kind::Boolean, &references, values.places(), |value| fmi2Boolean::from(value != 0.0))
     };
     /// Reads String variables. The results are valid until the next call.
     fmi2GetString GetString(references: *const fmi2ValueReference, count: size_t, values: *mut fmi2String) = |instance| {
-        let mut values = room("value", values, count)?;
-        let references = values.read_beside("vr", references, count)?;
+        let mut values = output_array("value", values, count)?;
+        let references = values.read_input("vr", references, count)?;
         let texts = instance.get_texts(&references)?;
         write(texts.iter().map(|text| Ok(text.as_ptr())), values.places())
     };
@@ -149,8 +149,8 @@ functions! {
     };
     /// Writes a saved state as bytes.
     fmi2SerializeFMUstate SerializeFmuState(state: fmi2FMUstate, bytes: *mut fmi2Byte, size: size_t) = |_| {
-        let mut room = room::<u8>("serializedState", bytes.cast(), size)?;
-        room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+        let mut output = output_array::<u8>("serializedState", bytes.cast(), size)?;
+        output.copy(&snapshot::serialize(boundary::state(state)?)?)?;
         Ok(Status::Ok)
     };
     /// Makes a saved state from bytes.
@@ -163,10 +163,10 @@ functions! {
     fmi2GetDirectionalDerivative GetDirectionalDerivative(
         unknowns: *const fmi2ValueReference, unknown_count: size_t, knowns: *const fmi2ValueReference, known_count: size_t, direction: *const fmi2Real, sensitivity: *mut fmi2Real
     ) = |instance| {
-        let mut sensitivities = room("dvUnknown", sensitivity, unknown_count)?;
-        let unknowns = sensitivities.read_beside("vUnknown_ref", unknowns, unknown_count)?;
-        let knowns = sensitivities.read_beside("vKnown_ref", knowns, known_count)?;
-        let direction = sensitivities.read_beside("dvKnown", direction, known_count)?;
+        let mut sensitivities = output_array("dvUnknown", sensitivity, unknown_count)?;
+        let unknowns = sensitivities.read_input("vUnknown_ref", unknowns, unknown_count)?;
+        let knowns = sensitivities.read_input("vKnown_ref", knowns, known_count)?;
+        let direction = sensitivities.read_input("dvKnown", direction, known_count)?;
         instance.directional_derivative(&unknowns, &knowns, &direction, 0.0, sensitivities.places())
     };
     /// Sets the time derivatives of inputs over the next step.
@@ -180,9 +180,9 @@ functions! {
     fmi2GetRealOutputDerivatives GetRealOutputDerivatives(
         references: *const fmi2ValueReference, count: size_t, orders: *const fmi2Integer, values: *mut fmi2Real
     ) = |instance| {
-        let mut values = room("value", values, count)?;
-        let references = values.read_beside("vr", references, count)?;
-        let orders = values.read_beside("order", orders, count)?;
+        let mut values = output_array("value", values, count)?;
+        let references = values.read_input("vr", references, count)?;
+        let orders = values.read_input("order", orders, count)?;
         instance.output_derivatives(&references, &orders, values.places())
     };
     /// Does a communication step.
@@ -268,14 +268,14 @@ functions! {
     ) = |instance| instance.set_continuous_states(read("x", states, count)?);
     /// Model Exchange: returns the derivatives of the continuous states.
     fmi2GetDerivatives GetDerivatives(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::derivatives, room("derivatives", values, count)?.places());
+        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.places());
     /// Model Exchange: returns the event indicators.
     fmi2GetEventIndicators GetEventIndicators(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::indicators, room("eventIndicators", values, count)?.places());
+        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.places());
     /// Model Exchange: returns the continuous states.
     fmi2GetContinuousStates GetContinuousStates(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::states, room("x", values, count)?.places());
+        |instance| instance.get_all(Unit::states, output_array("x", values, count)?.places());
     /// Model Exchange: returns the nominal values of the continuous states.
     fmi2GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi2Real, count: size_t) =
-        |instance| instance.get_all(Unit::nominals, room("x_nominal", values, count)?.places());
+        |instance| instance.get_all(Unit::nominals, output_array("x_nominal", values, count)?.places());
 }

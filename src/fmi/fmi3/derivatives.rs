@@ -35,7 +35,7 @@ impl Instance {
             rest = others;
             add(&mut direction, *known, 0, components)?;
         }
-        write(self.unit.derivative_at_beginning(unknowns, &direction)?, sensitivities)
+        write(self.unit.initial_directional_derivative(unknowns, &direction)?, sensitivities)
     }
 
     /// `fmi3GetAdjointDerivative`: the derivatives of the weighted sum of the unknowns with respect to each known.
@@ -73,7 +73,7 @@ impl Instance {
             for (i, place) in (0..self.size(known)).zip(&mut places) {
                 let mut direction = Direction::default();
                 add(&mut direction, *known, i, &[1.0])?;
-                place.write(weighted(&mut self.unit.derivative_at_beginning(unknowns, &direction)?)?);
+                place.write(weighted(&mut self.unit.initial_directional_derivative(unknowns, &direction)?)?);
             }
         }
         Ok(Status::Ok)

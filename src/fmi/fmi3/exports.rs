@@ -12,7 +12,7 @@
 
 use std::ffi::c_char;
 
-use crate::fmi::arrays::{place, read, room, texts};
+use crate::fmi::arrays::{output_array, place, read, texts};
 use crate::fmi::fmi3::boundary::{self, Request, Stepping, call};
 use crate::fmi::fmi3::callbacks::is_true;
 use crate::fmi::fmi3::calls::Call;
@@ -172,8 +172,8 @@ macro_rules! getters {
         $name $call(
             references: *const fmi3ValueReference, count: size_t, values: *mut $type, value_count: size_t
         ) = |instance| {
-            let mut values = room("values", values, value_count)?;
-            let references = values.read_beside("valueReferences", references, count)?;
+            let mut values = output_array("values", values, value_count)?;
+            let references = values.read_input("valueReferences", references, count)?;
             let get: fn(&mut Instance, &[u32], &mut [std::mem::MaybeUninit<$type>]) -> _ = $get;
             get(instance, &references, values.places())
         };
@@ -290,8 +290,8 @@ functions! {
     };
     /// Writes a saved state as bytes.
     fmi3SerializeFMUState SerializeFmuState(state: fmi3FMUState, bytes: *mut fmi3Byte, size: size_t) = |_| {
-        let mut room = room("serializedState", bytes, size)?;
-        room.copy(&snapshot::serialize(boundary::state(state)?)?)?;
+        let mut output = output_array("serializedState", bytes, size)?;
+        output.copy(&snapshot::serialize(boundary::state(state)?)?)?;
         Ok(Status::Ok)
     };
     /// Makes a saved state from bytes.
@@ -310,10 +310,10 @@ macro_rules! derivatives {
             seed: *const fmi3Float64, seed_count: size_t, sensitivity: *mut fmi3Float64, sensitivity_count: size_t
         ) = |instance| {
             // The sensitivities may share memory with the others (standard, 2.2.11).
-            let mut sensitivities = room("sensitivity", sensitivity, sensitivity_count)?;
-            let unknowns = sensitivities.read_beside("unknowns", unknowns, unknown_count)?;
-            let knowns = sensitivities.read_beside("knowns", knowns, known_count)?;
-            let seed = sensitivities.read_beside("seed", seed, seed_count)?;
+            let mut sensitivities = output_array("sensitivity", sensitivity, sensitivity_count)?;
+            let unknowns = sensitivities.read_input("unknowns", unknowns, unknown_count)?;
+            let knowns = sensitivities.read_input("knowns", knowns, known_count)?;
+            let seed = sensitivities.read_input("seed", seed, seed_count)?;
             $get(instance, &unknowns, &knowns, &seed, sensitivities.places())
         };
     )*}};
@@ -331,9 +331,9 @@ functions! {
     fmi3GetOutputDerivatives GetOutputDerivatives(
         references: *const fmi3ValueReference, count: size_t, orders: *const fmi3Int32, values: *mut fmi3Float64, value_count: size_t
     ) = |instance| {
-        let mut values = room("values", values, value_count)?;
-        let references = values.read_beside("valueReferences", references, count)?;
-        let orders = values.read_beside("orders", orders, count)?;
+        let mut values = output_array("values", values, value_count)?;
+        let references = values.read_input("valueReferences", references, count)?;
+        let orders = values.read_input("orders", orders, count)?;
         instance.derivatives(&references, &orders, values.places())
     };
     /// Applies the event.
@@ -415,16 +415,16 @@ functions! {
     };
     /// Model Exchange: returns the derivatives of the continuous states.
     fmi3GetContinuousStateDerivatives GetContinuousStateDerivatives(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::derivatives, room("derivatives", values, count)?.places());
+        |instance| instance.get_all(Unit::derivatives, output_array("derivatives", values, count)?.places());
     /// Model Exchange: returns the event indicators.
     fmi3GetEventIndicators GetEventIndicators(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::indicators, room("eventIndicators", values, count)?.places());
+        |instance| instance.get_all(Unit::indicators, output_array("eventIndicators", values, count)?.places());
     /// Model Exchange: returns the continuous states.
     fmi3GetContinuousStates GetContinuousStates(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::states, room("continuousStates", values, count)?.places());
+        |instance| instance.get_all(Unit::states, output_array("continuousStates", values, count)?.places());
     /// Model Exchange: returns the nominal values of the continuous states.
     fmi3GetNominalsOfContinuousStates GetNominalsOfContinuousStates(values: *mut fmi3Float64, count: size_t) =
-        |instance| instance.get_all(Unit::nominals, room("nominals", values, count)?.places());
+        |instance| instance.get_all(Unit::nominals, output_array("nominals", values, count)?.places());
     /// Model Exchange: returns the number of event indicators.
     fmi3GetNumberOfEventIndicators GetNumberOfEventIndicators(count: *mut size_t) = |_| {
         place("nEventIndicators", count)?.put(INDICATORS);

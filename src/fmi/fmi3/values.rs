@@ -69,7 +69,7 @@ fn check_sizes(references: &[u32]) -> Result<(), Fault> {
     wrong.map_or(Ok(()), |&reference| Err(mismatch(reference, "UInt64")))
 }
 
-/// Refuses arrays of values that do not hold as many as the variables have.
+/// Refuses arrays whose length differs from the number of values of the variables.
 pub(super) fn fits(expected: usize, found: usize) -> Result<(), Fault> {
     if expected == found {
         return Ok(());

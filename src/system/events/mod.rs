@@ -14,7 +14,7 @@
 //! | [`quarter_turn`] | the rest of the quarter turn → the run ends |
 //!
 //! [`watched`] is the table of the functions that are watched in each regime; the driver, Model Exchange's indicators and the
-//! lanes use it. After each event `settle` decides the regime anew, in a `change` of the pose.
+//! lanes use it. After each event `settle` decides the regime again, in a `change` of the pose.
 
 pub(in crate::system) mod change;
 mod event;
@@ -225,7 +225,7 @@ pub struct Transition<T = f64> {
     /// The pose right after.
     pub pose: Pose<T>,
     /// The event as it is reported; none where a corner is held from here on, or bears again.
-    pub happened: Option<EventKind>,
+    pub event: Option<EventKind>,
     /// Its share of the counters and sums of a run.
     pub counts: TransitionCounts,
     /// The regimes that the block passed through.
@@ -239,7 +239,7 @@ where
     /// The change of a pose at `now`, when the motion has fallen through a surface.
     pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, surface: Surface) -> Transition<T> {
         let mut change = Change::begin(self, pose, now.excitation);
-        let happened = match surface {
+        let event = match surface {
             Surface::Reaction(corner) | Surface::Held(corner) => {
                 match change.lift_off(corner, matches!(surface, Surface::Held(_)), now) {
                     Leaving::Lifts => Some(EventKind::LiftOff(corner)),
@@ -297,7 +297,7 @@ where
             Surface::QuarterTurn => Some(EventKind::Overturning),
         };
         let Change { pose, counts, path, .. } = change;
-        Transition { pose, happened, counts, path }
+        Transition { pose, event, counts, path }
     }
 
     /// The surface below which the motion is at `now`, since the excitation has jumped: a reaction on the rigid base, or the

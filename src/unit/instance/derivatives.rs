@@ -99,12 +99,12 @@ fn finite(name: &str, component: f64) -> Result<f64, Fault> {
 #[expect(clippy::large_enum_variant, reason = "between steps nothing is allocated")]
 enum Derivatives {
     /// Derivatives of outputs, at the present time.
-    Now(Observation<f64>, Energies, Slip),
+    Present(Observation<f64>, Energies, Slip),
     /// Derivatives of outputs and calculated parameters, in Initialization Mode.
-    Initial(Box<Beginning>),
+    Initial(Box<InitialSensitivities>),
 }
 
-struct Beginning {
+struct InitialSensitivities {
     along: InitialDerivatives,
     block: Block<Dual64>,
     /// Component of the start time.
@@ -116,7 +116,7 @@ struct Beginning {
 impl Derivatives {
     fn of(&self, reference: u32) -> Result<f64, Fault> {
         match self {
-            Derivatives::Now(observed, energies, slip) => {
+            Derivatives::Present(observed, energies, slip) => {
                 Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies, slip))
             }
             Derivatives::Initial(beginning) => match unknown(reference)? {
@@ -164,24 +164,24 @@ impl Unit {
         let derivatives = if self.phase == Phase::InitializationMode {
             let mut along = Direction { time, ..Direction::default() };
             knowns.iter().zip(direction).try_for_each(|(&reference, &component)| along.add(reference, component))?;
-            self.derivatives_initial_derivative(unknowns, &along)?
+            self.initial_derivatives(unknowns, &along)?
         } else {
-            self.derivatives_now(unknowns, knowns, direction, time)?
+            self.present_derivatives(unknowns, knowns, direction, time)?
         };
         Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
     }
 
     /// Returns exact derivatives in Initialization Mode, in a direction that may have components of FMI 3.0 only.
-    pub fn derivative_at_beginning<'a>(
+    pub fn initial_directional_derivative<'a>(
         &mut self,
         unknowns: &'a [u32],
         direction: &Direction,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
-        let derivatives = self.derivatives_initial_derivative(unknowns, direction)?;
+        let derivatives = self.initial_derivatives(unknowns, direction)?;
         Ok(unknowns.iter().map(move |&reference| derivatives.of(reference)))
     }
 
-    fn derivatives_now(
+    fn present_derivatives(
         &mut self,
         unknowns: &[u32],
         knowns: &[u32],
@@ -211,14 +211,10 @@ impl Unit {
         if let Some([theta, theta_dot, v, v_dot, u, u_dot, ..]) = states {
             observed = Observation { theta, theta_dot, v, v_dot, u, u_dot, ..observed };
         }
-        Ok(Derivatives::Now(observed, energies, slip))
+        Ok(Derivatives::Present(observed, energies, slip))
     }
 
-    fn derivatives_initial_derivative(
-        &mut self,
-        unknowns: &[u32],
-        direction: &Direction,
-    ) -> Result<Derivatives, Fault> {
+    fn initial_derivatives(&mut self, unknowns: &[u32], direction: &Direction) -> Result<Derivatives, Fault> {
         let mut of_ground = false;
         for &reference in unknowns {
             of_ground |= matches!(unknown(reference)?, Unknown::Derived(DerivedSource::Ground(_)));
@@ -267,7 +263,7 @@ impl Unit {
         } else {
             [0.0; 3]
         };
-        Ok(Derivatives::Initial(Box::new(Beginning { along, block, time: direction.time, ground })))
+        Ok(Derivatives::Initial(Box::new(InitialSensitivities { along, block, time: direction.time, ground })))
     }
 
     /// Returns the records without scale if the scale is zero and the direction contains it.

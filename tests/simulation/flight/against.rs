@@ -10,7 +10,7 @@ use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::Initial;
 use rocking_block::system::events::{Event, EventKind};
 
-use super::independent::{Happened, Rule, Run, What};
+use super::independent::{IndependentEvent, Kind, Rule, Run};
 use super::{blocks, go, one_sine, start};
 use crate::cases::cases;
 
@@ -125,16 +125,16 @@ impl Flight {
     }
 }
 
-fn same(event: &Event, other: &Happened) -> bool {
-    let what = match event.kind {
-        EventKind::LiftOff(corner) => What::LiftOff(corner.index()),
-        EventKind::Landing(corner) => What::Landing(corner.index()),
-        EventKind::Slip => What::Slip,
-        EventKind::Grip => What::Grip,
+fn same(event: &Event, other: &IndependentEvent) -> bool {
+    let kind = match event.kind {
+        EventKind::LiftOff(corner) => Kind::LiftOff(corner.index()),
+        EventKind::Landing(corner) => Kind::Landing(corner.index()),
+        EventKind::Slip => Kind::Slip,
+        EventKind::Grip => Kind::Grip,
         EventKind::Overturning | EventKind::Taut(_) | EventKind::Slack(_) | EventKind::Break(_) => return false,
     };
     let touching = |regime: Regime| Corner::BOTH.map(|corner| regime.touches(corner));
-    (what, [touching(event.before), touching(event.after)]) == (other.what, [other.before, other.after])
+    (kind, [touching(event.before), touching(event.after)]) == (other.kind, [other.before, other.after])
 }
 
 fn block([alpha, p, eta, xi_v, epsilon, gamma]: [f64; 6]) -> Block {

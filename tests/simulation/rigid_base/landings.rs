@@ -218,7 +218,7 @@ fn a_sliding_corner_grips_if_the_grip_presses_it_down() {
         let before = at(&pose);
         let transition = system.transition(&pose, &before, Surface::Slide);
         let after = at(&transition.pose);
-        assert_eq!((transition.happened, after.regime), (Some(EventKind::Grip), Regime::on(corner)));
+        assert_eq!((transition.event, after.regime), (Some(EventKind::Grip), Regime::on(corner)));
         // The impulse acts at the corner, r0 cos φ below the centre of mass.
         let height = block.r0 * (block.alpha - 0.1).cos();
         let x = &before.instant;

@@ -20,7 +20,7 @@ type Forces = SVector<f64, 4>;
 
 /// Kind of an event, in the words of the solver's log.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum What {
+pub enum Kind {
     LiftOff(usize),
     Landing(usize),
     Slip,
@@ -61,9 +61,9 @@ impl Rule {
 
 /// An event: its time (s), its kind, and the touching corners before and after.
 #[derive(Clone, Copy, Debug)]
-pub struct Happened {
+pub struct IndependentEvent {
     pub time: f64,
-    pub what: What,
+    pub kind: Kind,
     pub before: [bool; 2],
     pub after: [bool; 2],
 }
@@ -79,7 +79,7 @@ pub struct Run<'a> {
     /// flight and in a slide.
     foot: Option<f64>,
     held: Option<usize>,
-    pub events: Vec<Happened>,
+    pub events: Vec<IndependentEvent>,
     /// The rules applied so far.
     pub used: BTreeSet<Rule>,
     /// Numbers of landings and lift-offs of corners.

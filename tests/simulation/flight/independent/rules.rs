@@ -2,7 +2,7 @@
 
 use rocking_block::block::Block;
 
-use super::{BOTH, Happened, Rule, Run, State, What};
+use super::{BOTH, IndependentEvent, Kind, Rule, Run, State};
 
 /// A function that is positive until an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +133,7 @@ impl Run<'_> {
     fn apply(&mut self, watched: Watched) {
         let before = self.touching;
         let mut exact = [None; 2];
-        let what = match watched {
+        let kind = match watched {
             Watched::Reaction(i) | Watched::Held(i) => {
                 let rate = match watched {
                     Watched::Held(_) => self.top_rate(&self.state, i),
@@ -143,17 +143,17 @@ impl Run<'_> {
                 if opens {
                     self.held = None;
                     self.lift(i);
-                    What::LiftOff(i)
+                    Kind::LiftOff(i)
                 } else if before == [true; 2] {
                     // It bears no load, and stays on its support.
                     self.held = matches!(watched, Watched::Reaction(_)).then_some(i);
                     if self.held.is_some() {
                         return;
                     }
-                    What::LiftOff(i)
+                    Kind::LiftOff(i)
                 } else {
                     self.foot = None;
-                    self.events.push(Happened { time: self.time, what: What::Slip, before, after: before });
+                    self.events.push(IndependentEvent { time: self.time, kind: Kind::Slip, before, after: before });
                     self.used.insert(Rule::Slip);
                     return;
                 }
@@ -164,16 +164,16 @@ impl Run<'_> {
             }
             Watched::Gap(i) => {
                 self.land(i, &mut exact);
-                What::Landing(i)
+                Kind::Landing(i)
             }
             Watched::Slide => {
                 self.used.insert(Rule::Grip);
                 self.grip();
-                What::Grip
+                Kind::Grip
             }
         };
         self.settle(BOTH.map(|i| self.touching[i] && !before[i]), exact);
-        self.events.push(Happened { time: self.time, what, before, after: self.touching });
+        self.events.push(IndependentEvent { time: self.time, kind, before, after: self.touching });
     }
 
     fn lift(&mut self, i: usize) {
