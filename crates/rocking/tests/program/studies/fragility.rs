@@ -251,7 +251,7 @@ fn the_program_finds_the_true_curve_and_counts_omitted_rows() {
     assert!(number(&pgv["AUC"]) > 0.8 && (0.4..0.65).contains(&number(&period["AUC"])));
     assert!(number(&pgv["Brier"]) < number(&period["Brier"]));
     assert!(number(&pgv["sufficiency"]["p"]) > 0.01);
-    assert_eq!(number(&json["rows"]["told"]), 380.0);
+    assert_eq!(number(&json["rows"]["decided"]), 380.0);
     let some = stdout(folder.path(), &["fragility", "t.csv", "--im", "PGV", "--where", "p=1", "--json"]);
     assert!(some.contains("\"all\":200,"), "{some}");
     // Records are independent here, so a bootstrap of records gives intervals of similar width.
