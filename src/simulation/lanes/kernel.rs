@@ -137,7 +137,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         (near * *horizontal).less(shear).or((near * *friction_demand * mass * (left + right)).less(shear))
     }
 
-    /// A surface of [`Law::surfaces`] at an instant.
+    /// A surface of [`watched`] at an instant.
     #[inline(always)]
     fn sample(&self, surface: Surface, now: &Evaluation<Wide<V>>) -> Sample<Wide<V>> {
         let x = &now.instant;
