@@ -113,7 +113,7 @@ fn panel<'a>(history: &History, height: u32, mut chart: Chart<'a>, series: &[Ser
         .filter(|(name, ..)| !name.is_empty())
         .map(|&(name, style, _)| (Symbol::Curve(style), name.into()))
         .collect();
-    let curve = |&(_, style, value): &Series| Curve::new(style, vec![thinned(&history.rows, value)]);
+    let curve = |&(_, style, value): &Series| Curve::new(style, vec![thinned(&history.rows, |row| row.time, value)]);
     chart.curves = series.iter().map(curve).collect();
     if chart.y.1.is_empty() {
         chart.y.1 = range(chart.curves.iter().flat_map(|curve| &curve.segments[0]).map(|point| point.1));
@@ -186,21 +186,19 @@ fn regimes<'a>(history: &History, x: (&'a str, Range<f64>)) -> Chart<'a> {
 /// Thins a series without losing a peak.
 ///
 /// Each of at most 1500 stretches of time keeps its first, least, greatest and last point.
-fn thinned(rows: &[Row], value: impl Fn(&Row) -> f64) -> Vec<(f64, f64)> {
+pub fn thinned<T>(rows: &[T], time: impl Fn(&T) -> f64, value: impl Fn(&T) -> f64) -> Vec<(f64, f64)> {
     const STRETCHES: usize = 1500;
     let size = rows.len().div_ceil(STRETCHES).max(1);
     if size <= 4 {
-        return rows.iter().map(|row| (row.time, value(row))).collect();
+        return rows.iter().map(|row| (time(row), value(row))).collect();
     }
     let mut points = Vec::with_capacity(4 * STRETCHES);
     for stretch in rows.chunks(size) {
-        let by_value = |a: &&Row, b: &&Row| value(a).total_cmp(&value(b));
+        let by_value = |a: &&T, b: &&T| value(a).total_cmp(&value(b));
         let mut chosen =
             [stretch.first(), stretch.iter().min_by(by_value), stretch.iter().max_by(by_value), stretch.last()];
-        chosen.sort_by(|a, b| {
-            a.map(|row| row.time).partial_cmp(&b.map(|row| row.time)).unwrap_or(std::cmp::Ordering::Equal)
-        });
-        points.extend(chosen.into_iter().flatten().map(|row| (row.time, value(row))));
+        chosen.sort_by(|a, b| a.map(&time).partial_cmp(&b.map(&time)).unwrap_or(std::cmp::Ordering::Equal));
+        points.extend(chosen.into_iter().flatten().map(|row| (time(row), value(row))));
     }
     points
 }

@@ -13,6 +13,7 @@
 //! | [`sketch`] | a block with its ties → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`rate`] | annual rates → pages |
+//! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`spectrum`], [`record_spectra`] | spectra under one and under several records → pages |
 //! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
 
@@ -38,6 +39,8 @@ pub mod history;
 pub mod fragility;
 
 pub mod rate;
+
+pub mod pulse_fit;
 
 pub mod spectrum;
 

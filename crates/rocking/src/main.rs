@@ -27,6 +27,7 @@
 //! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
 //! | [`search`] | range → the values at which the outcome changes |
 //! | [`record`] | accelerograms → their contents and intensity measures |
+//! | [`pulse`] | an accelerogram → the pulse that fits it best |
 //! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
 //! | [`figures`] | numbers of figures → pictures with their tables |
 //! | [`shell`] | command line → completions, manual pages |
@@ -88,6 +89,8 @@ mod search;
 
 mod record;
 
+mod pulse;
+
 mod foundations;
 
 mod figures;
@@ -134,6 +137,8 @@ enum Command {
     Search(Box<search::Options>),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
     Record(Box<record::Options>),
+    /// Fit a pulse to the velocity of an accelerogram
+    Pulse(Box<pulse::Options>),
     /// List friction and restitution of pairs of surfaces, or compute supports of rubber or soil
     Foundations(Box<foundations::Options>),
     /// Recompute the figures of Palmeri and Makris (2008), as pictures with their tables
@@ -223,6 +228,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Rate(options)) => rate::run(&options, &explicit),
         Some(Command::Search(options)) => search::run(&options, &explicit),
         Some(Command::Record(options)) => record::run(&options),
+        Some(Command::Pulse(options)) => pulse::run(&options, &explicit),
         Some(Command::Foundations(options)) => foundations::run(&options),
         Some(Command::Figures(options)) => figures::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, command()),

@@ -5,6 +5,7 @@
 //! | [`statistics`] | deviates and seeds → probabilities, random samples |
 //! | [`input`] | study files and accelerogram files → parameters and records |
 //! | [`intensity`] | a record → its intensity measures |
+//! | [`pulse_fit`] | a record → the pulse that fits its velocity best |
 //! | [`building`] | a record, an elastic building → the motions of its floors |
 //! | [`foundations`] | materials and sizes → friction, restitution, stiffness and damping with their sources |
 //! | [`run`] | block, ground motion, settings → a history, its outcome, limits exceeded |
@@ -23,6 +24,8 @@ pub mod statistics;
 pub mod input;
 
 pub mod intensity;
+
+pub mod pulse_fit;
 
 pub mod building;
 
