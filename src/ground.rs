@@ -122,11 +122,12 @@ impl Ground {
 
 /// Describes a record in one line that distinguishes it from any other, independent of its file's place.
 pub fn fingerprint(record: &Record) -> String {
-    let Record { acceleration, time_step, start_time, .. } = record;
+    let Record { acceleration, time_step, start_time, processing, .. } = record;
     let mut hasher = crc32fast::Hasher::new();
     acceleration.iter().for_each(|a| hasher.update(&a.to_le_bytes()));
     let sum = hasher.finalize();
-    format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}", acceleration.len())
+    let processing = if processing.is_none() { String::new() } else { format!("; {processing}") };
+    format!("{} samples, every {time_step} s from {start_time} s, crc32 {sum:08x}{processing}", acceleration.len())
 }
 
 /// Returns the line of a record from `time` (s) on, and the time of its end (s).

@@ -18,7 +18,7 @@ from rocking_block._engine import __version__
 from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, export_fragility, fragility, intensity
 from rocking_block._frame import Frame, FrameRun, frame
-from rocking_block._pulse import Pulse
+from rocking_block._pulse import Pulse, PulseFit, fit_pulse
 from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
 from rocking_block._record import Record, read_record
 from rocking_block._run import Counts, Energy, Event, Peak, Run
@@ -41,6 +41,7 @@ __all__ = [
     "Hazard",
     "Peak",
     "Pulse",
+    "PulseFit",
     "Record",
     "Run",
     "Search",
@@ -49,6 +50,7 @@ __all__ = [
     "annual_rate",
     "blocks",
     "export_fragility",
+    "fit_pulse",
     "floor_motions",
     "fmu_path",
     "foundations",

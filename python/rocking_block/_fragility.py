@@ -22,10 +22,18 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-def intensity(record: Record, periods: npt.ArrayLike = (), *, g: float = 9.81) -> dict[str, float]:
+def intensity(
+    record: Record,
+    periods: npt.ArrayLike = (),
+    *,
+    g: float = 9.81,
+    transverse: Record | None = None,
+    percentile: float = 50.0,
+) -> dict[str, float]:
     """Returns intensity measures of a record, exact for accelerations that are linear between samples.
 
-    The baseline is not corrected.
+    The baseline is not corrected. With a transverse record they are percentiles over all directions: RotD50, or RotD100
+    with percentile = 100 (Boore, 2010).
 
     PGA [m/s²], PGV [m/s], PGD [m], PGV/PGA [s], Arias intensity [m/s], CAV [m/s], significant duration D5-95 [s], mean
     period T_m [s], Housner's spectrum intensity SI [m], and Sa [m/s²] and Sv [m/s] of 5 % damping at each period; nan
@@ -39,6 +47,10 @@ def intensity(record: Record, periods: npt.ArrayLike = (), *, g: float = 9.81) -
         Periods of Sa and Sv [s], 0.001 to 1000.
     g : float
         Gravity in the Arias intensity [m/s²].
+    transverse : Record, optional
+        The horizontal component at a right angle to the record.
+    percentile : float
+        Percentile over 180 directions, one degree apart, 0 to 100; only with `transverse`.
 
     Examples
     --------
@@ -47,7 +59,10 @@ def intensity(record: Record, periods: npt.ArrayLike = (), *, g: float = 9.81) -
     >>> measures["PGA"], measures["PGV"]
     (1.0, 0.375)
     """
-    return dict(_engine.intensity(record, np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist(), g))
+    listed = np.atleast_1d(np.asarray(periods, dtype=np.float64)).tolist()
+    if transverse is None:
+        return dict(_engine.intensity(record, listed, g))
+    return dict(_engine.rot_d(record, transverse, percentile, listed, g))
 
 
 class Fragility(_engine.Fragility):

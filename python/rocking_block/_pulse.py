@@ -1,15 +1,16 @@
 """Pulses of ground acceleration."""
 
+import os
 import warnings
 from dataclasses import dataclass
-from typing import get_args
+from typing import cast, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._record import IMPLAUSIBLE
-from rocking_block._words import Floats, Shape, chosen, number
+from rocking_block._record import IMPLAUSIBLE, Record, as_record
+from rocking_block._words import FittedShape, Floats, Shape, chosen, number
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,60 @@ class Pulse:
         """Returns the ground acceleration [m/s²] at times `t` [s] of any array shape."""
         times = np.asarray(t, dtype=np.float64)
         return np.array(_engine.pulse_acceleration(self, times.ravel())).reshape(times.shape)
+
+
+@dataclass(frozen=True)
+class PulseFit:
+    """A pulse fitted to a record by `fit_pulse`.
+
+    Attributes
+    ----------
+    pulse : Pulse
+        The pulse, on the time axis of the record.
+    r_squared : float
+        Share R² of the energy ∫v² dt of the record's velocity that the pulse explains [1].
+    """
+
+    pulse: Pulse
+    r_squared: float
+
+
+def fit_pulse(record: Record | str | os.PathLike[str], shape: FittedShape = "gabor") -> PulseFit:
+    """Fits a pulse to the velocity of a record, by least squares.
+
+    The pulse has the greatest share R² = 1 − ∫(v − v_p)² dt/∫v² dt of all pulses of its shape within the record: the extended
+    wavelet transform of Vassiliou & Makris (2011), applied to the velocity. v is the integral of the acceleration from rest.
+
+    Parameters
+    ----------
+    record : Record or path
+        A record, or its file.
+    shape : {"gabor", "one-sine", "one-cosine", "c1", "c2", "symmetric-ricker", "antisymmetric-ricker"}
+        Shape of the pulse.
+
+    Raises
+    ------
+    ValueError
+        Another shape, or a record of zeros or too short for a pulse.
+
+    Examples
+    --------
+    >>> import rocking_block as rb
+    >>> import numpy as np
+    >>> pulse = rb.Pulse("c1", amplitude=3.0, period=1.2, start=2.0)
+    >>> record = rb.Record(pulse.acceleration(np.arange(0, 10, 0.005)), dt=0.005)
+    >>> fit = rb.fit_pulse(record, "c1")
+    >>> round(fit.pulse.period, 2), fit.r_squared > 0.998
+    (1.2, True)
+    """
+    record = as_record("record", record, 9.81)
+    word = cast(Shape, chosen("shape", shape, get_args(FittedShape)))
+    found = _engine.fit_pulse(record, word)
+    if found is None:
+        raise ValueError(f"no {word} pulse fits into the record of {record.duration:g} s; expected a longer motion")
+    amplitude, period, start, phase, cycles, r_squared = found
+    gabor = {"phase": phase, "cycles": cycles} if word == "gabor" else {}
+    return PulseFit(Pulse(word, amplitude, period, start, **gabor), r_squared)
 
 
 def as_pulse(given: object) -> Pulse | None:

@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+# Files with a larger peak are refused as well [g].
+LARGEST_PEAK = 20.0
 # No earthquake has reached a third of this acceleration [m/s²]; a larger value usually means a wrong unit.
 IMPLAUSIBLE = 100.0
 
@@ -26,18 +28,22 @@ class Record(_engine.Record):
     Parameters
     ----------
     acceleration : array_like, shape (n,)
-        Samples [m/s²], n ≥ 2; positive to the right in a horizontal record, upwards in a vertical one.
+        Samples [`unit`], n ≥ 2; positive to the right in a horizontal record, upwards in a vertical one.
     dt : float
         Time between two samples [s], > 0.
     name : str
         Earthquake, station and component.
     start : float
         Time of the first sample [s].
+    unit : {"g", "m/s2", "cm/s2", "gal"}
+        Unit of the samples; the record has m/s².
+    g : float
+        Gravity that converts samples in g [m/s²].
 
     Raises
     ------
     ValueError
-        Too few samples, a sample that is not finite, or no time step.
+        Too few samples, a sample that is not finite, no time step, or a PGA above 20 g, as in files.
 
     Warns
     -----
@@ -56,11 +62,24 @@ class Record(_engine.Record):
 
     __slots__ = ()
 
-    def __new__(cls, acceleration: npt.ArrayLike, dt: float, name: str = "", start: float = 0.0) -> "Self":
-        samples = np.asarray(acceleration, dtype=np.float64)
+    def __new__(
+        cls,
+        acceleration: npt.ArrayLike,
+        dt: float,
+        name: str = "",
+        start: float = 0.0,
+        *,
+        unit: Literal["g", "m/s2", "cm/s2", "gal"] = "m/s2",
+        g: float = 9.81,
+    ) -> "Self":
+        samples = np.asarray(acceleration, dtype=np.float64) * _engine.unit_factor(unit, g)
         if samples.ndim != 1:
             raise ValueError(f"acceleration has shape {samples.shape}; expected one dimension, of samples")
         record = super().__new__(cls, samples, dt, name, start)
+        if record.pga > LARGEST_PEAK * g:
+            named = f"{name}: " if name else ""
+            message = f"{named}the PGA is {record.pga:.4g} m/s², {record.pga / g:.3g} g, with unit = {unit!r}"
+            raise ValueError(f"{message}; expected at most {LARGEST_PEAK:g} g")
         if record.pga > IMPLAUSIBLE:
             named = f"{name}: " if name else ""
             message = f"{named}the PGA is {record.pga:.4g} m/s², {record.pga / 9.81:.3g} g; expected samples in m/s²"
@@ -80,6 +99,53 @@ class Record(_engine.Record):
         6.0
         """
         return Record(self.acceleration * factor, self.dt, self.name, self.start)
+
+    def processed(
+        self,
+        *,
+        baseline: bool = False,
+        band_pass: tuple[float, float] | None = None,
+        resample: float | None = None,
+    ) -> "Record":
+        """Returns the record without its linear trend, filtered, or with another time step, in this order.
+
+        The name says what was done. A file read with the same options of the program gives the same bits.
+
+        Parameters
+        ----------
+        baseline : bool
+            Whether to subtract the line that fits the accelerations best.
+        band_pass : (float, float), optional
+            Corner frequencies [Hz] of a Butterworth filter of order 4, run forwards and backwards between zeros of
+            1.5 · 4 periods of the lower corner.
+        resample : float, optional
+            New time step [s], with accelerations linear between the samples. A longer one needs a band-pass filter with its
+            upper corner below the new Nyquist frequency.
+
+        Raises
+        ------
+        ValueError
+            Corners that do not increase from 0 to the Nyquist frequency, or a time step that would alias.
+
+        Examples
+        --------
+        >>> import rocking_block as rb
+        >>> rb.Record([0.0, 1.0, 0.0], dt=0.5, name="triangle").processed(resample=0.25)
+        Record('triangle; resampled every 0.25 s', 5 samples, dt=0.25 s, 1 s, PGA 1 m/s²)
+        """
+        samples, dt, words = self._processed(baseline, band_pass, resample)
+        return Record(samples, dt, "; ".join(part for part in (self.name, words) if part), self.start)
+
+    def rotated(self, transverse: "Record", angle: float) -> "Record":
+        """Returns the horizontal component at `angle` [degrees] from this record towards a transverse one.
+
+        >>> import rocking_block as rb
+        >>> a, b = rb.Record([0.0, 3.0, 0.0], dt=0.5), rb.Record([0.0, 4.0, 0.0], dt=0.5)
+        >>> round(a.rotated(b, 53.13).pga, 4)
+        5.0
+        """
+        samples, name = _engine.rotate(self, transverse, angle)
+        return Record(samples, self.dt, name, self.start)
 
     def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
         """Draws the acceleration over time with Matplotlib.

@@ -15,6 +15,7 @@ Foundation = Literal["viscoelastic", "rigid"]
 Shape = Literal[
     "one-sine", "one-cosine", "c1", "c2", "half-sine", "rectangular", "symmetric-ricker", "antisymmetric-ricker", "gabor"
 ]
+FittedShape = Literal["gabor", "one-sine", "one-cosine", "c1", "c2", "symmetric-ricker", "antisymmetric-ricker"]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
 Outcome = Literal["completed", "overturned", "separated", "undecided", "failed"]

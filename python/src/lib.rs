@@ -60,7 +60,7 @@ mod _engine {
     #[pymodule_export]
     use super::options::{check_pulse, pulse_acceleration, pulse_duration};
     #[pymodule_export]
-    use super::record::{Record, intensity, read_record};
+    use super::record::{Record, fit_pulse, intensity, read_record, rot_d, rotate, unit_factor};
     #[pymodule_export]
     use super::risk::{AnnualRate, check_hazard, measure_scale, read_hazard};
     #[pymodule_export]

@@ -8,12 +8,13 @@ use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValu
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_block::ground::Ground;
-use rocking_records::{self as engine, Column, Format, ReadOptions, RecordError, Unit};
+use rocking_records::{self as engine, Column, Format, Processing, ReadOptions, RecordError, Unit};
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
-use rocking_studies::intensity::{Measure, PERIODS, pga, pgv};
+use rocking_studies::intensity::{self as measures_of, Measure, PERIODS, pga, pgv};
+use rocking_studies::pulse_fit::{self, PulseFit};
 
 use crate::block::hash;
-use crate::options::{finite, invalid, whole};
+use crate::options::{choice, finite, invalid, whole};
 
 /// The samples of a record; the Python class of the same name adds the methods.
 #[pyclass(frozen, subclass, module = "rocking_block._engine")]
@@ -55,6 +56,7 @@ impl Record {
             start_time: start,
             time_step: dt,
             acceleration,
+            processing: Processing::default(),
         };
         Record::of(py, record)
     }
@@ -107,6 +109,21 @@ impl Record {
         self.record.duration()
     }
 
+    /// Returns samples and time step (s) of the processed record, and the changes in words.
+    #[pyo3(signature = (baseline, band_pass, resample))]
+    fn _processed(
+        &self,
+        py: Python,
+        baseline: bool,
+        band_pass: Option<[f64; 2]>,
+        resample: Option<f64>,
+    ) -> PyResult<(Py<PyArray1<f64>>, f64, String)> {
+        let processing = Processing { baseline, band_pass, resample };
+        let record = self.record.clone();
+        let record = py.detach(|| processing.apply(record)).map_err(PyValueError::new_err)?;
+        Ok((PyArray1::from_vec(py, record.acceleration).unbind(), record.time_step, processing.to_string()))
+    }
+
     #[getter]
     fn pga(&self) -> f64 {
         pga(&self.record)
@@ -151,6 +168,57 @@ impl From<ColumnOption> for Column {
     }
 }
 
+/// Returns samples and title of the component at `angle` (degrees) from a record towards a transverse one.
+#[pyfunction]
+pub fn rotate(
+    py: Python,
+    record: &Bound<Record>,
+    transverse: &Bound<Record>,
+    angle: f64,
+) -> PyResult<(Py<PyArray1<f64>>, String)> {
+    let rotated = measures_of::rotated(&record.get().record, &transverse.get().record, angle);
+    let engine::Record { acceleration, title, .. } = rotated.map_err(PyValueError::new_err)?;
+    Ok((PyArray1::from_vec(py, acceleration).unbind(), title))
+}
+
+/// Returns the name of each intensity measure with a percentile of it over all directions of a pair of components.
+#[pyfunction]
+pub fn rot_d(
+    py: Python,
+    record: &Bound<Record>,
+    transverse: &Bound<Record>,
+    percentile: f64,
+    periods: Vec<f64>,
+    g: f64,
+) -> PyResult<Vec<(String, f64)>> {
+    finite("g", g, |x| x > 0.0, "an acceleration > 0 m/s2")?;
+    finite("percentile", percentile, |x| (0.0..=100.0).contains(&x), "a number from 0 to 100")?;
+    let (pair, measures) = ([&record.get().record, &transverse.get().record], measures(&periods)?);
+    let of = |measure: &Measure| {
+        let [value] = measures_of::rot_d(*measure, pair, [percentile], g)?.unwrap_or([f64::NAN]);
+        Ok((measure.to_string(), value))
+    };
+    py.detach(|| measures.iter().map(of).collect::<Result<_, String>>()).map_err(PyValueError::new_err)
+}
+
+/// Returns the value of a unit (m/s²), with this gravity for g (m/s²).
+#[pyfunction]
+pub fn unit_factor(unit: &str, g: f64) -> PyResult<f64> {
+    finite("g", g, |x| x > 0.0, "an acceleration > 0 m/s2")?;
+    Ok(unit.parse::<Unit>().map_err(invalid)?.factor(g))
+}
+
+/// Returns the pulse fitted to a record: amplitude, period, start, phase, cycles and R²; nothing if none fits.
+#[pyfunction]
+pub fn fit_pulse(py: Python, record: &Bound<Record>, shape: &str) -> PyResult<Option<[f64; 6]>> {
+    let shape = choice("shape", shape, &pulse_fit::SHAPES)?;
+    let record = &record.get().record;
+    let found = py.detach(|| pulse_fit::fit(record, shape));
+    Ok(found.map(|PulseFit { pulse, r_squared }| {
+        [pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles, r_squared]
+    }))
+}
+
 /// Returns samples, time step (s), title and start (s) of a file.
 #[pyfunction]
 #[pyo3(signature = (path, *, unit, dt, format, channel, time_column, acceleration_column, g))]
@@ -177,6 +245,7 @@ pub fn read_record(
             .map(|channel| whole("channel", channel, 1..=1_000_000))
             .transpose()?
             .map(|channel| channel as usize),
+        processing: Processing::default(),
     };
     let record = py.detach(|| engine::read(&path, &options)).map_err(refused)?;
     let said = RecordOptions { both: options, ..RecordOptions::default() };

@@ -223,8 +223,10 @@ def test_supports_that_let_the_block_fall_over_are_warned_of():
 
 
 def test_accelerations_of_no_earthquake_are_warned_of():
-    with pytest.warns(UserWarning, match=r"made up: the PGA is 1e\+05 m/s², 1.02e\+04 g; expected samples in m/s²"):
-        rb.Record([0.0, 1e5, 0.0], 0.01, "made up")
+    with pytest.warns(UserWarning, match=r"made up: the PGA is 150 m/s², 15.3 g; expected samples in m/s²"):
+        rb.Record([0.0, 150.0, 0.0], 0.01, "made up")
+    with pytest.raises(ValueError, match=r"made up: the PGA is 250 m/s², 25.5 g, with unit = 'm/s2'; expected at most 20 g"):
+        rb.Record([0.0, 250.0, 0.0], 0.01, "made up")
     with pytest.warns(UserWarning, match=r"amplitude = 200 m/s² is 20.4 g; expected m/s²"):
         rb.Pulse("c1", 200.0)
 

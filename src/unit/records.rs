@@ -60,6 +60,7 @@ impl Values {
                     start_time: 0.0,
                     time_step,
                     acceleration: acceleration.to_vec(),
+                    processing: rocking_records::Processing::default(),
                 })
             });
         if time_step > 0.0 {
@@ -108,7 +109,7 @@ impl Values {
             channel: (self[channel] != 0.0).then_some(self[channel] as usize),
             ..ReadOptions::default()
         };
-        let name = |setting| match setting {
+        let name = |setting: Setting| match setting {
             Setting::Unit => unit.variable().name().to_string(),
             Setting::TimeStep => Variable::RecordDt.name().to_string(),
             Setting::Channel => channel.name().to_string(),
@@ -116,6 +117,8 @@ impl Values {
             Setting::TimeColumn | Setting::AccelerationColumn => {
                 "a file with one column of accelerations, here one of columns".to_string()
             }
+            // The FMU has no parameters for these.
+            Setting::Baseline | Setting::BandPass | Setting::Resample => setting.to_string(),
         };
         let read = rocking_records::read(Path::new(&self[path]), &options);
         let record = read.map_err(|error| format!("{}: {}", path.variable().name(), error.naming(name)))?;

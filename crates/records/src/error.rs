@@ -37,6 +37,14 @@ pub enum RecordError {
         /// Valid values.
         expected: &'static str,
     },
+    /// The record cannot be processed as requested.
+    #[error("{file}: {message}")]
+    Processing {
+        /// Name of the file.
+        file: String,
+        /// Value found, and the one expected.
+        message: String,
+    },
     /// The file has only blanks.
     #[error("{file}: the file is empty, expected an accelerogram")]
     Empty {

@@ -10,6 +10,7 @@
 //! | `options` | the caller's knowledge of a file |
 //! | `error` | file, line, found, expected → a message of one line |
 //! | `record` | samples → accelerations at any time, peak |
+//! | `processing` | a record → without its trend, filtered, with another time step |
 //! | `text` | bytes → lines and numbers |
 //! | `raw` | content of a file in its own unit, options → a record |
 //! | `time_axis` | column of times → start and time step |
@@ -29,6 +30,8 @@ mod options;
 mod error;
 
 mod record;
+
+mod processing;
 
 mod text;
 
@@ -60,6 +63,7 @@ pub use error::RecordError;
 pub use format::{Format, UnknownFormat};
 pub use options::{Column, ReadOptions, Setting};
 pub use plausibility::implausibility;
+pub use processing::Processing;
 pub use record::{Peak, Record};
 pub use unit::{Unit, UnknownUnit};
 
@@ -118,7 +122,8 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Record, 
         Format::Csmip => csmip::read(&source, &channels::choose(&source, options.channel)?),
         Format::Esm => esm::read(&source),
     }?;
-    raw.into_record(&source, options)
+    let record = raw.into_record(&source, options)?;
+    options.processing.apply(record).map_err(|message| RecordError::Processing { file: name.to_owned(), message })
 }
 
 /// Detects the format by a line that only this format has, otherwise by the layout of the numbers.

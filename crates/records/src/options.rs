@@ -3,6 +3,7 @@
 use std::{convert::Infallible, fmt, str::FromStr};
 
 use super::format::Format;
+use super::processing::Processing;
 use super::unit::Unit;
 
 /// A column of a table, chosen by the caller.
@@ -49,6 +50,8 @@ pub struct ReadOptions {
     pub acceleration_column: Option<Column>,
     /// Channel of a COSMOS or CSMIP file with several, from 1.
     pub channel: Option<usize>,
+    /// Changes to the record.
+    pub processing: Processing,
 }
 
 impl Default for ReadOptions {
@@ -62,6 +65,7 @@ impl Default for ReadOptions {
             time_column: None,
             acceleration_column: None,
             channel: None,
+            processing: Processing::default(),
         }
     }
 }
@@ -78,12 +82,14 @@ impl ReadOptions {
             time_column: self.time_column.clone().or_else(|| others.time_column.clone()),
             acceleration_column: self.acceleration_column.clone().or_else(|| others.acceleration_column.clone()),
             channel: self.channel.or(others.channel),
+            processing: if self.processing.is_none() { others.processing } else { self.processing },
         }
     }
 
     /// Lists the settings that are given.
     pub fn given(&self) -> impl Iterator<Item = Setting> + use<> {
-        let ReadOptions { format, unit, time_step, gravity: _, time_column, acceleration_column, channel } = self;
+        let ReadOptions { format, unit, time_step, gravity: _, time_column, acceleration_column, channel, processing } =
+            self;
         [
             (Setting::Format, format.is_some()),
             (Setting::Unit, unit.is_some()),
@@ -91,6 +97,9 @@ impl ReadOptions {
             (Setting::Channel, channel.is_some()),
             (Setting::TimeColumn, time_column.is_some()),
             (Setting::AccelerationColumn, acceleration_column.is_some()),
+            (Setting::Baseline, processing.baseline),
+            (Setting::BandPass, processing.band_pass.is_some()),
+            (Setting::Resample, processing.resample.is_some()),
         ]
         .into_iter()
         .filter_map(|(setting, given)| given.then_some(setting))
@@ -112,6 +121,12 @@ pub enum Setting {
     TimeColumn,
     /// Column of the accelerations.
     AccelerationColumn,
+    /// Removal of the linear trend.
+    Baseline,
+    /// Band-pass filter.
+    BandPass,
+    /// New time step.
+    Resample,
 }
 
 impl Setting {
@@ -119,7 +134,12 @@ impl Setting {
     #[must_use]
     pub fn formats(self) -> &'static [Format] {
         match self {
-            Setting::Format | Setting::Unit | Setting::TimeStep => &Format::ALL,
+            Setting::Format
+            | Setting::Unit
+            | Setting::TimeStep
+            | Setting::Baseline
+            | Setting::BandPass
+            | Setting::Resample => &Format::ALL,
             Setting::Channel => &[Format::Cosmos, Format::Csmip],
             Setting::TimeColumn | Setting::AccelerationColumn => &[Format::Columns],
         }
@@ -135,6 +155,9 @@ impl fmt::Display for Setting {
             Setting::Channel => "channel",
             Setting::TimeColumn => "time column",
             Setting::AccelerationColumn => "acceleration column",
+            Setting::Baseline => "baseline",
+            Setting::BandPass => "band-pass",
+            Setting::Resample => "resample",
         })
     }
 }

@@ -3,6 +3,7 @@
 use super::error::RecordError;
 use super::format::Format;
 use super::options::{ReadOptions, Setting};
+use super::processing::Processing;
 use super::record::{Peak, Record};
 use super::text::FileText;
 use super::unit::Unit;
@@ -101,7 +102,8 @@ impl Raw {
         let unit_line = self.unit.map(|(line, _)| line);
         let title = if self.title.is_empty() { file() } else { self.title };
         let Raw { format, start_time, values: acceleration, .. } = self;
-        let record = Record { title, format, unit, start_time, time_step, acceleration };
+        let processing = Processing::default();
+        let record = Record { title, format, unit, start_time, time_step, acceleration, processing };
         let record = record.scaled(unit.factor(options.gravity));
         let Peak { acceleration, time } = record.peak();
         // Written so that infinity and NaN from an overflow are refused as well.

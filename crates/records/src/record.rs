@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::format::Format;
+use super::processing::Processing;
 use super::unit::Unit;
 
 /// A ground acceleration that is linear between evenly spaced samples.
@@ -20,6 +21,8 @@ pub struct Record {
     pub time_step: f64,
     /// Ground accelerations [m/s²], finite, at least two, with the sign of the file.
     pub acceleration: Vec<f64>,
+    /// Changes since the file.
+    pub processing: Processing,
 }
 
 /// The sample of largest magnitude.

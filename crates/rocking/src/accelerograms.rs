@@ -8,7 +8,7 @@ use crate::checks::checked;
 use crate::input;
 use crate::output::NamedFile;
 use rocking_block::ground::Ground;
-use rocking_records::{Column, Format, ReadOptions, Unit};
+use rocking_records::{Column, Format, Processing, ReadOptions, Unit};
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 
 /// Records of one ground motion.
@@ -72,6 +72,15 @@ pub struct ReadingOptions {
     /// Column of the times in a table, by name or by number from 1
     #[arg(long, value_name = "COLUMN")]
     time_column: Option<Column>,
+    /// Subtract from each record the line that fits its accelerations best
+    #[arg(long)]
+    baseline: bool,
+    /// Filter each record by a Butterworth band-pass of order 4 without phase, with these corner frequencies [Hz]
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',')]
+    band_pass: Option<Vec<f64>>,
+    /// Change the time step of each record, with accelerations linear between the samples [s]
+    #[arg(long, value_name = "S")]
+    resample: Option<f64>,
 }
 
 /// Information missing from vertical files.
@@ -189,7 +198,17 @@ impl ReadingOptions {
             time_column: self.time_column.clone(),
             acceleration_column: self.acceleration_column.clone(),
             channel: self.channel,
+            processing: self.processing()?,
         })
+    }
+
+    fn processing(&self) -> anyhow::Result<Processing> {
+        let band_pass = match self.band_pass.as_deref() {
+            Some(&[low, high]) => Some([low, high]),
+            Some(corners) => anyhow::bail!("--band-pass has {} numbers; expected two, as in 0.1,25", corners.len()),
+            None => None,
+        };
+        Ok(Processing { baseline: self.baseline, band_pass, resample: time_step("resample", self.resample)? })
     }
 }
 

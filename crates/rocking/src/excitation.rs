@@ -158,7 +158,8 @@ fn describe_records(ground: &Ground, files: MotionFiles, gravity: f64) -> Vec<St
     let parts = [("", &ground.horizontal, files.horizontal), ("vertical ", &ground.vertical, files.vertical)];
     let parts = parts.into_iter().filter_map(|(direction, record, path)| {
         let record = record.as_ref()?;
-        Some(format!("{direction}{}, {} g", title(record, path), significant(pga(record) / gravity, 3)))
+        let processing = if record.processing.is_none() { String::new() } else { format!(", {}", record.processing) };
+        Some(format!("{direction}{}{processing}, {} g", title(record, path), significant(pga(record) / gravity, 3)))
     });
     parts.collect()
 }

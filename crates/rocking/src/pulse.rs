@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::Parser;
 use serde::Serialize;
 
-use crate::accelerograms::{ReadingOptions, refuse_unread};
+use crate::accelerograms::{ReadingOptions, refuse_without_effect};
 use crate::choices;
 use crate::explicit_options::ExplicitOptions;
 use crate::formats::{PictureOptions, check_table};
@@ -64,7 +64,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let record = said.read(false, RecordOption::option, |options| input::record(file, options));
     let record = record.map_err(anyhow::Error::msg)?;
     let grounds = [Ground { horizontal: Some(record), vertical: None }];
-    refuse_unread(&said, &grounds)?;
+    refuse_without_effect(&said, &grounds)?;
     let [Ground { horizontal: Some(record), .. }] = &grounds else { unreachable!("the ground has this record") };
 
     let name = file.display();

@@ -17,7 +17,7 @@ use rocking_block::block::Common;
 use rocking_block::ground::Ground;
 use rocking_records::Record;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
-use rocking_studies::intensity::{Measure, PERIODS};
+use rocking_studies::intensity::{Measure, PERIODS, rot_d, rotated};
 
 /// Options of `rocking record`.
 #[derive(Parser)]
@@ -25,6 +25,12 @@ pub struct Options {
     /// Accelerograms: PEER AT2, USGS SMC, CSV, COSMOS, CSMIP or ESM; `-` for standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
+    /// Second horizontal component of a single record, at a right angle to it: adds RotD50 and RotD100 of each measure
+    #[arg(long, value_name = "FILE")]
+    transverse: Option<PathBuf>,
+    /// Replace the record by the component in a direction, at this angle from the record towards --transverse [degrees]
+    #[arg(long, value_name = "DEGREES", requires = "transverse")]
+    rotate: Option<f64>,
     #[command(flatten, next_help_heading = "Reading")]
     reading: ReadingOptions,
     /// Gravitational acceleration, for records in g and for the Arias intensity [m/s2]
@@ -42,29 +48,45 @@ pub struct Options {
 
 /// Runs the command.
 pub fn run(options: &Options) -> anyhow::Result<()> {
-    let Options { files, csv, g, periods, .. } = options;
+    let Options { files, transverse, rotate, csv, g, periods, .. } = options;
+    let one = transverse.is_none() || files.len() == 1;
+    anyhow::ensure!(one, "--transverse with {} records; expected one", files.len());
     anyhow::ensure!(csv.is_none() || files.len() == 1, "--csv with {} records; expected one", files.len());
     csv.as_deref().map_or(Ok(()), check_table)?;
     for &period in periods {
         check("periods", period, |period| PERIODS.contains(&period), "times from 0.001 to 1000 s")?;
     }
     let outputs = [("csv", csv.as_deref())];
-    let inputs: Vec<_> = files.iter().map(|path| NamedFile::new("the record", path)).collect();
+    let inputs: Vec<_> = files.iter().chain(transverse).map(|path| NamedFile::new("the record", path)).collect();
     check_distinct(&inputs, &NamedFile::of_options(outputs))?;
     let said = RecordOptions { both: options.reading.read_options(*g)?, ..RecordOptions::default() };
     let read = |path: &PathBuf| {
         let record = said.read(false, RecordOption::option, |options| input::record(path, options));
         Ok(Ground { horizontal: Some(record.map_err(anyhow::Error::msg)?), vertical: None })
     };
-    let grounds = files.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+    let mut grounds = files.iter().chain(transverse).map(read).collect::<anyhow::Result<Vec<_>>>()?;
     refuse_without_effect(&said, &grounds)?;
+    let measures = Measure::of_record(periods);
+    let mut rotations = Vec::new();
+    if let [Ground { horizontal: Some(record), .. }, Ground { horizontal: Some(transverse), .. }] = &grounds[..]
+        && options.transverse.is_some()
+    {
+        for &measure in &measures {
+            rotations.push(rot_d(measure, [record, transverse], [50.0, 100.0], *g).map_err(anyhow::Error::msg)?);
+        }
+        if let Some(angle) = rotate {
+            let record = rotated(record, transverse, *angle).map_err(anyhow::Error::msg)?;
+            grounds = vec![Ground { horizontal: Some(record), vertical: None }];
+        }
+    }
+    grounds.truncate(files.len());
     let records = || grounds.iter().filter_map(|ground| ground.horizontal.as_ref());
     if let Some(path) = csv {
         let table: String = records().map(table).collect();
         Pending::write(vec![(Pending::new(path)?, table.into_bytes())])?;
     }
-    let measures = Measure::of_record(periods);
-    let report = |(path, record): (&PathBuf, &Record)| Report::of(path.display().to_string(), record, &measures, *g);
+    let report =
+        |(path, record): (&PathBuf, &Record)| Report::of(path.display().to_string(), record, &measures, &rotations, *g);
     let reports: Vec<Report> = files.iter().zip(records()).map(report).collect();
     let texts: Vec<String> = reports.iter().map(|report| report.text(*g)).collect();
     let written = WrittenFiles::new(outputs);
@@ -80,6 +102,9 @@ struct Report {
     format: String,
     /// Unit of the file.
     unit: String,
+    /// Changes since the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    processing: Option<String>,
     samples: usize,
     dt: f64,
     start: f64,
@@ -89,6 +114,18 @@ struct Report {
     /// By their names; null if the record has no value.
     #[serde(flatten, serialize_with = "by_name")]
     measures: Vec<(Measure, Option<f64>)>,
+    /// The same over all directions, with a transverse record.
+    #[serde(flatten)]
+    rotations: Option<Rotations>,
+}
+
+/// Median and greatest of each measure over all directions.
+#[derive(Serialize)]
+struct Rotations {
+    #[serde(rename = "RotD50", serialize_with = "by_name")]
+    median: Vec<(Measure, Option<f64>)>,
+    #[serde(rename = "RotD100", serialize_with = "by_name")]
+    greatest: Vec<(Measure, Option<f64>)>,
 }
 
 fn by_name<S: Serializer>(measures: &[(Measure, Option<f64>)], serializer: S) -> Result<S::Ok, S::Error> {
@@ -96,39 +133,67 @@ fn by_name<S: Serializer>(measures: &[(Measure, Option<f64>)], serializer: S) ->
 }
 
 impl Report {
-    fn of(file: String, record: &Record, measures: &[Measure], gravity: f64) -> Report {
+    fn of(file: String, record: &Record, measures: &[Measure], rotations: &[Option<[f64; 2]>], gravity: f64) -> Report {
+        let over_directions = |part: usize| {
+            let values = rotations.iter().map(|values| values.map(|values| values[part]));
+            measures.iter().copied().zip(values).collect()
+        };
         Report {
             file,
             title: record.title.split_whitespace().collect::<Vec<_>>().join(" "),
             format: record.format.to_string(),
             unit: record.unit.to_string(),
+            processing: (!record.processing.is_none()).then(|| record.processing.to_string()),
             samples: record.acceleration.len(),
             dt: record.time_step,
             start: record.start_time,
             duration: record.duration(),
             pga_time: record.peak().time,
             measures: measures.iter().map(|&measure| (measure, measure.of(record, gravity))).collect(),
+            rotations: (!rotations.is_empty())
+                .then(|| Rotations { median: over_directions(0), greatest: over_directions(1) }),
         }
     }
 
     /// Writes the report as text, with the PGA also in units of this gravity (m/s²).
     fn text(&self, gravity: f64) -> String {
-        let Report { file, title, format, unit, samples, dt, start, duration, pga_time, measures } = self;
+        let Report {
+            file,
+            title,
+            format,
+            unit,
+            processing,
+            samples,
+            dt,
+            start,
+            duration,
+            pga_time,
+            measures,
+            rotations,
+        } = self;
+        let processing = processing.as_ref().map(|words| format!("processing    {words}\n")).unwrap_or_default();
         let [duration, pga_time] = [duration, pga_time].map(|value| short(*value));
         let mut text = format!(
             "file          {file}\n\
              title         {title}\n\
              format        {format}, in {unit}\n\
+             {processing}\
              samples       {samples}, every {dt} s from {start} s\n\
              duration      {duration} s\n"
         );
-        for (measure, value) in measures {
+        for (i, (measure, value)) in measures.iter().enumerate() {
             let in_g = match (measure, value) {
                 (Measure::Pga, Some(pga)) => format!(" = {:.3} g at {pga_time} s", pga / gravity),
                 _ => String::new(),
             };
             let unit = measure.unit().replace('2', "²");
-            let value = value.map_or("none".into(), |value| format!("{} {unit}{in_g}", short(value)));
+            let mut value = value.map_or("none".into(), |value| format!("{} {unit}{in_g}", short(value)));
+            if let Some(Rotations { median, greatest }) = rotations
+                && let (Some((_, Some(median))), Some((_, Some(greatest)))) = (median.get(i), greatest.get(i))
+            {
+                // Writing to a String never fails.
+                let _ = write!(value, "; RotD50 {}, RotD100 {}", short(*median), short(*greatest));
+            }
             // Writing to a String never fails.
             let _ = writeln!(text, "{:<13} {value}", measure.to_string());
         }

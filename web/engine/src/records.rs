@@ -1,7 +1,7 @@
 //! Dropped files and their settings → records.
 
 use rocking_block::ground::Ground;
-use rocking_records::{Column, ReadOptions, Record, Setting};
+use rocking_records::{Column, Processing, ReadOptions, Record, Setting};
 
 use crate::fields::{FieldError, Fields};
 
@@ -50,6 +50,10 @@ impl Direction {
             Setting::Channel => ["channel", "vertical_channel"],
             Setting::TimeColumn => ["time_column", "vertical_time_column"],
             Setting::AccelerationColumn => ["acceleration_column", "vertical_acceleration_column"],
+            // The page has no fields for these.
+            Setting::Baseline => ["baseline"; 2],
+            Setting::BandPass => ["band_pass"; 2],
+            Setting::Resample => ["resample"; 2],
         };
         match self {
             Direction::Horizontal => horizontal,
@@ -69,6 +73,7 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
         time_column: fields.parsed::<Column>(field(Setting::TimeColumn)),
         acceleration_column: fields.parsed::<Column>(field(Setting::AccelerationColumn)),
         channel: fields.parsed(field(Setting::Channel)),
+        processing: Processing::default(),
     };
     // As in the program, settings of the horizontal file hold for the vertical one too unless it has its own.
     match direction {

@@ -36,6 +36,9 @@ impl RecordOption {
             Setting::Channel => "channel",
             Setting::TimeColumn => "time_column",
             Setting::AccelerationColumn => "acceleration_column",
+            Setting::Baseline => "baseline",
+            Setting::BandPass => "band_pass",
+            Setting::Resample => "resample",
         };
         format!("{}{word}", if self.vertical { "vertical_" } else { "" })
     }

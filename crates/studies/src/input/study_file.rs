@@ -130,6 +130,12 @@ impl<'a> Section<'a> {
         found.filter(|n| range.contains(n)).map(Some).ok_or_else(|| self.wrong(key, value, &expected()))
     }
 
+    /// True or false.
+    pub fn flag(&self, key: &str) -> Result<Option<bool>, StudyFileError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        value.get_ref().as_bool().map(Some).ok_or_else(|| self.wrong(key, value, "true or false"))
+    }
+
     /// A string.
     pub fn text(&self, key: &str) -> Result<Option<&'a str>, StudyFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };

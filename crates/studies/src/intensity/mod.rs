@@ -5,6 +5,7 @@
 //! | `sums` | a record → its peaks, Arias intensity, CAV and significant duration |
 //! | `oscillator` | a record → the peaks of elastic oscillators: Sa(T), Sv(T), spectrum intensity |
 //! | `period` | a record → its mean period |
+//! | `rotated` | two components → measures over all directions, RotDnn |
 //!
 //! The acceleration of a [`Record`] is linear between its samples; integrals and peaks between samples are exact for it. Programs
 //! that sum over samples differ by the error of their rule, which decreases with the square of the time step; each measure states
@@ -12,6 +13,7 @@
 
 mod oscillator;
 mod period;
+mod rotated;
 mod sums;
 
 use std::str::FromStr;
@@ -22,6 +24,7 @@ use rocking_records::Record;
 pub(crate) use oscillator::Step;
 pub use oscillator::{DAMPING, OscillatorPeaks, oscillator_peaks, spectral_acceleration, spectrum_intensity};
 pub use period::mean_period;
+pub use rotated::{rot_d, rotated};
 pub use sums::{arias, cumulative_absolute_velocity, pga, pgd, pgv, significant_duration};
 
 /// An intensity measure: the strength, duration or period of a record.

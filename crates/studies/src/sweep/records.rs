@@ -9,10 +9,10 @@ use crate::input::study_file::{Section, StudyFileError, StudyText};
 use crate::intensity::Measure;
 use crate::sweep::ground_motion::GroundMotion;
 use rocking_block::ground::Ground;
-use rocking_records::{Column, ReadOptions, Record, Setting};
+use rocking_records::{Column, Processing, ReadOptions, Record, Setting};
 
 /// The keys of `[[records]]`.
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 17] = [
     "horizontal",
     "vertical",
     "unit",
@@ -21,6 +21,9 @@ const KEYS: [&str; 14] = [
     "channel",
     "acceleration_column",
     "time_column",
+    "baseline",
+    "band_pass",
+    "resample",
     "vertical_unit",
     "vertical_dt",
     "vertical_format",
@@ -135,9 +138,28 @@ fn options(section: &Section, gravity: f64) -> Result<RecordOptions, StudyFileEr
             time_column: column(section, &key(Setting::TimeColumn))?,
             acceleration_column: column(section, &key(Setting::AccelerationColumn))?,
             channel: section.integer(&key(Setting::Channel), 1..1001)?.map(|channel| channel as usize),
+            processing: if vertical { Processing::default() } else { processing(section)? },
         })
     };
     Ok(RecordOptions { both: of(false)?, vertical: of(true)? })
+}
+
+/// Reads the changes to the records of the table, horizontal and vertical.
+fn processing(section: &Section) -> Result<Processing, StudyFileError> {
+    let band_pass = match section.numbers("band_pass", |x| x > 0.0, "two frequencies in Hz, as in [0.1, 25]")? {
+        Some(corners) => Some(<[f64; 2]>::try_from(corners).map_err(|corners| {
+            let message = format!("band_pass has {} numbers; expected two, as in [0.1, 25]", corners.len());
+            section
+                .get("band_pass")
+                .map_or_else(|| section.lacks("band_pass", "two"), |value| section.refused(value, message))
+        })?),
+        None => None,
+    };
+    Ok(Processing {
+        baseline: section.flag("baseline")?.unwrap_or(false),
+        band_pass,
+        resample: section.number("resample", |x| x > 0.0, "a time > 0 s")?,
+    })
 }
 
 /// Reads a column by its name or its number.
