@@ -17,7 +17,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND_PAGES = [ROOT / page for page in (
-    "README.md", "docs/program.md", "docs/python.md", "docs/foundations.md", "docs/tutorial.md", "docs/gallery.md",
+    "README.md", "docs/program.md", "docs/python.md", "docs/foundations.md", "docs/tutorial.md", "docs/gallery.md", "docs/pulses.md",
     "docs/guides/record.md", "docs/guides/foundation.md", "docs/guides/fragility.md")]
 PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md", "docs/guides/fmu.md", "docs/frames.md",
                                              "docs/floors.md")]
@@ -104,7 +104,7 @@ def test_commands_print_what_the_pages_say(tmp_path):
                 assert not printed or told == printed, command
     assert len(place.printed) > 10
     pictures = place.pictures()
-    assert len(pictures) == 8
+    assert len(pictures) == 9
     for drawn, shown in pictures.items():
         assert drawn.read_bytes() == shown.read_bytes(), f"{shown} is not what the commands of the pages draw"
 

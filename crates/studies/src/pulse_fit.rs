@@ -243,16 +243,16 @@ mod tests {
     use super::*;
     use crate::intensity::{near, record_of};
 
-    const STEP: f64 = 0.01;
+    const STEP: f64 = 0.002;
 
     fn record(pulse: &Pulse, noise: impl Fn(f64) -> f64) -> Record {
         let at = |i: u32| f64::from(i) * STEP;
-        let samples: Vec<f64> = (0..2500).map(|i| pulse.acceleration(at(i)) + noise(at(i))).collect();
+        let samples: Vec<f64> = (0..5000).map(|i| pulse.acceleration(at(i)) + noise(at(i))).collect();
         record_of(&samples, STEP)
     }
 
     fn planted(shape: PulseShape) -> Pulse {
-        Pulse { shape, amplitude: 4.0, period: 1.37, start: 5.3, phase: 0.9, cycles: 1.6 }
+        Pulse { shape, amplitude: 4.0, period: 1.37, start: 2.3, phase: 0.9, cycles: 1.6 }
     }
 
     /// Of a record that is a pulse, the fit has all parameters, and explains all.
@@ -261,8 +261,8 @@ mod tests {
         for shape in SHAPES {
             let pulse = planted(shape);
             let PulseFit { pulse: found, r_squared } = fit(&record(&pulse, |_| 0.0), shape).unwrap();
-            // A record rises over a step where a pulse begins with a jump.
-            assert!(r_squared > 0.998, "{shape:?}: R² = {r_squared}");
+            // A record rises over a step where a pulse begins with a jump, and keeps that velocity after it.
+            assert!(r_squared > 0.999, "{shape:?}: R² = {r_squared}");
             near(found.amplitude, pulse.amplitude, 5e-3);
             near(found.period, pulse.period, 2e-3);
             assert!((found.start - pulse.start).abs() < 0.02, "{shape:?}: {found:?}");
@@ -309,7 +309,8 @@ mod tests {
         };
         for shape in SHAPES {
             let PulseFit { pulse, r_squared } = fit(&noisy, shape).unwrap();
-            near(share(&pulse), r_squared, 1e-9);
+            // Ricker wavelets leave a velocity of some 1e-9 of their peak.
+            near(share(&pulse), r_squared, 1e-7);
             let Pulse { amplitude, period, start, phase, cycles, .. } = pulse;
             for sign in [-1.0, 1.0] {
                 for other in [

@@ -108,12 +108,8 @@ fn the_rocking_period_with_a_tendon() {
 fn each_impact_of_a_tied_block_takes_its_part() {
     let block = block([0.2, 1.0, 60.0, 0.1], &Common { foundation: Foundation::Rigid, ..Common::default() });
     let Block { mass, gravity, r0, alpha, p, b, h, .. } = block;
-    let tie = Tie {
-        block: [0.0, 1.33 * h],
-        ground: [-5.5 * b, 0.0],
-        stiffness: 9.4 * mass * gravity / r0,
-        ..Tie::default()
-    };
+    let tie =
+        Tie { block: [0.0, 1.33 * h], ground: [-5.5 * b, 0.0], stiffness: 9.4 * mass * gravity / r0, ..Tie::default() };
     let mut simulation = released(block.with_ties(&[tie]).unwrap(), -0.02);
     simulation.advance(60.0, &Inputs::default(), &mut |_| ()).unwrap();
     let first = p * (2.0 * (libm::cos(alpha - 0.02) - libm::cos(alpha))).sqrt();
