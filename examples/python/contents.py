@@ -38,13 +38,26 @@ def building(storeys):
     return rb.Building(floor_masses=[mass] * storeys, storey_stiffnesses=[stiffness] * storeys, damping=0.05)
 
 
-def floor_motions(records, storeys=(2, 5, 10)):
-    """The ground and all floors of the buildings under each record: name of the record, motion, PFV."""
+def floor_motions(records, storeys):
+    """The ground and all floors of the buildings under each record: name of the record, motion, PFA, PFV."""
     for record in records:
-        yield record.name, record, record.pgv
+        yield record.name, record, record.pga, record.pgv
         for count in storeys:
             motions = rb.floor_motions(record, building(count))
-            yield from zip([record.name] * count, motions.records, motions.PFV)
+            yield from zip([record.name] * count, motions.records, motions.PFA, motions.PFV)
+
+
+def outcomes(records, blocks, levels=LEVELS, storeys=(2, 5, 10)):
+    """One table per block, with a row per motion and level of PFV."""
+    parts = [[] for _ in blocks]
+    for name, motion, pfa, pfv in floor_motions(records, storeys):
+        table = rb.outcomes(blocks, [motion], scale=levels / pfv, progress=False)
+        measures = {"record": np.array([name] * len(levels)), "PFV": levels, "PFA": levels * pfa / pfv}
+        for number, part in enumerate(parts):
+            rows = slice(number, None, len(blocks))
+            part.append(measures | {column: table[column][rows] for column in ("outcome", "peak.theta/alpha")})
+    tables = [{column: np.concatenate([rows[column] for rows in part]) for column in part[0]} for part in parts]
+    return [rb.Table(table, {"PFV": "m/s", "PFA": "m/s2"}) for table in tables]
 
 
 def runs(records, components=COMPONENTS, frictions=FRICTIONS, levels=LEVELS):
@@ -54,14 +67,14 @@ def runs(records, components=COMPONENTS, frictions=FRICTIONS, levels=LEVELS):
         for _, _, depth, height, _ in components
         for friction in frictions
     ]
-    parts = [[] for _ in blocks]
-    for name, motion, pfv in floor_motions(records):
-        table = rb.outcomes(blocks, [motion], scale=levels / pfv, progress=False)
-        for number, part in enumerate(parts):
-            rows = slice(number, None, len(blocks))
-            part.append({"record": np.array([name] * len(levels)), "PFV": levels, **{c: table[c][rows] for c in ("outcome", "peak.theta/alpha")}})
-    tables = [{column: np.concatenate([rows[column] for rows in part]) for column in part[0]} for part in parts]
-    return [[rb.Table(table, {"PFV": "m/s"}) for table in tables[i : i + len(frictions)]] for i in range(0, len(tables), len(frictions))]
+    tables = outcomes(records, blocks, levels)
+    return [tables[i : i + len(frictions)] for i in range(0, len(tables), len(frictions))]
+
+
+def read_records(folder=None):
+    """Returns the accelerograms of a folder, by default those of the project."""
+    paths = sorted((folder or ROOT / "records").iterdir())
+    return [rb.read_record(path) for path in paths if path.suffix.lower() in (".smc", ".at2")]
 
 
 def shown(table, limit="overturned"):
@@ -78,8 +91,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--records", type=Path, help="folder of accelerograms of any format that needs no options")
     options = parser.parse_args()
-    paths = sorted((options.records or ROOT / "records").iterdir())
-    records = [rb.read_record(path) for path in paths if path.suffix.lower() in (".smc", ".at2")]
+    records = read_records(options.records)
     heads = " | ".join("no sliding" if friction == 0 else f"μ = {friction:g}" for friction in FRICTIONS)
     print(f"| component | contents | depth × height (m) | FEMA P-58 | lifts | {heads} |")
     print("| --- " * 3 + "| ---: " * (2 + len(FRICTIONS)) + "|")

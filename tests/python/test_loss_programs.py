@@ -151,3 +151,42 @@ def test_openquake_finds_our_annual_rate(program, export, openquake, tmp_path):
         run = [program, "rate", tmp_path / "hazard.csv", "--median", repr(median), "--beta", repr(beta), "--im", "PGV [m/s]", "--json"]
         told = json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout)
         assert -np.log1p(-probability) == pytest.approx(factor * told["rate"], rel=1e-6)
+
+
+# Run by pelicun's Python: our curves before those of FEMA P-58, in SI units, and the library's rows of the same components.
+LOAD = """
+import json, sys
+from dlml import api
+from pelicun.assessment import Assessment
+from pelicun.file_io import load_data
+fema = api.get_fragility(next(name for name in api.list_datasets() if "FEMA P-58 2nd Edition" in name))
+assessment = Assessment({"PrintLog": False})
+ours = load_data(sys.argv[1], reindex=False, unit_conversion_factors=assessment.unit_conversion_factors)
+assessment.damage.load_model_parameters([ours, fema], set(ours.index))
+used = assessment.damage.ds_model.damage_params
+rows = {
+    name: {
+        "loaded": used.loc[name, ("LS1", ["Theta_0", "Theta_1"])].astype(float).tolist(),
+        "written": ours.loc[name, ("LS1", ["Theta_0", "Theta_1"])].astype(float).tolist(),
+        "unit": ours.loc[name, ("Demand", "Unit")],
+        "demand": [library.loc[name, ("Demand", "Type")] for library in (ours, fema)],
+        "incomplete": int(fema.loc[name, ("Incomplete", "")]),
+    }
+    for name in ours.index
+}
+print(json.dumps(rows))
+"""
+
+
+def test_pelicun_completes_its_library_with_the_anchored_contents():
+    python = ROOT / "target/tools/pelicun/bin/python"
+    if not python.exists():
+        pytest.skip("pelicun is not installed in target/tools/pelicun")
+    library = ROOT / "examples/python/anchored_contents/fragility.csv"
+    run = subprocess.run([python, "-c", LOAD, library], check=True, capture_output=True, text=True)
+    rows = json.loads(run.stdout)
+    assert len(rows) == 9
+    for name, row in rows.items():
+        assert row["incomplete"] == 1 and row["demand"][0] == row["demand"][1], name
+        factor = {"g": 9.80665, "mps": 1.0}[row["unit"]]
+        assert row["loaded"] == pytest.approx([row["written"][0] * factor, row["written"][1]], rel=1e-12), name
