@@ -9,4 +9,5 @@ mod held;
 mod impulses;
 mod parameters;
 mod pulses;
+mod rubbing;
 mod transitions;

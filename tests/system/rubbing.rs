@@ -1,0 +1,172 @@
+//! Impacts of a block with friction, as transitions of its pose, against their impulses.
+
+use nalgebra::{Matrix2, Vector2};
+use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::{Block, Common, Contacts, Corner, Foundation};
+use rocking_block::excitation::{Excitation, Inputs, Pulse};
+use rocking_block::system::System;
+use rocking_block::system::evaluation::Motion;
+use rocking_block::system::events::{EventKind, Surface, Transition};
+use rocking_block::system::impact::Velocities;
+use rocking_block::system::instant::{Footing, Pose, State};
+
+use crate::blocks;
+
+const EPSILON: f64 = 0.3;
+
+fn block(foundation: Foundation, friction: f64) -> Block {
+    blocks::block([0.5, 1.5, 50.0, 0.1], &Common { foundation, friction, epsilon: EPSILON, ..Common::default() })
+}
+
+/// The change of a pose that falls through a surface, with the velocities right after.
+fn transition(block: &Block, pose: &Pose, surface: Surface) -> (Transition, Velocities) {
+    let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, block);
+    let now = Motion::from_pose(block, pose, &excitation).at(pose.time, pose.state);
+    let system = System { block: *block, flies: true, slowest: System::SLOWEST };
+    let after = system.transition(pose, &now, surface);
+    let instant = Motion::from_pose(block, &after.pose, &excitation).at(pose.time, after.pose.state).instant;
+    (after, Velocities { u_dot: instant.u_dot, v_dot: instant.v_dot, theta_dot: instant.theta_dot })
+}
+
+#[track_caller]
+fn near(block: &Block, found: Velocities, exact: Velocities, case: &str) {
+    let pairs = [
+        (found.u_dot, exact.u_dot),
+        (found.v_dot, exact.v_dot),
+        (block.r0 * found.theta_dot, block.r0 * exact.theta_dot),
+    ];
+    assert!(pairs.iter().all(|(found, exact)| (found - exact).abs() < 1e-12), "{case}: {found:?}, expected {exact:?}");
+}
+
+/// A corner that comes down from flight rebounds from the rigid base with ε of its rate, and keeps ε of it on a support (17). It stops
+/// horizontally if Coulomb's limit allows that, and otherwise feels the limit.
+#[test]
+fn a_corner_from_flight_stops_or_slides() {
+    let (mut stopped, mut slid) = (0, 0);
+    for foundation in [Foundation::Rigid, Foundation::Viscoelastic] {
+        for friction in [0.05, 0.2, 0.5] {
+            for u_dot in [-3.0, -0.5, -0.1, 0.1, 0.5, 3.0] {
+                let block = block(foundation, friction);
+                let (theta, theta_dot, v_dot) = (-0.2, 0.1, -1.0);
+                let (sin, cos) = libm::sincos(block.alpha + theta);
+                let (across, height) = (block.r0 * sin, block.r0 * cos);
+                let (free_height, restitution) = match foundation {
+                    Foundation::Rigid => (0.0, -EPSILON),
+                    Foundation::Viscoelastic => (block.static_deflection(), EPSILON),
+                };
+                // Less the rise of L over that of the centre of mass, from rest.
+                let v = free_height - (block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta)));
+                let pose = Pose {
+                    time: 0.0,
+                    state: State::from([theta, theta_dot, v, v_dot]),
+                    contacts: Contacts::touching([false; 2], 0.0),
+                    footing: Footing::Free { u: 0.0, u_dot },
+                    ties: NO_TIES,
+                };
+                // Impulses change the velocity of the corner by W times them.
+                let both = -across * height / block.i0;
+                let w = Matrix2::new(1.0 + height * height / block.i0, both, both, 1.0 + across * across / block.i0);
+                let before = Vector2::new(u_dot - height * theta_dot, v_dot + across * theta_dot);
+                let rate = restitution * before.y;
+                let stop = w.try_inverse().unwrap() * (Vector2::new(0.0, rate) - before);
+                let impulse = if stop.x.abs() <= friction * stop.y {
+                    stopped += 1;
+                    stop
+                } else {
+                    slid += 1;
+                    let push = friction * stop.x.signum();
+                    Vector2::new(push, 1.0) * ((rate - before.y) / (w.m21 * push + w.m22))
+                };
+                let exact = Velocities {
+                    u_dot: u_dot + impulse.x,
+                    v_dot: v_dot + impulse.y,
+                    theta_dot: theta_dot + (across * impulse.y - height * impulse.x) / block.i0,
+                };
+                let case = format!("{foundation:?}, μ = {friction}, {u_dot} m/s");
+                assert!(exact.kinetic(&block) <= Velocities { u_dot, v_dot, theta_dot }.kinetic(&block), "{case}");
+                let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
+                near(&block, found, exact, &case);
+                assert_eq!(after.event, Some(EventKind::Landing(Corner::Left)), "{case}");
+                assert_eq!(after.counts.impacts, 1, "{case}");
+            }
+        }
+    }
+    assert!(stopped > 2 && slid > 2, "{stopped} stopped, {slid} slid");
+}
+
+/// Where a sliding block changes its pivot, e determines the vertical impulse, and μ times it slows the new pivot. A change that would
+/// gain energy keeps it, with less than e.
+#[test]
+fn a_sliding_block_changes_its_pivot() {
+    let mut kept = 0;
+    for (friction, epsilon) in [(0.05, 0.0), (0.3, 0.0), (0.6, 0.0), (0.3, 0.9), (0.6, 0.9)] {
+        for slip in [-4.0, -2.0, -0.4, -0.02, 0.02, 0.2, 0.4, 0.6, 2.0, 4.0] {
+            let block = Block { epsilon, ..block(Foundation::Rigid, friction) };
+            let theta_dot = -0.4;
+            let u_dot = block.h * theta_dot + slip;
+            let pose = Pose {
+                time: 0.0,
+                state: State::from([0.0, theta_dot, 0.0, 0.0]),
+                contacts: Contacts::touching([false, true], 0.0),
+                footing: Footing::Slides { u: 0.0, u_dot, direction: slip.signum() },
+                ties: NO_TIES,
+            };
+            // The block turns about R before and about L after: v̇ = b θ̇, then −b θ̇.
+            let before = Velocities { u_dot, v_dot: block.b * theta_dot, theta_dot };
+            let changed = |theta_dot: f64| {
+                let v_dot = -block.b * theta_dot;
+                let most = friction * (v_dot - before.v_dot);
+                let wanted = block.h * theta_dot - u_dot;
+                (Velocities { u_dot: u_dot + wanted.clamp(-most, most), v_dot, theta_dot }, wanted.abs() <= most)
+            };
+            // Housner's with ε = 0.
+            let e = 1.0 - (1.0 - epsilon) * 2.0 * block.b * block.b / (block.i0 + block.r0 * block.r0);
+            let (exact, stops) = changed(e * theta_dot);
+            let case = format!("μ = {friction}, ε = {epsilon}, {slip} m/s");
+            let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
+            if exact.kinetic(&block) <= before.kinetic(&block) {
+                near(&block, found, exact, &case);
+                // A pivot that stops may still slide on under the weight of the block.
+                assert!(stops || !after.pose.footing.grips(), "{case}");
+            } else {
+                kept += 1;
+                let energy = found.kinetic(&block) / before.kinetic(&block);
+                assert!((energy - 1.0).abs() < 1e-12 && found.theta_dot / theta_dot < e, "{case}: {energy}");
+                near(&block, found, changed(found.theta_dot).0, &case);
+            }
+            assert_eq!([after.counts.impacts, after.counts.liftoffs], [1, 1], "{case}");
+        }
+    }
+    assert!(kept > 2, "{kept} changes kept their energy");
+}
+
+/// A block that lands level on its supports from flight, without rotation, keeps a part of its speed: μ times the vertical impulse stops
+/// the rest.
+#[test]
+fn a_level_landing_takes_what_friction_allows() {
+    // Above tan α = 0.546 friction would pull at a corner, which stays up.
+    for friction in [0.1, 0.4] {
+        for u_dot in [-2.0, 2.0] {
+            let block = block(Foundation::Viscoelastic, friction);
+            let v_dot = -1.5;
+            let pose = Pose {
+                time: 0.0,
+                state: State::from([0.0, 0.0, block.static_deflection(), v_dot]),
+                contacts: Contacts::touching([false; 2], 0.0),
+                footing: Footing::Free { u: 0.0, u_dot },
+                ties: NO_TIES,
+            };
+            let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
+            assert_eq!(after.counts.impacts, 2);
+            // ε of the rate remains, downwards, as in (17); both supports push with the same impulse.
+            let vertical = (EPSILON - 1.0) * v_dot;
+            let exact = Velocities {
+                u_dot: u_dot - u_dot.signum() * friction * vertical,
+                v_dot: EPSILON * v_dot,
+                theta_dot: found.theta_dot,
+            };
+            near(&block, found, exact, &format!("μ = {friction}, {u_dot} m/s"));
+            assert!(matches!(after.pose.footing, Footing::Slides { direction, .. } if direction == u_dot.signum()));
+        }
+    }
+}
