@@ -1,6 +1,7 @@
 //! A number with its derivatives in several directions, which formulas carry along exactly.
 //!
 //! Each operation does to the number itself what it does to an `f64`: the values have the bits of plain numbers, and decide alike.
+//! Derivatives are formed in loops: closures over arrays are calls, which cost most of the time.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -26,13 +27,21 @@ impl<const N: usize> Gradient<N> {
     /// The value `re` of a function of both numbers, whose partial derivatives are these.
     #[inline(always)]
     fn chain(self, other: Self, re: f64, [by_self, by_other]: [f64; 2]) -> Self {
-        Gradient { re, eps: std::array::from_fn(|i| self.eps[i] * by_self + other.eps[i] * by_other) }
+        let mut eps = self.eps;
+        for i in 0..N {
+            eps[i] = eps[i] * by_self + other.eps[i] * by_other;
+        }
+        Gradient { re, eps }
     }
 
     /// The value `re` of a function of this number, whose derivative is `slope`.
     #[inline(always)]
     fn map(self, re: f64, slope: f64) -> Self {
-        Gradient { re, eps: self.eps.map(|eps| eps * slope) }
+        let mut eps = self.eps;
+        for part in &mut eps {
+            *part *= slope;
+        }
+        Gradient { re, eps }
     }
 }
 
@@ -55,7 +64,11 @@ impl<const N: usize> Neg for Gradient<N> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Gradient { re: -self.re, eps: self.eps.map(|eps| -eps) }
+        let mut eps = self.eps;
+        for part in &mut eps {
+            *part = -*part;
+        }
+        Gradient { re: -self.re, eps }
     }
 }
 
@@ -64,7 +77,11 @@ impl<const N: usize> Add for Gradient<N> {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Gradient { re: self.re + other.re, eps: std::array::from_fn(|i| self.eps[i] + other.eps[i]) }
+        let mut eps = self.eps;
+        for i in 0..N {
+            eps[i] += other.eps[i];
+        }
+        Gradient { re: self.re + other.re, eps }
     }
 }
 
@@ -73,7 +90,11 @@ impl<const N: usize> Sub for Gradient<N> {
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Gradient { re: self.re - other.re, eps: std::array::from_fn(|i| self.eps[i] - other.eps[i]) }
+        let mut eps = self.eps;
+        for i in 0..N {
+            eps[i] -= other.eps[i];
+        }
+        Gradient { re: self.re - other.re, eps }
     }
 }
 

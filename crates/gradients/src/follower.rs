@@ -10,6 +10,7 @@ use rocking_block::simulation::{Simulation, SimulationError};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::{Evaluation, Motion};
 use rocking_block::system::events::{Event, EventKind, Surface};
+use rocking_block::system::forces::energy;
 use rocking_block::system::instant::{Footing, Pose};
 use rocking_block::system::law::{AnyLaw, Law};
 
@@ -312,6 +313,15 @@ impl Follower {
         let heights = shown.support_heights.map(|top| top.value);
         let seen = observe(&self.system.block, shown.regime, &shown.instant, heights, shown.forcing);
         if simulation.is_frozen() { seen.without_motion() } else { seen }
+    }
+
+    /// Kinetic and total energy (J), and the ground accelerations (m/s²), now.
+    pub fn energies_and_ground(&self, simulation: &Simulation, inputs: &Inputs) -> ([Number; 2], [Number; 2]) {
+        let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(simulation.time()));
+        let (block, now) = (&self.system.block, self.at(&self.pose, &excitation));
+        let (kinetic, potential) = energy(block, now.regime, &now.forcing.ties, &now.instant);
+        let ground = excitation.at(self.pose.time);
+        ([kinetic * block.mass, (kinetic + potential) * block.mass], [ground.x, ground.z])
     }
 
     /// The block now: `[θ, θ̇, w, ẇ]` and its footing, with their derivatives at this time.

@@ -1,7 +1,7 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
 use rocking_block::block::parameters::Common;
-use rocking_block::block::{Block, Dimensionless, Physical, Tie, Ties};
+use rocking_block::block::{Block, Dimensionless, Foundation, Physical, Tie, Ties};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
@@ -30,12 +30,70 @@ pub struct Parameters<T = f64> {
     pub initial: Initial<T>,
     /// The pulse.
     pub pulse: Pulse<T>,
-    /// The scale of the records (1).
-    pub scale: T,
+    /// The scale of the records (1), if there are any.
+    pub scale: Option<T>,
+}
+
+/// The parameters with their units.
+const PARAMETERS: [(&str, &str); 25] = [
+    ("alpha", "rad"),
+    ("p", "rad/s"),
+    ("eta", "1"),
+    ("xi_v", "1"),
+    ("width", "m"),
+    ("height", "m"),
+    ("K", "N/m"),
+    ("C", "N.s/m"),
+    ("inertia", "kg.m2"),
+    ("mass", "kg"),
+    ("gamma", "1"),
+    ("epsilon", "1"),
+    ("g", "m/s2"),
+    ("restitution_factor", "1"),
+    ("eccentricity", "m"),
+    ("friction", "1"),
+    ("initial.theta", "rad"),
+    ("initial.theta_dot", "rad/s"),
+    ("initial.v", "m"),
+    ("initial.v_dot", "m/s"),
+    ("pulse.amplitude", "m/s2"),
+    ("pulse.period", "s"),
+    ("pulse.start", "s"),
+    ("pulse.phase", "rad"),
+    ("scale", "1"),
+];
+
+/// The parameters of a tie with their units.
+const OF_TIE: [(&str, &str); 9] = [
+    ("block_x", "m"),
+    ("block_z", "m"),
+    ("ground_x", "m"),
+    ("ground_z", "m"),
+    ("stiffness", "N/m"),
+    ("pretension", "N"),
+    ("slack", "m"),
+    ("damping", "N.s/m"),
+    ("strength", "N"),
+];
+
+/// Returns the unit of a parameter; `1` for one without a unit.
+pub fn unit(name: &str) -> &'static str {
+    let of_tie = name.split_once('.').and_then(|(_, name)| OF_TIE.iter().find(|(known, _)| *known == name));
+    PARAMETERS.iter().find(|(known, _)| *known == name).or(of_tie).map_or("1", |(_, unit)| unit)
+}
+
+impl Parameters {
+    /// Returns the names of all parameters that are read.
+    pub fn names(&self) -> Vec<String> {
+        let of_ties = (1..=self.ties.len()).flat_map(|tie| OF_TIE.map(|(name, _)| format!("tie_{tie}.{name}")));
+        let all = PARAMETERS.iter().map(|(name, _)| name.to_string()).chain(["pulse.cycles".into()]).chain(of_ties);
+        let mut parameters = self.clone();
+        all.filter(|name| parameters.number(name).is_some()).collect()
+    }
 }
 
 impl<T: Elementary> Parameters<T> {
-    /// The parameter of this name, if these have it.
+    /// The parameter of this name, if these have it and it is read.
     pub fn number(&mut self, name: &str) -> Option<&mut T> {
         let Parameters { given, common, ties, initial, pulse, scale } = self;
         if let Some((tie, of)) = name.strip_prefix("tie_").and_then(|rest| rest.split_once('.')) {
@@ -49,37 +107,50 @@ impl<T: Elementary> Parameters<T> {
                 "pretension" => Some(&mut tie.pretension),
                 "slack" => Some(&mut tie.slack),
                 "damping" => Some(&mut tie.damping),
-                "strength" => Some(&mut tie.strength),
+                // 0 stands for one that does not break.
+                "strength" if tie.strength.value() > 0.0 => Some(&mut tie.strength),
                 _ => None,
             };
         }
-        match (name, given) {
-            ("alpha", Given::Dimensionless(of)) => Some(&mut of.alpha),
-            ("p", Given::Dimensionless(of)) => Some(&mut of.p),
-            ("eta", Given::Dimensionless(of)) => Some(&mut of.eta),
-            ("xi_v", Given::Dimensionless(of)) => Some(&mut of.xi_v),
-            ("width", Given::Physical(of)) => Some(&mut of.width),
-            ("height", Given::Physical(of)) => Some(&mut of.height),
-            ("K", Given::Physical(of)) => Some(&mut of.stiffness),
-            ("C", Given::Physical(of)) => Some(&mut of.damping),
-            ("inertia", Given::Physical(of)) => of.inertia.as_mut(),
-            ("mass", _) => Some(&mut common.mass),
-            ("gamma", _) => Some(&mut common.gamma),
-            ("epsilon", _) => Some(&mut common.epsilon),
-            ("g", _) => Some(&mut common.gravity),
-            ("restitution_factor", _) => Some(&mut common.restitution_factor),
-            ("eccentricity", _) => Some(&mut common.eccentricity),
-            ("friction", _) => Some(&mut common.friction),
-            ("initial.theta", _) => Some(&mut initial.theta),
-            ("initial.theta_dot", _) => Some(&mut initial.theta_dot),
-            ("initial.v", _) => initial.vertical.as_mut().map(|(v, _)| v),
-            ("initial.v_dot", _) => initial.vertical.as_mut().map(|(_, v_dot)| v_dot),
-            ("pulse.amplitude", _) if pulse.shape != PulseShape::None => Some(&mut pulse.amplitude),
-            ("pulse.period", _) if pulse.shape != PulseShape::None => Some(&mut pulse.period),
-            ("pulse.start", _) if pulse.shape != PulseShape::None => Some(&mut pulse.start),
-            ("pulse.phase", _) if pulse.shape == PulseShape::Gabor => Some(&mut pulse.phase),
-            ("pulse.cycles", _) if pulse.shape == PulseShape::Gabor => Some(&mut pulse.cycles),
-            ("scale", _) => Some(scale),
+        let on_supports = common.foundation == Foundation::Viscoelastic;
+        match given {
+            Given::Dimensionless(of) => match name {
+                "alpha" => return Some(&mut of.alpha),
+                "p" => return Some(&mut of.p),
+                "eta" if on_supports => return Some(&mut of.eta),
+                "xi_v" if on_supports => return Some(&mut of.xi_v),
+                _ => {}
+            },
+            Given::Physical(of) => match name {
+                "width" => return Some(&mut of.width),
+                "height" => return Some(&mut of.height),
+                "K" if on_supports => return Some(&mut of.stiffness),
+                "C" if on_supports => return Some(&mut of.damping),
+                "inertia" => return of.inertia.as_mut(),
+                "gamma" if of.inertia.is_some() => return None,
+                _ => {}
+            },
+        }
+        let (acts, gabor) = (pulse.shape != PulseShape::None, pulse.shape == PulseShape::Gabor);
+        match name {
+            "mass" => Some(&mut common.mass),
+            "gamma" => Some(&mut common.gamma),
+            "epsilon" => Some(&mut common.epsilon),
+            "g" => Some(&mut common.gravity),
+            "restitution_factor" if !on_supports => Some(&mut common.restitution_factor),
+            "eccentricity" => Some(&mut common.eccentricity),
+            // 0 stands for no limit.
+            "friction" if common.friction.value() > 0.0 => Some(&mut common.friction),
+            "initial.theta" => Some(&mut initial.theta),
+            "initial.theta_dot" => Some(&mut initial.theta_dot),
+            "initial.v" => initial.vertical.as_mut().map(|(v, _)| v),
+            "initial.v_dot" => initial.vertical.as_mut().map(|(_, v_dot)| v_dot),
+            "pulse.amplitude" if acts => Some(&mut pulse.amplitude),
+            "pulse.period" if acts => Some(&mut pulse.period),
+            "pulse.start" if acts => Some(&mut pulse.start),
+            "pulse.phase" if gabor => Some(&mut pulse.phase),
+            "pulse.cycles" if gabor => Some(&mut pulse.cycles),
+            "scale" => scale.as_mut().filter(|scale| scale.value() != 0.0),
             _ => None,
         }
     }
@@ -136,7 +207,7 @@ impl<T: Elementary> Parameters<T> {
                 phase: of(self.pulse.phase),
                 cycles: of(self.pulse.cycles),
             },
-            scale: of(self.scale),
+            scale: self.scale.map(&of),
         }
     }
 }
@@ -166,7 +237,7 @@ impl Varied {
             Given::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, &common),
             Given::Physical(physical) => Block::of_physical(physical, &common),
         };
-        let ground = Number::new(1.0, scale.eps.map(|eps| eps / scale.re));
+        let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
         let block = with_values(Block { ties: Ties::of(&ties), ..derived }, block);
         Some(Varied { block, initial, pulse, ground })
     }

@@ -9,6 +9,7 @@ use crate::run_options::warn_of_soft_supports;
 use crate::tie::tie;
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
 use rocking_block::words::Words;
+use rocking_gradients::Given;
 
 /// The parameters of a block.
 #[derive(Args)]
@@ -143,12 +144,21 @@ impl BlockOptions {
     }
 
     fn checked(&self) -> anyhow::Result<Block> {
+        let (given, common) = self.given()?;
+        let block = match given {
+            Given::Dimensionless(dimensionless) => Block::from_dimensionless(&dimensionless, &common)?,
+            Given::Physical(physical) => Block::from_physical(&physical, &common)?,
+        };
+        Ok(self.extended.tied(block)?)
+    }
+
+    /// Returns the parameters, in the way in which they are given.
+    pub fn given(&self) -> anyhow::Result<(Given, Common)> {
         let BlockOptions { alpha, p, eta, xi_v, mass, gamma, epsilon, g, foundation, restitution_factor, .. } = *self;
         let common = Common { mass, gamma, epsilon, gravity: g, foundation, restitution_factor, ..Common::default() };
         let common = self.extended.common(common);
         let BlockOptions { width: Some(width), height, center_height, inertia, stiffness, damping, .. } = *self else {
-            let block = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common)?;
-            return Ok(self.extended.tied(block)?);
+            return Ok((Given::Dimensionless(Dimensionless { alpha, p, eta, xi_v }), common));
         };
         let height = center_height.map(|height| 2.0 * height).or(height);
         let height = height.context("--width without --height; expected both, or --center-height")?;
@@ -162,7 +172,6 @@ impl BlockOptions {
             // The rigid base reads neither; these make a valid block.
             (Foundation::Rigid, ..) => (mass * g / height, 0.0),
         };
-        let block = Block::from_physical(&Physical { width, height, stiffness, damping, inertia }, &common)?;
-        Ok(self.extended.tied(block)?)
+        Ok((Given::Physical(Physical { width, height, stiffness, damping, inertia }), common))
     }
 }

@@ -61,6 +61,8 @@ mod tie;
 
 mod block_options;
 
+mod gradients;
+
 mod summary;
 
 mod simulate;

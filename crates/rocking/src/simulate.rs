@@ -11,6 +11,7 @@ use crate::choices;
 use crate::excitation::{Excitation, ExcitationOptions};
 use crate::explicit_options::ExplicitOptions;
 use crate::formats::{PictureOptions, check_table};
+use crate::gradients;
 use crate::output::{NamedFile, Pending, check_distinct};
 use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles};
@@ -20,7 +21,9 @@ use rocking_block::block::{Foundation, TieState};
 use rocking_block::simulation::{Ending, Initial, OnSeparation};
 use rocking_block::words::Words;
 use rocking_charts::picture::PictureFormat;
+use rocking_gradients::Parameters;
 use rocking_records::{ReadOptions, Record};
+use rocking_studies::run::gradients::Gradients;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::stopping_rule::loses_energy;
 use rocking_studies::run::table;
@@ -55,6 +58,10 @@ pub struct Options {
     /// Report the longest time for which |H|/(N_L + N_R) exceeds this coefficient of friction, checked every ms
     #[arg(long, value_name = "MU", help_heading = "Results")]
     friction_demand: Option<f64>,
+    /// Add the derivatives of all columns, of the peaks and of the times of the events with respect to these parameters to table and
+    /// summary: alpha, eta, scale, pulse.period, initial.theta, tie_1.stiffness and so on, by the names of the FMU
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = "Results")]
+    gradients: Vec<String>,
     /// List each event in the summary
     #[arg(long, help_heading = "Results")]
     events: bool,
@@ -96,13 +103,15 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
 
     const PARTS: u64 = 1000;
     let mut bar = Progress::new(PARTS, 0);
-    let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
+    let progress = |part| bar.show((part * PARTS as f64) as u64);
+    let (history, derivatives) = options.history(&run, progress)?;
     bar.clear();
 
     let mut files = Vec::new();
     if let Some(file) = csv_file {
         let mut bytes = Vec::new();
-        table::write(&run.block, &history, &mut bytes).context("the table cannot be written")?;
+        table::write(&run.block, &history, &derivatives.parameters, &mut bytes)
+            .context("the table cannot be written")?;
         files.push((file, bytes));
     }
     if let Some(file) = picture_file {
@@ -115,10 +124,12 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     }
     let written = WrittenFiles::new(outputs);
     let demand = options.friction_demand.map(|demand| (demand, run.longest_above(demand)));
-    let text = summary(&run, &history, &excitation, demand, options.events) + &written.lines();
+    let text = summary(&run, &history, &excitation, demand, options.events)
+        + &gradients::lines(&derivatives)
+        + &written.lines();
     let warnings =
         is_embedded(explicit).then(|| format!("no excitation given: the embedded record {} was used", EMBEDDED.0));
-    let json = Summary::new(&run, &history, &excitation, demand, options.events);
+    let json = Summary::new(&run, &history, &derivatives, &excitation, demand, options.events);
     options.report.print("simulate", &written, warnings.as_slice(), &text, &json)
 }
 
@@ -131,6 +142,25 @@ impl Options {
         let folder = Path::new("out");
         std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
         Ok((Some(folder.join("rocking.csv")), Some(folder.join("rocking.png"))))
+    }
+
+    /// Makes the run, with its derivatives if any are asked for.
+    fn history(&self, run: &Run, progress: impl FnMut(f64)) -> anyhow::Result<(History, Gradients)> {
+        if self.gradients.is_empty() {
+            return Ok((run.history(progress)?, Gradients::default()));
+        }
+        let (given, common) = self.block.given()?;
+        let parameters = Parameters {
+            given,
+            common,
+            ties: run.block.ties.all().to_vec(),
+            initial: run.initial,
+            pulse: run.pulse,
+            scale: (!run.ground.is_empty()).then_some(self.excitation.scale),
+        };
+        gradients::check(&parameters, &self.gradients)?;
+        let made = run.history_with_gradients(&parameters, &self.gradients, progress);
+        Ok(made.context("gradients: a parameter is missing")??)
     }
 
     /// Refuses options without effect.

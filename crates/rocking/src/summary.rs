@@ -2,10 +2,13 @@
 
 use serde::Serialize;
 
+use crate::gradients::{GradientSummary, GrazingSummary, summaries};
+
 use rocking_block::block::{Block, Corner, Foundation, Tie, TieState};
 use rocking_block::simulation::Energies;
 use rocking_block::system::events::Event;
 use rocking_block::words::Words;
+use rocking_studies::run::gradients::Gradients;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
 
@@ -31,6 +34,12 @@ pub struct Summary<'a> {
     /// Only with `--tie`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     ties: Vec<TieSummary>,
+    /// Only with `--gradients`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    gradients: Vec<GradientSummary<'a>>,
+    /// Only with `--gradients`, where an event grazes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grazing: Option<GrazingSummary>,
     events: Events,
     /// At the end of the run.
     energy: Energy,
@@ -165,6 +174,7 @@ impl<'a> Summary<'a> {
     pub fn new(
         run: &Run,
         history: &History,
+        gradients: &'a Gradients,
         excitation: &'a str,
         demand: Option<(f64, f64)>,
         with_events: bool,
@@ -196,6 +206,8 @@ impl<'a> Summary<'a> {
             ties: (ties.iter().zip(peaks.tension).take(run.block.ties.all().len()))
                 .map(|(state, peak_tension)| TieSummary { peak_tension, broken: *state == TieState::Broken })
                 .collect(),
+            gradients: summaries(gradients),
+            grazing: gradients.grazing.as_ref().map(GrazingSummary::of),
             events: Events {
                 impacts: counts.impacts,
                 liftoffs: counts.liftoffs,

@@ -208,7 +208,7 @@ impl Engine {
     fn csv(&self) -> Result<(Value, Vec<u8>), Vec<FieldError>> {
         let (run, history, _) = self.last()?;
         let mut bytes = Vec::new();
-        table::write(&run.block, history, &mut bytes)
+        table::write(&run.block, history, &[], &mut bytes)
             .map_err(|error| vec![FieldError::new("run", error.to_string())])?;
         Ok((json!({}), bytes))
     }

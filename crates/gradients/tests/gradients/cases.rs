@@ -82,7 +82,7 @@ pub fn reference(folder: &str, name: &str) -> Run {
                 start: 0.0,
                 ..Pulse::NONE
             },
-            scale: 1.0,
+            scale: None,
         },
         ground: Ground::default(),
         flies: false,
@@ -97,6 +97,6 @@ pub fn reference(folder: &str, name: &str) -> Run {
 pub fn under_record(folder: &str, name: &str, scale: f64) -> Run {
     let mut run = reference(folder, name);
     run.parameters.pulse = Pulse::NONE;
-    run.parameters.scale = scale;
+    run.parameters.scale = Some(scale);
     Run { name: format!("{name} under a record"), ground: record(), ..run }
 }

@@ -59,7 +59,7 @@ impl Run {
         let Parameters { initial, pulse, scale, .. } = &self.parameters;
         let on_separation = if self.flies { OnSeparation::Fly } else { OnSeparation::Terminate };
         let settings = Settings { tolerance: self.tolerance, on_separation, ..Settings::default() };
-        let ground = self.ground.clone().scaled(*scale);
+        let ground = self.ground.clone().scaled(scale.unwrap_or(1.0));
         let simulation = Simulation::new(self.block(), settings, *pulse, initial, 0.0, &ground.inputs_from(0.0).0);
         (simulation, ground)
     }

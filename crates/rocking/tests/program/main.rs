@@ -5,6 +5,7 @@
 //! | `holds` | eccentricity, friction and ties: options, columns, limits |
 //! | `inputs` | options, study files and records: values, choices, refusals |
 //! | `simulate` | single runs: table, picture and summary |
+//! | `gradients` | derivatives of single runs |
 //! | `sketch` | pictures of a block and its values |
 //! | `frame` | columns under a beam: block, table, refusals |
 //! | `foundations` | friction, restitution and supports with their sources |
@@ -13,6 +14,7 @@
 
 mod foundations;
 mod frame;
+mod gradients;
 mod holds;
 mod inputs;
 #[cfg(unix)]

@@ -7,9 +7,11 @@
 //! | [`limit`] | the end and the peak of a run → whether a limit is exceeded |
 //! | [`sliding`] | a run, a coefficient of friction → the longest time for which the demand exceeds it |
 //! | [`batch`] | runs → their outcomes, several of them stepped at once |
+//! | [`gradients`] | a run, parameters → its history with derivatives |
 //! | [`table`] | a history → a CSV table |
 
 pub mod batch;
+pub mod gradients;
 pub mod limit;
 pub mod outcome;
 pub mod sliding;
@@ -116,11 +118,16 @@ impl Run {
             rows.push(self.row(simulation, inputs));
             progress(done);
         })?;
+        Ok(self.finished(&simulation, rows, events))
+    }
+
+    /// The history of the run that has ended with this simulation.
+    fn finished(&self, simulation: &Simulation, rows: Vec<Row>, events: Vec<Event>) -> History {
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
-        let end = self.end(&simulation);
-        let is_at_rest = end == End::Completed && is_at_rest(&simulation);
+        let end = self.end(simulation);
+        let is_at_rest = end == End::Completed && is_at_rest(simulation);
         let (slip, ties) = (simulation.slip(), simulation.ties());
-        Ok(History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties })
+        History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties }
     }
 
     /// Makes the run without keeping rows; the stops, and so the bits, are those of [`Run::history`].

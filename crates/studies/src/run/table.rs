@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use crate::run::gradients::{Derivatives, has_derivative};
 use crate::run::outcome::Holds;
 use crate::run::{History, Row};
 use rocking_block::block::Block;
@@ -82,13 +83,25 @@ pub fn columns(block: &Block) -> Vec<Column> {
     columns
 }
 
-/// Writes a block's history as CSV; numbers have the digits that restore them exactly.
-pub fn write(block: &Block, history: &History, out: impl Write) -> csv::Result<()> {
+/// Writes a block's history as CSV, with the derivatives of its columns after them; numbers have the digits that restore them
+/// exactly.
+pub fn write(block: &Block, history: &History, gradients: &[Derivatives], out: impl Write) -> csv::Result<()> {
     let columns = columns(block);
+    let varied: Vec<&Column> = columns.iter().filter(|column| has_derivative(column)).collect();
+    let heading = |Column { name, unit, .. }: &Column| format!("{name} [{unit}]");
+    let derivative = |of: &Derivatives, Column { name, unit, .. }: &Column| {
+        let (parameter, per) = (&of.name, rocking_gradients::unit(&of.name));
+        let unit = if per == "1" { (*unit).into() } else { format!("({unit})/({per})") };
+        format!("d({name})/d({parameter}) [{unit}]")
+    };
     let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(columns.iter().map(|Column { name, unit, .. }| format!("{name} [{unit}]")))?;
-    for row in &history.rows {
-        writer.write_record(columns.iter().map(|column| column.value(row).to_string()))?;
+    let of_derivatives = gradients.iter().flat_map(|of| varied.iter().map(move |column| derivative(of, column)));
+    writer.write_record(columns.iter().map(heading).chain(of_derivatives))?;
+    for (i, row) in history.rows.iter().enumerate() {
+        let values = columns.iter().map(|column| column.value(row).to_string());
+        let of = |of: &Derivatives, column: &Column| column.value(&of.rows[i]).to_string();
+        let derivatives = gradients.iter().flat_map(|gradient| varied.iter().map(move |column| of(gradient, column)));
+        writer.write_record(values.chain(derivatives))?;
     }
     writer.flush()?;
     Ok(())
