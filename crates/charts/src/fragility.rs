@@ -84,6 +84,26 @@ pub fn curve(
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
+/// Draws the curves of several limits, each with its name, over the measure with this heading.
+pub fn states(title: &str, curves: &[(String, &Assessment)], heading: &str) -> Result<String, PictureError> {
+    let measures = curves.iter().flat_map(|(_, found)| found.data.observations()).map(|row| row.measures[0]);
+    let x = range(measures);
+    let at = (1..=POINTS).map(|point| x.end * f64::from(point) / f64::from(POINTS));
+    let line = |found: &Assessment| at.clone().map(|measure| (measure, found.fit.probability(&[measure]))).collect();
+    let styles = (0..curves.len()).map(LineStyle::of);
+    let drawn = curves.iter().zip(styles.clone()).map(|((_, found), style)| Curve::new(style, vec![line(found)]));
+    let legend: Vec<_> =
+        curves.iter().zip(styles).map(|((name, _), style)| (Symbol::Curve(style), name.clone())).collect();
+    let (axis, _) = axis(heading);
+    let chart = Chart {
+        x: (&axis, x.clone()),
+        y: ("probability of exceeding the limit", -0.05..1.05),
+        curves: drawn.collect(),
+        ..Chart::default()
+    };
+    page(&[title.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
+}
+
 /// Draws the peaks over the levels of a measure for each block and ground motion, with their fractiles.
 ///
 /// A curve goes to the right edge if its block overturns at the next level, and returns when it stands again.

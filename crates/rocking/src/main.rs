@@ -26,6 +26,7 @@
 //! | [`relative_measure`] | options of a block → the measure of records behind a measure relative to the block |
 //! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
 //! | [`search`] | range → the values at which the outcome changes |
+//! | [`assess`] | study file with an object → a page on it, with pictures and tables |
 //! | [`record`] | accelerograms → their contents and intensity measures |
 //! | [`pulse`] | an accelerogram → the pulse that fits it best |
 //! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
@@ -89,6 +90,8 @@ mod rate;
 
 mod search;
 
+mod assess;
+
 mod record;
 
 mod pulse;
@@ -137,6 +140,8 @@ enum Command {
     Rate(Box<rate::Options>),
     /// Find the values at which a block begins to overturn or to leave the ground
     Search(Box<search::Options>),
+    /// Assess one object: a page with its fragility, annual rates, variants and sensitivity
+    Assess(Box<assess::Options>),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
     Record(Box<record::Options>),
     /// Fit a pulse to the velocity of an accelerogram
@@ -229,6 +234,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
         Some(Command::Rate(options)) => rate::run(&options, &explicit),
         Some(Command::Search(options)) => search::run(&options, &explicit),
+        Some(Command::Assess(options)) => assess::run(&options),
         Some(Command::Record(options)) => record::run(&options),
         Some(Command::Pulse(options)) => pulse::run(&options, &explicit),
         Some(Command::Foundations(options)) => foundations::run(&options),

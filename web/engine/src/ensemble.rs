@@ -88,6 +88,7 @@ pub fn read(mut fields: Fields, inputs: Inputs, vertical: &Vertical) -> Result<S
         duration: inputs.run.duration,
         step: None,
         friction_demand: None,
+        changes: Vec::new(),
     };
     fields.finish(Study { sweep, strengths, file })
 }

@@ -23,6 +23,9 @@ use rocking_block::unit::variables::{Kind, Variable};
 /// Greatest number of rows of a sweep.
 const MAX_ROWS: u64 = 1_000_000_000;
 
+/// The tables of a study file. `rocking assess` reads the last one; a sweep leaves it unread.
+pub const SECTIONS: [&str; 5] = ["study", "parameters", "records", "building", "assess"];
+
 /// A parameter of the file and the place of its value in the text.
 struct GivenParameter<'a> {
     value: SpannedValue<'a>,
@@ -35,7 +38,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
     let source = StudyText { file, text };
     let document = source.parse()?;
     let (table, place) = (document.get_ref(), document.span());
-    let root = Section::new(source, "the file", place, table, &["study", "parameters", "records", "building"])?;
+    let root = Section::new(source, "the file", place, table, &SECTIONS)?;
     let keys = ["design", "samples", "seed", "periods", "tolerance", "duration", "step", "friction_demand", "ensemble"];
     let keys = [&keys[..], &strength::KEYS].concat();
     let study = root.section("study", &keys)?.ok_or_else(|| root.lacks("[study]", "design = \"grid\" at least"))?;
@@ -115,6 +118,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<Sweep, StudyFileErr
         duration: study.number("duration", |x| x > 0.0 && x <= MAX_DURATION, "a time > 0 s, at most 1e6 s")?,
         step: study.number("step", |x| x >= MIN_STEP, "a time of at least 1e-6 s")?,
         friction_demand,
+        changes: Vec::new(),
     };
     check(&sweep, &given, &study, source)?;
     Ok(sweep)

@@ -6,9 +6,11 @@
 //! | [`ground_motion`] | records → ground motions with their measures |
 //! | [`strength`] | `scales`, `levels` or `least` → factors on the records |
 //! | [`ensemble`] | distributions of uncertain quantities → samples of each row, probabilities |
+//! | [`change`] | a block → the same block with another base, foundation, friction or ties |
 //! | `records` | `[[records]]` of a study file → ground motions |
 //! | [`mod@file`] | a study file → a sweep with valid values |
 
+pub mod change;
 pub mod ensemble;
 pub mod file;
 pub mod ground_motion;
@@ -26,12 +28,14 @@ use crate::run::batch::outcomes;
 use crate::run::outcome::{End, Holds, Outcome};
 use crate::run::sliding;
 use crate::search::{self, OutcomeMap, Scan};
+use crate::sweep::change::Change;
 use crate::sweep::ensemble::{Ensemble, SpreadTarget};
 use crate::sweep::ground_motion::GroundMotion;
 use crate::sweep::parameters::{Design, ParameterValues, SweptParameter};
 use crate::sweep::strength::Strengths;
-use rocking_block::block::Block;
+use rocking_block::block::{Block, BlockError};
 use rocking_block::excitation::PulseShape;
+use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::Width;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::values::Values;
@@ -64,6 +68,8 @@ pub struct Sweep {
     pub step: Option<f64>,
     /// Friction demand (1) of the column with the longest time above it, if any.
     pub friction_demand: Option<f64>,
+    /// Changes of each block, one after the other. The ground motions stay those of the blocks without them.
+    pub changes: Vec<Change>,
 }
 
 impl Sweep {
@@ -99,7 +105,8 @@ impl Sweep {
             })
         };
         let ties = [Variable::Tie1Stiffness, Variable::Tie2Stiffness].into_iter().rposition(any);
-        Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) }
+        let holds = Holds { friction: any(Variable::Friction), ties: ties.map_or(0, |last| last + 1) };
+        self.changes.iter().fold(holds, |holds, change| change.holds(holds))
     }
 
     /// Whether the blocks stand on the floors of a building.
@@ -127,9 +134,57 @@ impl Sweep {
         self.run_of(values, motion, *scale)
     }
 
+    /// The same sweep of changed blocks, under the same ground motions.
+    #[must_use]
+    pub fn with(&self, changes: &[Change]) -> Sweep {
+        Sweep { changes: [&self.changes, changes].concat(), ..self.clone() }
+    }
+
+    /// Checks that all blocks are valid with these changes, and that one of them reads each changed parameter.
+    ///
+    /// # Errors
+    /// The first invalid parameter, or the condition under which a block would read an unread one.
+    pub fn check_changes(&self, changes: &[Change]) -> Result<(), String> {
+        let changed = self.with(changes);
+        // The condition under which a block reads the parameter; `None` once a combination has read it.
+        let mut unread = Some("a combination");
+        for number in 0..self.combinations().unwrap_or(0) {
+            let values = self.values(&self.combination(number));
+            changed.block(&values).map_err(|error| error.to_string())?;
+            let values = changes.iter().fold(values, |values, change| change.values(values));
+            let found = changes.iter().find_map(|change| {
+                let parameter = change.parameter()?.name();
+                values.unread_by_motion().find(|(name, _)| *name == parameter).map(|(_, needed)| needed)
+            });
+            unread = unread.and(found);
+        }
+        unread.map_or(Ok(()), |needed| Err(format!("no block of the study reads it; expected {needed}")))
+    }
+
+    /// The variables in the middle of the study: each parameter in the middle of its range or list.
+    pub fn middle(&self) -> Values {
+        let middle: Vec<f64> = self.parameters.iter().map(|swept| swept.values.at(0.5)).collect();
+        self.values(&middle)
+    }
+
+    /// A ground motion at one of the strengths, scaled for a block where the strength is relative to it.
+    pub fn ground(&self, motion: usize, strength: u64, block: &Block) -> Ground {
+        let motion = &self.motions[motion];
+        motion.ground.clone().scaled(self.strengths.scale(strength, motion, block))
+    }
+
+    /// The block of these values with the changes of the sweep.
+    ///
+    /// # Errors
+    /// The first parameter that a change makes invalid.
+    pub fn block(&self, values: &Values) -> Result<Block, BlockError> {
+        let changed = self.changes.iter().fold(values.clone(), |values, change| change.values(values));
+        self.changes.iter().try_fold(changed.block()?, |block, change| change.block(block))
+    }
+
     fn run_of(&self, values: &Values, motion: &GroundMotion, scale: f64) -> Run {
         Run {
-            block: values.block().unwrap_or_else(|error| unreachable!("{error}")),
+            block: self.block(values).unwrap_or_else(|error| unreachable!("{error}")),
             settings: values.settings(Some(self.tolerance)),
             initial: values.initial(),
             pulse: values.pulse(),
@@ -225,6 +280,7 @@ impl Study for Sweep {
         let mut study = vec![concat!("rocking-block ", env!("CARGO_PKG_VERSION"), " sweep").to_string()];
         study.extend(self.text.iter().cloned());
         study.push(format!("on_separation = {:?}, where the study does not name it", self.on_separation));
+        study.extend(self.changes.iter().map(|change| format!("each block changed: {change:?}")));
         for GroundMotion { names, ground, floor, .. } in &self.motions {
             let floor = floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
             study.push(format!("{}{floor}: {}", names.join(" + "), ground.fingerprint()));
@@ -296,8 +352,8 @@ impl Sweep {
     /// The row of a run followed by its samples, each with the slenderness (rad) of its block.
     fn row_of(&self, inputs: &RowInputs, made: &[(f64, Outcome)]) -> StudyRow {
         let mut fields = self.input_fields(inputs);
-        let (_, outcome) = &made[0];
-        fields.extend(outcome.fields(inputs.block.alpha));
+        let (alpha, outcome) = &made[0];
+        fields.extend(outcome.fields(*alpha));
         fields.extend(self.holds().fields(&outcome.peaks));
         let time_above = |demand| self.nominal_run(inputs).longest_above(demand).to_string();
         fields.extend(self.friction_demand.map(time_above));

@@ -44,7 +44,7 @@ impl Strengths {
     }
 
     /// Factor on the records in a row of a ground motion; 1 for a row that searches a whole range.
-    pub(super) fn scale(&self, number: u64, motion: &GroundMotion, block: &Block) -> f64 {
+    pub(crate) fn scale(&self, number: u64, motion: &GroundMotion, block: &Block) -> f64 {
         match self {
             Strengths::Scales(scales) => scales[number as usize],
             Strengths::Levels(measure, values) => motion.scale_to(*measure, values[number as usize], block),

@@ -1,0 +1,53 @@
+//! A plan → the commands that give the same numbers.
+
+use rocking_block::block::{Block, Foundation};
+use rocking_block::words::Words;
+use rocking_studies::assess::{Found, Plan};
+
+/// Returns a line for each command.
+pub fn commands(plan: &Plan, found: &Found) -> Vec<String> {
+    let report = &found.report;
+    let (im, study) = (plan.measure.to_string(), &plan.file);
+    let limit = &report.states[report.compared_state].limit;
+    let mut commands = vec![
+        format!("rocking assess {} --out report", quoted(study)),
+        format!("rocking sweep {} --csv runs.csv", quoted(study)),
+        format!("rocking fragility runs.csv --im {} --limit {}", quoted(&im), quoted(limit)),
+    ];
+    if let Some(hazard) = &report.hazard {
+        let file = quoted(&hazard.file);
+        commands.push(format!(
+            "rocking rate {file} --table runs.csv --im {} --limit {} --years {}",
+            quoted(&im),
+            quoted(limit),
+            report.years
+        ));
+    }
+    commands.extend(pulses(plan));
+    commands
+}
+
+/// The search of the first pulse, for a block that the command line can describe by α, p and its foundation.
+fn pulses(plan: &Plan) -> Option<String> {
+    let Block { alpha, p, gamma, gravity, epsilon, restitution_factor, xi_v, .. } = plan.block;
+    if plan.block.is_extended() {
+        return None;
+    }
+    let base = match plan.block.foundation {
+        Foundation::Rigid => format!("--foundation rigid --restitution-factor {restitution_factor}"),
+        Foundation::Viscoelastic => format!("--eta {} --xi-v {xi_v}", plan.block.eta()),
+    };
+    Some(format!(
+        "rocking search overturning --pulse {} --period {} --alpha {alpha} --p {p} --gamma {gamma} --g {gravity} \
+         --epsilon {epsilon} {base} --tolerance {}",
+        plan.pulse.word(),
+        plan.pulse_periods[0],
+        plan.sweep.tolerance
+    ))
+}
+
+/// A word of a command line, in quotes where a shell needs them.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "._-/".contains(c);
+    if word.chars().all(plain) { word.into() } else { format!("\"{word}\"") }
+}

@@ -1,0 +1,68 @@
+//! The results of an assessment → a page with its pictures and tables.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `numbers` | numbers → text with their units |
+//! | `pictures` | results → drawings |
+//! | `tables` | results → CSV |
+//! | `sentences` | results → plain English |
+//! | `commands` | a plan → the commands that give the same numbers |
+//! | `page` | all of these → HTML |
+
+mod commands;
+mod numbers;
+mod page;
+mod pictures;
+mod sentences;
+mod tables;
+
+use rocking_charts::picture::{PictureError, PictureFormat};
+use rocking_studies::assess::{Found, Plan};
+
+/// Name of the page.
+pub const PAGE: &str = "report.html";
+
+/// The reason why a report cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A picture cannot be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The page cannot be filled.
+    #[error("the page cannot be filled: {0}")]
+    Page(#[from] askama::Error),
+    /// A table cannot be written or read.
+    #[error("a table cannot be made: {0}")]
+    Table(#[from] csv::Error),
+    /// The curves of incremental dynamic analysis cannot be read from the runs.
+    #[error(transparent)]
+    Runs(#[from] rocking_studies::fragility::SweepTableError),
+}
+
+/// Returns the result in a few sentences, a line each.
+pub fn text(found: &Found) -> String {
+    sentences::summary(&found.report, range(found)).into_iter().map(|sentence| sentence + "\n").collect()
+}
+
+/// Least and greatest measure of the runs; they are the same for variants, which stand under the same ground motions.
+fn range(found: &Found) -> [f64; 2] {
+    let measures = found.table.numbers(&found.report.im).unwrap_or_default();
+    [f64::min, f64::max].map(|of| measures.iter().flatten().copied().reduce(of).unwrap_or(f64::NAN))
+}
+
+/// Makes the files of a report, with their names: the page first, then its pictures and tables.
+///
+/// The bytes depend on the study alone.
+///
+/// # Errors
+/// None in practice: all results can be drawn and written.
+pub fn files(plan: &Plan, found: &Found) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let pictures = pictures::pictures(plan, found)?;
+    let page = page::page(plan, found, &pictures)?;
+    let mut files = vec![(PAGE.to_string(), page.into_bytes())];
+    for picture in &pictures {
+        files.push((format!("{}.png", picture.name), PictureFormat::Png.encode(&picture.svg)?));
+    }
+    files.extend(tables::tables(found)?.into_iter().map(|(name, text)| (name.to_string(), text.into_bytes())));
+    Ok(files)
+}

@@ -1,0 +1,117 @@
+//! Numbers → text with their units.
+
+use rocking_charts::numerals::significant;
+use rocking_studies::assess::Counts;
+
+/// A number with three significant digits.
+pub fn short(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:.2e}").replace('-', "−") } else { significant(value, 3) }
+}
+
+/// A number with four significant digits.
+pub fn long(value: f64) -> String {
+    significant(value, 4)
+}
+
+/// A share in per cent.
+pub fn percent(share: f64) -> String {
+    let part = 100.0 * share;
+    let text =
+        if part != 0.0 && part < 1e-3 { format!("{part:.1e}").replace('-', "−") } else { significant(part, 3) };
+    format!("{text} %")
+}
+
+/// An interval; an unbounded end is a word.
+pub fn interval([low, high]: [Option<f64>; 2]) -> String {
+    match (low, high) {
+        (None, None) => "unbounded".into(),
+        (Some(low), None) => format!("above {}", short(low)),
+        (None, Some(high)) => format!("below {}", short(high)),
+        (Some(low), Some(high)) => format!("{} to {}", short(low), short(high)),
+    }
+}
+
+/// An annual rate (1/year).
+pub fn rate(rate: f64) -> String {
+    rocking_charts::rate::per_year(rate).replace('-', "−")
+}
+
+/// A return period (years).
+pub fn years(years: f64) -> String {
+    if years < 1e7 { significant(years, 3) } else { format!("{years:.1e}") }
+}
+
+/// Name and unit of a heading such as `PGV [m/s]`, and the suffix of a number in that unit.
+pub fn heading(heading: &str) -> (String, String) {
+    let (name, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
+    let unit = unit.replace('2', "²").replace('.', "·");
+    let suffix = if unit == "1" { String::new() } else { format!(" {unit}") };
+    (name.replace("alpha", "α"), suffix)
+}
+
+/// A quantity such as `eta [1]` by its symbol and unit.
+pub fn quantity(name: &str) -> String {
+    let (name, unit) = heading(name);
+    let symbol = match name.as_str() {
+        "α" => "slenderness α",
+        "p" => "frequency parameter p",
+        "eta" => "stiffness ratio η",
+        "xi_v" => "damping ratio ξ_v",
+        "epsilon" => "restitution ε",
+        "restitution_factor" => "factor on Housner's restitution e",
+        "friction" => "friction μ",
+        "mass" => "mass",
+        "gamma" => "shape factor γ",
+        "eccentricity" => "eccentricity e_x",
+        "width" => "width of the base",
+        "height" => "height",
+        "center_height" => "height of the centre of mass",
+        "inertia" => "moment of inertia I0",
+        "K" => "stiffness K of a support",
+        "C" => "damping C of a support",
+        other => other,
+    };
+    let unit = unit.trim();
+    if unit.is_empty() { symbol.into() } else { format!("{symbol} ({unit})") }
+}
+
+/// A limit such as `theta/alpha>0.5` in symbols.
+pub fn limit(limit: &str) -> String {
+    match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
+        (Some(number), _) => format!("|θ|/α > {number}"),
+        (_, Some(number)) => format!("slip > {number} m"),
+        _ => "overturning".into(),
+    }
+}
+
+/// What runs beyond a limit do, as in “12 runs overturn”.
+pub fn exceed(limit: &str) -> String {
+    match (limit.strip_prefix("theta/alpha>"), limit.strip_prefix("slip>")) {
+        (Some(number), _) => format!("exceed |θ|/α = {number}"),
+        (_, Some(number)) => format!("overturn or slip more than {number} m"),
+        _ => "overturn".into(),
+    }
+}
+
+/// The reason why runs have no curve.
+pub fn no_curve(runs: &Counts, reason: &str) -> String {
+    match runs.exceeded {
+        0 => "no run exceeds the limit".into(),
+        all if all == runs.known => "all runs exceed the limit".into(),
+        _ => reason.into(),
+    }
+}
+
+/// A median, or the end of the runs beyond which it lies: curves are not extrapolated.
+pub fn median(median: f64, [least, greatest]: [f64; 2]) -> String {
+    match median {
+        _ if median > greatest => format!("above {}", short(greatest)),
+        _ if median < least => format!("below {}", short(least)),
+        _ => short(median),
+    }
+}
+
+/// A slip (m), without the noise of rounding.
+pub fn slip(slip: f64) -> String {
+    if slip < 1e-6 { "0".into() } else { short(slip) }
+}

@@ -1,0 +1,216 @@
+//! Results, pictures and sentences → HTML.
+
+use std::borrow::Borrow;
+
+use askama::Template;
+
+use crate::commands::commands;
+use crate::numbers::{self, heading, interval, limit, long, rate, short};
+use crate::pictures::Picture;
+use crate::sentences::summary;
+use crate::{ReportError, range};
+use rocking_block::excitation::PulseShape;
+use rocking_block::words::Words;
+use rocking_studies::assess::{Comparison, Counts, CurveResult, Found, LeastPulse, Plan, Report};
+
+/// Fills the template.
+pub fn page(plan: &Plan, found: &Found, pictures: &[Picture]) -> Result<String, ReportError> {
+    let report = &found.report;
+    let (measure, unit) = heading(&report.im);
+    let page = Page {
+        report,
+        plan,
+        pictures,
+        measure,
+        unit: unit.trim().to_string(),
+        compared: limit(&report.states[report.compared_state].limit),
+        summary: summary(report, range(found)),
+        range: range(found),
+        commands: commands(plan, found),
+        version: env!("CARGO_PKG_VERSION"),
+        study: &plan.sweep.text,
+    };
+    Ok(page.render()?)
+}
+
+#[derive(Template)]
+#[template(path = "report.html")]
+struct Page<'a> {
+    report: &'a Report,
+    plan: &'a Plan,
+    pictures: &'a [Picture],
+    /// Name and unit of the intensity measure.
+    measure: String,
+    unit: String,
+    /// Limit of variants, friction and sensitivity.
+    compared: String,
+    /// Least and greatest measure of the runs.
+    range: [f64; 2],
+    summary: Vec<String>,
+    commands: Vec<String>,
+    version: &'static str,
+    /// The study, line by line.
+    study: &'a [String],
+}
+
+/// The functions of the template, which passes fields by reference and results by value.
+impl Page<'_> {
+    fn long(&self, value: impl Borrow<f64>) -> String {
+        long(*value.borrow())
+    }
+
+    fn short(&self, value: impl Borrow<f64>) -> String {
+        short(*value.borrow())
+    }
+
+    fn percent(&self, share: impl Borrow<f64>) -> String {
+        numbers::percent(*share.borrow())
+    }
+
+    fn rate(&self, per_year: impl Borrow<f64>) -> String {
+        rate(*per_year.borrow())
+    }
+
+    fn years(&self, years: impl Borrow<f64>) -> String {
+        numbers::years(*years.borrow())
+    }
+
+    fn limit(&self, word: &str) -> String {
+        limit(word)
+    }
+
+    fn quantity(&self, name: &str) -> String {
+        numbers::quantity(name)
+    }
+
+    /// The drawing of this name, if there is one.
+    fn picture(&self, name: &str) -> Option<&str> {
+        self.pictures.iter().find(|picture| picture.name == name).map(|picture| picture.svg.as_str())
+    }
+
+    /// A range as text, or its only value.
+    fn range(&self, [low, high]: &[f64; 2]) -> String {
+        if low == high { long(*low) } else { format!("{} to {}", long(*low), long(*high)) }
+    }
+
+    fn span(&self, [low, high]: &[f64; 2]) -> String {
+        format!("{} to {}", short(*low), short(*high))
+    }
+
+    fn optional(&self, value: &Option<f64>) -> String {
+        value.map_or("—".into(), short)
+    }
+
+    /// An acceleration relative to gravity.
+    fn in_g(&self, value: &Option<f64>) -> String {
+        self.optional(&value.map(|value| value / self.report.object.g))
+    }
+
+    fn counts(&self, counts: &Counts) -> String {
+        format!("{} of {}", counts.exceeded, counts.known)
+    }
+
+    fn median(&self, curve: &Option<CurveResult>) -> String {
+        curve.map_or("—".into(), |curve| numbers::median(curve.median, self.range))
+    }
+
+    fn median_interval(&self, curve: &Option<CurveResult>) -> String {
+        curve.map_or("—".into(), |curve| interval(curve.median_interval))
+    }
+
+    fn beta(&self, curve: &Option<CurveResult>) -> String {
+        curve.map_or("—".into(), |curve| short(curve.beta))
+    }
+
+    fn optional_rate(&self, value: &Option<f64>) -> String {
+        value.map_or("—".into(), rate)
+    }
+
+    /// An amplitude of a least pulse relative to gravity.
+    fn pulse(&self, pulse: &LeastPulse) -> String {
+        let g = self.report.object.g;
+        match (pulse.amplitude, pulse.bound) {
+            (Some(amplitude), "none") => short(amplitude / g),
+            (Some(amplitude), _) => format!("{} at most", short(amplitude / g)),
+            (None, _) => format!("more than {}", short(pulse.greatest / g)),
+        }
+    }
+
+    /// Peak ground velocity of the least pulse (m/s), for the cycloids whose amplitudes are related in closed form.
+    fn pulse_velocity(&self, pulse: &LeastPulse) -> String {
+        let per_amplitude = match self.plan.pulse {
+            // v_g = v_p/2 (1 − cos ω_p t), a_p = ω_p v_p/2: the greatest velocity is v_p.
+            PulseShape::OneSine => Some(pulse.period / std::f64::consts::PI),
+            // v_g = v_p sin ω_p t, a_p = ω_p v_p.
+            PulseShape::OneCosine => Some(0.5 * pulse.period / std::f64::consts::PI),
+            PulseShape::None
+            | PulseShape::C1
+            | PulseShape::C2
+            | PulseShape::HalfSine
+            | PulseShape::Rectangular
+            | PulseShape::SymmetricRicker
+            | PulseShape::AntisymmetricRicker
+            | PulseShape::Gabor => None,
+        };
+        match (pulse.amplitude, per_amplitude) {
+            (Some(amplitude), Some(factor)) if pulse.bound == "none" => short(amplitude * factor),
+            _ => "—".into(),
+        }
+    }
+
+    /// Slip and tension of a variant.
+    fn remarks(&self, variant: &Comparison) -> String {
+        let slip = variant
+            .peak_slip
+            .map(|slip| format!("μ = {}, slips up to {} m", short(variant.friction), numbers::slip(slip)));
+        let tension =
+            variant.peak_tension.map(|tension| format!("a tie must carry {} times the weight", short(tension)));
+        let no_curve = variant.no_curve.as_ref().map(|why| numbers::no_curve(&variant.runs, why));
+        let left_out =
+            (variant.runs.left_out > 0).then(|| format!("{} runs without a known outcome", variant.runs.left_out));
+        [slip, tension, no_curve, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
+    }
+
+    /// The size of the object in the spectrum: its 2π/p (s).
+    fn own_size(&self) -> String {
+        long(std::f64::consts::TAU / self.report.object.p)
+    }
+
+    /// The share of ground motions that overturn the object itself at the strength of the spectrum.
+    fn own_outcome(&self) -> Option<String> {
+        let sizes = &self.report.sizes;
+        let p = self.report.object.p;
+        let own = sizes.iter().min_by(|a, b| (a.p - p).abs().total_cmp(&(b.p - p).abs()))?;
+        let all = own.rocked + own.at_rest + own.overturned + own.undecided;
+        Some(format!("{} of {all} ground motions overturn the object itself", own.overturned))
+    }
+
+    fn rate_interval(&self, [low, high]: &[Option<f64>; 2]) -> String {
+        match (low, high) {
+            (None, None) => "unbounded".into(),
+            (Some(low), None) => format!("above {}", rate(*low)),
+            (None, Some(high)) => format!("below {}", rate(*high)),
+            (Some(low), Some(high)) => format!("{} to {}", rate(*low), rate(*high)),
+        }
+    }
+
+    fn slip(&self, slip: &f64) -> String {
+        numbers::slip(*slip)
+    }
+
+    fn no_curve(&self, runs: &Counts, reason: &str) -> String {
+        numbers::no_curve(runs, reason)
+    }
+
+    fn has_usual_ranges(&self) -> bool {
+        self.report.sensitivity.iter().any(|sensitivity| !sensitivity.is_given)
+    }
+
+    fn has_usual_variants(&self) -> bool {
+        self.plan.has_usual_variants
+    }
+
+    fn pulse_shape(&self) -> &'static str {
+        self.plan.pulse.word()
+    }
+}

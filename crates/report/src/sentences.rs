@@ -1,0 +1,131 @@
+//! Results → plain English.
+
+use crate::numbers::{exceed, heading, interval, limit, long, no_curve, percent, quantity, rate, short, years};
+use rocking_studies::assess::{Comparison, ObjectResult, Report, StateResult};
+
+/// The result in a few sentences.
+pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
+    let state = &report.states[report.compared_state];
+    let (measure, unit) = heading(&report.im);
+    let mut sentences = vec![object(&report.object)];
+    let count = |state: &StateResult| format!("{} {}", state.runs.exceeded, exceed(&state.limit));
+    let counts: Vec<String> = report.states.iter().map(count).collect();
+    sentences.push(format!(
+        "In {} runs ({} blocks × {} ground motions × {} strengths) {}.",
+        report.runs,
+        report.blocks,
+        report.motions.len(),
+        report.strengths.len(),
+        join(&counts)
+    ));
+    match state.curve {
+        Some(curve) if !(range[0]..=range[1]).contains(&curve.median) => sentences.push(format!(
+            "The {measure} at which the probability of {} is one half lies outside of the runs, which reach from {} to {}{unit}.",
+            limit(&state.limit),
+            short(range[0]),
+            short(range[1])
+        )),
+        Some(curve) => {
+            let ends = match curve.median_interval {
+                [None, None] => format!(
+                    "; the {} interval is unbounded: {} ground motions say too little about the next one",
+                    percent(report.confidence),
+                    report.motions.len()
+                ),
+                ends => format!(" ({} interval: {}{unit})", percent(report.confidence), interval(ends)),
+            };
+            sentences.push(format!(
+                "At a {measure} of {}{unit}, the probability of {} is one half{ends}.",
+                short(curve.median),
+                limit(&state.limit)
+            ));
+        }
+        None => {
+            let reason = no_curve(&state.runs, state.no_curve.as_deref().unwrap_or_default());
+            sentences.push(format!("There is no fragility curve: {reason}."));
+        }
+    }
+    if let (Some(found), Some(hazard)) = (state.rate, &report.hazard) {
+        sentences.push(format!(
+            "With the hazard curve {}, the annual rate of {} is {}: once in {} years. The probability in {} years is {}.",
+            hazard.file,
+            limit(&state.limit),
+            rate(found.rate),
+            years(1.0 / found.rate),
+            report.years,
+            percent(found.probability)
+        ));
+    }
+    sentences.extend(best_variant(report));
+    sentences.extend(strongest_assumption(report));
+    sentences
+}
+
+fn object(object: &ObjectResult) -> String {
+    let ObjectResult { width, center_height, alpha, p, foundation, static_threshold, g, friction, .. } = object;
+    let is_rigid = *foundation == "rigid";
+    let base = if is_rigid { "It stands on a rigid base" } else { "It stands on viscoelastic supports" };
+    let there = if is_rigid { "it" } else { "on a rigid base it" };
+    let start = match static_threshold {
+        Some(threshold) if *friction > 0.0 && friction * g < *threshold => {
+            format!("; {there} would slide beyond {} g, before it rocks", long(*friction))
+        }
+        Some(threshold) => {
+            format!("; {there} would begin to rock at a horizontal ground acceleration of {} g", long(threshold / g))
+        }
+        None => String::new(),
+    };
+    format!(
+        "A base {} m wide and a centre of mass {} m up give a slenderness α of {} rad ({}°) and a frequency parameter p of {} rad/s. \
+         {base}{start}.",
+        long(*width),
+        long(*center_height),
+        long(*alpha),
+        short(alpha.to_degrees()),
+        long(*p)
+    )
+}
+
+/// The variant with the fewest runs beyond the limit, if it has fewer than the object.
+fn best_variant(report: &Report) -> Option<String> {
+    let (plain, variants) = report.variants.split_first()?;
+    // A run without a known outcome may exceed the limit.
+    let worst = |variant: &Comparison| variant.runs.exceeded + variant.runs.left_out;
+    let best = variants.iter().min_by_key(|variant| worst(variant))?;
+    let exceed = exceed(&report.states[report.compared_state].limit);
+    match worst(best) < plain.runs.exceeded {
+        true => Some(format!(
+            "Of the variants, “{}” helps most: {} of {} runs {exceed} instead of {}.",
+            best.name, best.runs.exceeded, best.runs.known, plain.runs.exceeded
+        )),
+        false => Some(format!("With none of the variants fewer runs {exceed} than as it is.")),
+    }
+}
+
+/// The assumption whose range changes the count of runs most.
+fn strongest_assumption(report: &Report) -> Option<String> {
+    let change = |ends: &[Comparison; 2]| ends[0].runs.exceeded.abs_diff(ends[1].runs.exceeded);
+    let strongest = report.sensitivity.iter().max_by_key(|sensitivity| change(&sensitivity.ends))?;
+    let exceed = exceed(&report.states[report.compared_state].limit);
+    let [low, high] = &strongest.ends;
+    if change(&strongest.ends) == 0 {
+        return Some(format!("No assumption changes the number of runs that {exceed}."));
+    }
+    Some(format!(
+        "Of the assumptions, the {} matters most: {} runs {exceed} with {}, {} with {}.",
+        quantity(&strongest.name),
+        low.runs.exceeded,
+        short(strongest.values[0]),
+        high.runs.exceeded,
+        short(strongest.values[1])
+    ))
+}
+
+/// Joins items as in “a, b and c”.
+fn join(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}

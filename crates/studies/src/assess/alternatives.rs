@@ -1,0 +1,129 @@
+//! The object → its usual variants and the ranges of its assumptions.
+
+use crate::assess::plan::{Alternative, Assumption};
+use crate::input::parameters::Parameter;
+use crate::sweep::Sweep;
+use crate::sweep::change::Change;
+use crate::sweep::parameters::ParameterValues;
+use rocking_block::block::{Block, Foundation};
+use rocking_block::unit::variables::{Kind, Variable};
+
+/// Width of a wider base over that of the object.
+const WIDER: f64 = 1.1;
+/// Friction of a base that slides over the static threshold: low enough that the block slides before it rocks.
+const SLIDING: f64 = 0.8;
+/// Stiffness of a tie over M g/R0: it stretches by a tenth of R0 under the weight of the block.
+const TIED: f64 = 10.0;
+/// Factors on η and ξ_v.
+const FACTORS: [f64; 2] = [0.5, 2.0];
+/// Changes of ε and of the coefficient of friction.
+const RESTITUTION: f64 = 0.1;
+const FRICTION: f64 = 0.1;
+/// Change of the factor on Housner's e.
+const RESTITUTION_FACTOR: f64 = 0.05;
+
+/// The usual variants and assumptions.
+pub(super) struct Usual {
+    pub variants: Vec<Alternative>,
+    pub assumptions: Vec<Assumption>,
+    /// The ones that do not fit the object, with the reason.
+    pub left_out: Vec<String>,
+}
+
+/// The usual variants and assumptions of the object in the middle of a study.
+///
+/// Ranges are those of the study's parameters. The quantities of the foundation that it leaves at one value get a usual range.
+pub(super) fn of(sweep: &Sweep, block: &Block) -> Usual {
+    let mut left_out = Vec::new();
+    let mut fits = |name: &str, changes: &[Change]| match sweep.check_changes(changes) {
+        Ok(()) => true,
+        Err(message) => {
+            left_out.push(format!("{name}: {message}"));
+            false
+        }
+    };
+    let variants = [
+        ("base 10 % wider", Change::Width(WIDER)),
+        ("base that slides", Change::FrictionOverThreshold(SLIDING)),
+        ("tied to a wall on both sides", Change::Tied(TIED)),
+    ];
+    let variants = variants.into_iter().filter(|(name, change)| fits(name, &[*change]));
+    let variants = variants.map(|(name, change)| Alternative { name: name.into(), changes: vec![change] }).collect();
+    let mut assumptions = given(sweep);
+    for assumption in of_foundation(sweep, block) {
+        if assumption.changes.iter().all(|change| fits(&assumption.name, &[*change])) {
+            assumptions.push(assumption);
+        }
+    }
+    Usual { variants, assumptions, left_out }
+}
+
+/// The ranges of the study's parameters.
+fn given(sweep: &Sweep) -> Vec<Assumption> {
+    let range = |values: &ParameterValues| match values {
+        ParameterValues::Range { from, to, .. } => Some([*from, *to]),
+        ParameterValues::List(values) => {
+            let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+            low.zip(high).filter(|(low, high)| low < high).map(|(low, high)| [low, high])
+        }
+    };
+    let real = sweep.parameters.iter().filter(|swept| swept.parameter.metadata.kind == Kind::Real);
+    let assumption = real.filter_map(|swept| {
+        let values = range(&swept.values)?;
+        let changes = values.map(|value| Change::Parameter(swept.parameter.metadata.variable, value));
+        let name = swept.parameter.heading();
+        Some(Assumption { name, changes, values, middle: swept.values.at(0.5), is_given: true })
+    });
+    assumption.collect()
+}
+
+/// Usual ranges of η, ξ_v, ε, the factor on e, and friction, where the study has a single value.
+fn of_foundation(sweep: &Sweep, block: &Block) -> Vec<Assumption> {
+    let varies = |variable: Variable| {
+        let found = sweep.parameters.iter().find(|swept| swept.parameter.metadata.variable == variable);
+        found.is_some_and(|swept| swept.values.at(0.0) != swept.values.at(1.0))
+    };
+    let factors = |variables: [Variable; 2], name: &str, middle: f64, change: fn(f64) -> Change| {
+        let values = FACTORS.map(|factor| factor * middle);
+        let assumption =
+            Assumption { name: name.into(), changes: FACTORS.map(change), values, middle, is_given: false };
+        Some(assumption).filter(|_| middle > 0.0 && !variables.into_iter().any(varies))
+    };
+    let steps = |variable: Variable, name: &str, middle: f64, values: [f64; 2]| {
+        let changes = values.map(|value| Change::Parameter(variable, value));
+        let assumption = Assumption { name: name.into(), changes, values, middle, is_given: false };
+        Some(assumption).filter(|_| values[0] < values[1] && !varies(variable))
+    };
+    let heading = |name: &str| Parameter::named(name).map_or(name.into(), |parameter| parameter.heading());
+    let Block { epsilon, restitution_factor, friction, .. } = *block;
+    let of_base = match block.foundation {
+        Foundation::Viscoelastic => [
+            factors(
+                [Variable::DimensionlessEta, Variable::PhysicalK],
+                &heading("eta"),
+                block.eta(),
+                Change::StiffnessRatio,
+            ),
+            factors(
+                [Variable::DimensionlessXiV, Variable::PhysicalC],
+                &heading("xi_v"),
+                block.xi_v,
+                Change::DampingRatio,
+            ),
+            steps(
+                Variable::Epsilon,
+                &heading("epsilon"),
+                epsilon,
+                [(epsilon - RESTITUTION).max(0.0), (epsilon + RESTITUTION).min(1.0)],
+            ),
+        ],
+        Foundation::Rigid => {
+            let high = (restitution_factor + RESTITUTION_FACTOR).min(1.0).max(restitution_factor);
+            let values = [restitution_factor - RESTITUTION_FACTOR, high];
+            [steps(Variable::RestitutionFactor, &heading("restitution_factor"), restitution_factor, values), None, None]
+        }
+    };
+    let values = [(friction - FRICTION).max(0.5 * friction), friction + FRICTION];
+    let friction = (friction > 0.0).then(|| steps(Variable::Friction, &heading("friction"), friction, values));
+    of_base.into_iter().chain(friction).flatten().collect()
+}

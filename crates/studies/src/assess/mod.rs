@@ -1,0 +1,31 @@
+//! A study file with an `[assess]` table → everything a report on one object needs.
+//!
+//! The runs are those of a sweep: its blocks, ground motions and strengths. Variants of the object and assumptions at the ends of
+//! their ranges are the same sweep with a [`Change`](crate::sweep::change::Change) of each block, under the same ground motions.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | `plan` | `[assess]` of a study file → states, hazard, variants, assumptions |
+//! | `alternatives` | the object → its usual variants and the ranges of its assumptions |
+//! | `results` | the numbers of a report |
+//! | `states` | the table of a sweep, limits → curves and annual rates |
+//! | `pulses` | the object → the least pulses that overturn it |
+//! | `spectrum` | the object → blocks of its shape in other sizes |
+//! | `work` | a plan → its results |
+
+mod alternatives;
+mod plan;
+mod pulses;
+mod results;
+mod spectrum;
+mod states;
+mod work;
+
+pub use plan::{Alternative, Assumption, Input, Plan, State};
+pub use results::{
+    Comparison, Counts, CurveResult, HazardResult, LeastPulse, MotionResult, ObjectResult, RateResult, Report,
+    Sensitivity, SizeResult, SlidingResult, StateResult,
+};
+pub use spectrum::SizeSpectrum;
+pub use states::StateCurve;
+pub use work::{AssessError, Found, assess};

@@ -1,0 +1,378 @@
+//! `[assess]` of a study file → states, hazard, variants, assumptions.
+
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use crate::assess::alternatives;
+use crate::fragility::Limit;
+use crate::input::parameters::Parameter;
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
+use crate::intensity::Measure;
+use crate::risk::{HazardCurve, HazardOptions, read_hazard};
+use crate::sweep::Sweep;
+use crate::sweep::change::Change;
+use crate::sweep::file::{self, SECTIONS};
+use crate::sweep::strength::Strengths;
+use rocking_block::block::Block;
+use rocking_block::excitation::PulseShape;
+use rocking_block::unit::values::Values;
+use rocking_block::unit::variables::{Kind, Variable};
+use rocking_block::words::Words;
+
+/// The keys of `[assess]`.
+const KEYS: [&str; 9] =
+    ["title", "im", "years", "pulse", "pulse_periods", "hazard", "states", "variants", "sensitivity"];
+
+/// An assessment that is ready to run.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Name of the object.
+    pub title: String,
+    /// Name of the study file.
+    pub file: String,
+    /// The runs.
+    pub sweep: Sweep,
+    /// The variables of the object: each parameter in the middle of its range or list.
+    pub values: Values,
+    /// The object.
+    pub block: Block,
+    /// Height of its body (m), if the study gives it.
+    pub height: Option<f64>,
+    /// The intensity measure of curves and hazard.
+    pub measure: Measure,
+    /// Limits on the response, the least severe first.
+    pub states: Vec<State>,
+    /// Hazard curve and its file, if any.
+    pub hazard: Option<(String, HazardCurve)>,
+    /// Years of the probabilities.
+    pub years: f64,
+    /// Shape of the pulses whose least amplitude is searched.
+    pub pulse: PulseShape,
+    /// Their periods T_p (s).
+    pub pulse_periods: Vec<f64>,
+    /// Variants of the object.
+    pub variants: Vec<Alternative>,
+    /// Whether they are the usual ones.
+    pub has_usual_variants: bool,
+    /// Quantities at the ends of their ranges.
+    pub assumptions: Vec<Assumption>,
+    /// Remarks on usual variants and assumptions that do not fit the object.
+    pub left_out: Vec<String>,
+    /// The files that were read.
+    pub inputs: Vec<Input>,
+}
+
+/// A limit on the response.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Its name.
+    pub name: String,
+    /// The limit.
+    pub limit: Limit,
+    /// The publication or decision behind it.
+    pub source: Option<String>,
+}
+
+/// A variant of the object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alternative {
+    /// Its name.
+    pub name: String,
+    /// The changes that make it.
+    pub changes: Vec<Change>,
+}
+
+/// A quantity that is not known exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assumption {
+    /// Name and unit.
+    pub name: String,
+    /// Both ends of its range, as changes.
+    pub changes: [Change; 2],
+    /// Their values.
+    pub values: [f64; 2],
+    /// Its value in the middle of the study.
+    pub middle: f64,
+    /// Whether the study has this range; else it is the usual one of [`alternatives`].
+    pub is_given: bool,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Input {
+    /// Its name, as in the study.
+    pub file: String,
+    /// SHA-256 of its bytes, as `sha256sum` prints it.
+    pub sha256: String,
+}
+
+impl Input {
+    fn of(file: &str, bytes: &[u8]) -> Input {
+        let sha256 = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        Input { file: file.into(), sha256 }
+    }
+}
+
+impl Plan {
+    /// Reads a plan from the text of a study file; its paths are relative to `folder`.
+    ///
+    /// # Errors
+    /// Those of [`file::read`]; a study without records or with one strength of a kind that has no curve; an invalid `[assess]`.
+    pub fn read(file: &str, text: &str, folder: &Path) -> Result<Plan, StudyFileError> {
+        let sweep = file::read(file, text, folder)?;
+        let source = StudyText { file, text };
+        let document = source.parse()?;
+        let root = Section::new(source, "the file", document.span(), document.get_ref(), &SECTIONS)?;
+        let assess =
+            root.section("assess", &KEYS)?.ok_or_else(|| root.lacks("[assess]", "title = \"Statue\" at least"))?;
+        check_runs(&sweep, &root)?;
+        let values = sweep.middle();
+        let block = values.block().map_err(|error| assess_error(&root, source, &error.to_string()))?;
+        let has_center_height = values[Variable::PhysicalCenterHeight] > 0.0;
+        let measure = measure(&assess, &sweep)?;
+        let hazard = hazard(&assess, measure, block.gravity, folder)?;
+        let title = assess.text("title")?.ok_or_else(|| assess.lacks("title", "the name of the object"))?;
+        let mut inputs = vec![Input::of(file, text.as_bytes())];
+        inputs.extend(hazard.iter().map(|(input, _)| input.clone()));
+        for name in sweep.motions.iter().flat_map(|motion| &motion.names).filter(|name| !name.is_empty()) {
+            if inputs.iter().all(|known| known.file != *name) {
+                let bytes = std::fs::read(folder.join(name))
+                    .map_err(|error| source.wrong(&(0..0), format!("{name}: cannot be read: {error}")))?;
+                inputs.push(Input::of(name, &bytes));
+            }
+        }
+        let usual = alternatives::of(&sweep, &block);
+        let given = assess.get("variants").map(|value| variants(source, &assess, value, &sweep)).transpose()?;
+        let ranges = assess.get("sensitivity").map(|value| sensitivity(source, &assess, value, &sweep)).transpose()?;
+        let (mut variants, mut assumptions) = (usual.variants, usual.assumptions);
+        if let Some(given) = given {
+            variants = given;
+        }
+        if let Some(given) = ranges {
+            assumptions = given;
+        }
+        let pulse = match (assess.text("pulse")?, assess.get("pulse")) {
+            (Some(word), Some(value)) => {
+                let shape = PulseShape::named(word).filter(|shape| *shape != PulseShape::None);
+                let known = PulseShape::WORDS.iter().filter(|(_, shape)| *shape != PulseShape::None);
+                let known = || known.map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
+                shape.ok_or_else(|| assess.wrong("pulse", value, &format!("one of {}", known())))?
+            }
+            _ => PulseShape::OneSine,
+        };
+        let periods = assess.numbers("pulse_periods", |x| x > 0.0, "a list of times > 0 s, as in [0.5, 1.0]")?;
+        let years = assess.number("years", |x| x > 0.0, "a number of years above 0")?;
+        Ok(Plan {
+            title: title.into(),
+            file: file.into(),
+            height: (!has_center_height).then_some(2.0 * block.h),
+            states: states(source, &assess)?,
+            hazard: hazard.map(|(input, curve)| (input.file, curve)),
+            years: years.unwrap_or(50.0),
+            pulse,
+            pulse_periods: periods.unwrap_or_else(|| vec![0.25, 0.5, 1.0, 2.0]),
+            left_out: usual.left_out,
+            has_usual_variants: assess.get("variants").is_none(),
+            sweep,
+            values,
+            block,
+            measure,
+            variants,
+            assumptions,
+            inputs,
+        })
+    }
+}
+
+fn assess_error(root: &Section, source: StudyText, message: &str) -> StudyFileError {
+    let place = root.get("assess").map_or(0..0, |value| value.span());
+    source.wrong(&place, format!("the object in the middle of the study: {message}"))
+}
+
+/// Refuses a study from which no curve can come.
+fn check_runs(sweep: &Sweep, root: &Section) -> Result<(), StudyFileError> {
+    let expected = match (&sweep.strengths, &sweep.ensemble) {
+        _ if !sweep.motions.iter().all(|motion| motion.ground.horizontal.is_some()) => {
+            Some("[[records]] with a horizontal record each")
+        }
+        (Strengths::Least(..), _) => Some("levels or scales; an assessment fits curves to single runs"),
+        (_, Some(_)) => Some("no ensemble; an assessment counts each run once"),
+        (Strengths::Scales(_) | Strengths::Levels(..), None) => None,
+    };
+    expected.map_or(Ok(()), |expected| Err(root.lacks("what an assessment needs", expected)))
+}
+
+/// Reads the measure; by default that of the levels, else PGV.
+fn measure(assess: &Section, sweep: &Sweep) -> Result<Measure, StudyFileError> {
+    let given: Option<Measure> = assess.parsed("im")?;
+    let measure = given.or(sweep.strengths.measure()).unwrap_or(Measure::Pgv);
+    match assess.get("im") {
+        Some(value) if !sweep.measures.contains(&measure) => {
+            let known: Vec<String> = sweep.measures.iter().map(ToString::to_string).collect();
+            Err(assess.wrong("im", value, &format!("one of {}", known.join(", "))))
+        }
+        _ => Ok(measure),
+    }
+}
+
+/// Reads the hazard curve and its file.
+fn hazard(
+    assess: &Section,
+    measure: Measure,
+    gravity: f64,
+    folder: &Path,
+) -> Result<Option<(Input, HazardCurve)>, StudyFileError> {
+    let keys = ["file", "unit", "site", "investigation_time"];
+    let Some(section) = assess.section("hazard", &keys)? else { return Ok(None) };
+    let expected = "a file of a hazard curve, as in { file = \"hazard.csv\" }";
+    let (Some(name), Some(value)) = (section.text("file")?, section.get("file")) else {
+        return Err(section.lacks("file", expected));
+    };
+    if Measure::OF_BLOCK.contains(&measure) {
+        let message =
+            format!("a hazard curve has no {measure}; expected im = \"PGV\" or another measure of the ground");
+        return Err(section.refused(value, message));
+    }
+    let refused = |message: String| section.refused(value, format!("{name}: {message}"));
+    let bytes = std::fs::read(folder.join(name)).map_err(|error| refused(format!("cannot be read: {error}")))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let options = HazardOptions {
+        measure: Some(measure.to_string()),
+        unit: section.text("unit")?.map(String::from),
+        site: section.text("site")?.map(String::from),
+        years: section.number("investigation_time", |x| x > 0.0, "a number of years above 0")?,
+        gravity,
+    };
+    let curve = read_hazard(name, &text, &options).map_err(|error| refused(error.to_string()))?;
+    match curve.unit.as_deref() {
+        Some(unit) if unit == measure.unit() => Ok(Some((Input::of(name, &bytes), curve))),
+        found => {
+            let found = found.map_or("no unit of the levels".into(), |unit| format!("levels in {unit}"));
+            Err(refused(format!("found {found}; expected those of {}", measure.heading())))
+        }
+    }
+}
+
+/// Reads the states; by default three limits without a publication behind them.
+fn states(source: StudyText, assess: &Section) -> Result<Vec<State>, StudyFileError> {
+    let Some(value) = assess.get("states") else {
+        let usual = [
+            ("rocks visibly", Limit::Rotation(0.1)),
+            ("rocks half way", Limit::Rotation(0.5)),
+            ("overturns", Limit::Overturned),
+        ];
+        return Ok(usual.map(|(name, limit)| State { name: name.into(), limit, source: None }).to_vec());
+    };
+    each(source, assess, "states", value, &["name", "limit", "source"], |section| {
+        let limit = match (section.get("limit"), section.text("limit")) {
+            (Some(value), _) if number(value).is_some() => {
+                section.number("limit", |x| x > 0.0, "a number > 0 for |theta|/alpha")?.map(Limit::Rotation)
+            }
+            _ => section.parsed("limit")?,
+        };
+        Ok(State {
+            name: section.text("name")?.ok_or_else(|| section.lacks("name", "a name of the state"))?.into(),
+            limit: limit
+                .ok_or_else(|| section.lacks("limit", "\"overturned\", a number for |theta|/alpha, or \"slip:0.1\""))?,
+            source: section.text("source")?.map(String::from),
+        })
+    })
+}
+
+/// Reads the tables of a list.
+fn each<T>(
+    source: StudyText,
+    assess: &Section,
+    key: &str,
+    value: SpannedValue,
+    keys: &[&str],
+    read: impl Fn(&Section) -> Result<T, StudyFileError>,
+) -> Result<Vec<T>, StudyFileError> {
+    let name = format!("[[assess.{key}]]");
+    let list = value.get_ref().as_array().filter(|list| !list.is_empty());
+    let list = list.ok_or_else(|| assess.wrong(key, value, &format!("{name}, a table for each")))?;
+    let table = |value: SpannedValue| {
+        let table = value.get_ref().as_table().ok_or_else(|| assess.wrong(key, value, "a table"))?;
+        read(&Section::new(source, &name, value.span(), table, keys)?)
+    };
+    list.iter().map(table).collect()
+}
+
+/// Reads the variants.
+fn variants(
+    source: StudyText,
+    assess: &Section,
+    value: SpannedValue,
+    sweep: &Sweep,
+) -> Result<Vec<Alternative>, StudyFileError> {
+    let keys = ["name", "width", "friction_over_threshold", "ties", "parameters"];
+    each(source, assess, "variants", value, &keys, |section| {
+        let name = section.text("name")?.ok_or_else(|| section.lacks("name", "a name of the variant"))?;
+        let number = |key: &str| section.number(key, |x| x > 0.0, "a number > 0");
+        let mut changes = Vec::new();
+        if let Some(value) = section.get("parameters") {
+            let table = value.get_ref().as_table().ok_or_else(|| section.wrong("parameters", value, "a table"))?;
+            for (key, value) in table {
+                let parameter = parameter(section, key.get_ref(), value)?;
+                let found = number_of(section, &parameter, value)?;
+                changes.push(Change::Parameter(parameter.metadata.variable, found));
+            }
+        }
+        changes.extend(number("width")?.map(Change::Width));
+        changes.extend(number("friction_over_threshold")?.map(Change::FrictionOverThreshold));
+        changes.extend(number("ties")?.map(Change::Tied));
+        if changes.is_empty() {
+            return Err(section.lacks("change", "one of width, friction_over_threshold, ties and parameters"));
+        }
+        let place = section.get("name").unwrap_or(value);
+        sweep.check_changes(&changes).map_err(|message| section.refused(place, format!("{name}: {message}")))?;
+        Ok(Alternative { name: name.into(), changes })
+    })
+}
+
+/// Reads the ranges of assumptions.
+fn sensitivity(
+    source: StudyText,
+    assess: &Section,
+    value: SpannedValue,
+    sweep: &Sweep,
+) -> Result<Vec<Assumption>, StudyFileError> {
+    let table = value.get_ref().as_table();
+    let table = table.ok_or_else(|| assess.wrong("sensitivity", value, "a table, as in { eta = [20, 80] }"))?;
+    let mut given: Vec<_> = table.iter().collect();
+    given.sort_by_key(|(key, _)| key.span().start);
+    let middle = sweep.middle();
+    let read = |(key, value): (&toml::Spanned<_>, SpannedValue)| {
+        let name: &std::borrow::Cow<str> = key.get_ref();
+        let parameter = parameter(assess, name, value)?;
+        let ends = value.get_ref().as_array().filter(|list| list.len() == 2);
+        let ends = ends.ok_or_else(|| assess.wrong(name, value, "both ends of a range, as in [20, 80]"))?;
+        let values = [number_of(assess, &parameter, &ends[0])?, number_of(assess, &parameter, &ends[1])?];
+        let variable = parameter.metadata.variable;
+        let changes = values.map(|value| Change::Parameter(variable, value));
+        for change in changes {
+            let checked = sweep.check_changes(&[change]);
+            checked.map_err(|message| source.wrong(&value.span(), format!("{name}: {message}")))?;
+        }
+        Ok(Assumption { name: parameter.heading(), changes, values, middle: middle[variable], is_given: true })
+    };
+    given.into_iter().map(read).collect()
+}
+
+/// A real parameter by its name.
+fn parameter(section: &Section, name: &str, value: SpannedValue) -> Result<Parameter, StudyFileError> {
+    let parameter = Parameter::named(name).map_err(|message| section.refused(value, message))?;
+    match parameter.metadata.kind {
+        Kind::Real => Ok(parameter),
+        Kind::Integer | Kind::Enumeration | Kind::Boolean | Kind::String => {
+            Err(section.refused(value, format!("{name} is no number; expected a parameter with a unit")))
+        }
+    }
+}
+
+fn number_of(section: &Section, parameter: &Parameter, value: SpannedValue) -> Result<f64, StudyFileError> {
+    let found = number(value).ok_or_else(|| section.wrong(parameter.name(), value, parameter.expected()))?;
+    parameter.metadata.admits(found).map_err(|message| section.refused(value, message))?;
+    Ok(found)
+}

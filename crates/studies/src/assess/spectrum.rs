@@ -1,0 +1,77 @@
+//! The object → blocks of its shape in other sizes, under the ground motions of the study at one strength.
+
+use crate::assess::plan::Plan;
+use crate::assess::results::SizeResult;
+use crate::spectrum::statistics::Statistics;
+use crate::spectrum::{FoundationParameters, InProportion, Sizes, Spectrum};
+use crate::sweep::strength::Strengths;
+use rocking_block::block::{Block, BlockError, Common, Foundation};
+
+/// Sizes from half to twice the object, as 1/p: it is one of them.
+const SIZES: u64 = 61;
+const RANGE: f64 = 2.0;
+
+/// A spectrum of the object's shape.
+pub struct SizeSpectrum {
+    /// The spectrum.
+    pub spectrum: Spectrum,
+    /// Its table.
+    pub table: String,
+    /// Statistics over the ground motions.
+    pub statistics: Statistics,
+    /// The strength of the ground motions, in words.
+    pub strength: String,
+}
+
+/// Returns the spectrum and the strength of its ground motions: the one in the middle of the study's list.
+pub(super) fn of(plan: &Plan) -> Result<(Spectrum, String), BlockError> {
+    let Plan { sweep, block, values, .. } = plan;
+    let middle = sweep.strengths.count() / 2;
+    let strength = match &sweep.strengths {
+        Strengths::Levels(measure, levels) => format!("{measure} = {} {}", levels[middle as usize], measure.unit()),
+        Strengths::Scales(scales) => format!("{} times the records", scales[middle as usize]),
+        Strengths::Least(..) => unreachable!("refused by the plan"),
+    };
+    let Block { alpha, p, mass, gamma, gravity, friction, epsilon, restitution_factor, .. } = *block;
+    let base = match block.foundation {
+        Foundation::Rigid => FoundationParameters::Rigid { epsilon, restitution_factor },
+        Foundation::Viscoelastic => FoundationParameters::Viscoelastic { eta: block.eta(), xi_v: block.xi_v, epsilon },
+    };
+    let name = |motion: usize| {
+        let motion = &sweep.motions[motion];
+        let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
+        format!("{}{floor}", motion.names[0])
+    };
+    let motions = (0..sweep.motions.len()).map(|motion| (name(motion), sweep.ground(motion, middle, block)));
+    let spectrum = Spectrum {
+        alpha,
+        common: Common { mass, gamma, gravity, friction, ..Common::default() },
+        in_proportion: InProportion::of(block),
+        bases: vec![base],
+        sizes: Sizes { least: p / RANGE, greatest: p * RANGE, count: SIZES },
+        motions: motions.collect(),
+        pulse: values.pulse(),
+        settings: values.settings(Some(sweep.tolerance)),
+        duration: sweep.duration,
+        step: sweep.step,
+        friction_demand: None,
+    };
+    spectrum.check()?;
+    Ok((spectrum, strength))
+}
+
+impl SizeSpectrum {
+    /// The outcomes of each size; nothing for a single ground motion, which has no statistics.
+    pub(super) fn results(&self) -> Vec<SizeResult> {
+        let cells = self.statistics.groups.first().map(|group| group.cells.as_slice()).unwrap_or_default();
+        let size = |(number, cell): (u64, &crate::spectrum::statistics::SizeStatistics)| SizeResult {
+            p: self.spectrum.sizes.p(number),
+            rocked: cell.rocked,
+            at_rest: cell.at_rest,
+            overturned: cell.overturned,
+            undecided: cell.separated + cell.undecided + cell.failed,
+            geometric_mean: cell.geometric_mean(),
+        };
+        (0..).zip(cells).map(size).collect()
+    }
+}
