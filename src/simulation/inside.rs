@@ -1,8 +1,9 @@
 //! A step → the motion between its ends, and the first surface through which it falls.
 
 use crate::block::{Block, Foundation, Regime};
+use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
-use crate::numerics::{Rate, roots};
+use crate::numerics::roots::{self, Sample};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Surface, watched, watched_beyond};
 use crate::system::instant::State;
@@ -35,14 +36,15 @@ pub(super) fn turn_in_flight<const A: usize, const B: usize>(
     first.abs().max(between.abs()).max(last.abs())
 }
 
-/// Round-off of a watched function at zero.
+/// Round-off of a watched function whose values at the ends of a step are `start` and `end`.
 ///
-/// The gap of a block that tilts on the rigid base has none, since it is a function of θ alone. With that of other gaps the
+/// An arc of a block that tilts on the rigid base has none, since the gap is a function of θ alone. With that of other gaps the
 /// landings of the lowest arcs would be placed too late, and the block would gain energy on the wrong side of its pivot.
 #[inline(always)]
-fn rounding(law: impl Law, surface: Surface, block: &Block) -> f64 {
+fn rounding(law: impl Law, surface: Surface, block: &Block, [start, end]: [Sample; 2]) -> f64 {
     let tilts = law.foundation() == Foundation::Rigid && law.regime().pivot().is_some();
-    if tilts && matches!(surface, Surface::Gap(_)) { 0.0 } else { surface.rounding(block) }
+    let is_arc = start.value >= 0.0 && start.rate > 0.0 || start.value > 0.0 && end.value < 0.0;
+    if tilts && is_arc && matches!(surface, Surface::Gap(_)) { 0.0 } else { surface.rounding(block) }
 }
 
 /// Whether a surface may be fallen through between two instants.
@@ -51,7 +53,7 @@ pub(super) fn may_hold_event(law: impl Law, here: &Evaluation, there: &Evaluatio
     let may_fall = |surface: Surface| {
         let start = surface.sample_on(law.foundation(), here);
         let end = surface.sample_on(law.foundation(), there);
-        roots::may_fall(start, end, rounding(law, surface, here.block), there.time - here.time)
+        roots::may_fall(start, end, rounding(law, surface, here.block, [start, end]), there.time - here.time)
     };
     watched(law).into_iter().flatten().any(may_fall) || (!law.is_known() && may_hold_event_beyond(law, here, there))
 }
@@ -88,8 +90,8 @@ pub(super) fn first_event<L: Law, const N: usize>(
     let law = inside.motion.law();
     let turns_far = turn_in_flight::<4, 4>(law, &here.state, &there.state, duration) > SMALL_TURN;
     for surface in watched(law).into_iter().flatten() {
-        let rounding = rounding(law, surface, here.block);
         let (start, end) = (surface.sample(here), surface.sample(there));
+        let rounding = rounding(law, surface, here.block, [start, end]);
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
         if !hidden && !roots::may_fall(start, end, rounding, duration) {
             continue;
