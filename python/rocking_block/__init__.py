@@ -12,6 +12,7 @@ up.
 """
 
 from rocking_block import foundations
+from rocking_block._assess import Assessment, assess
 from rocking_block._block import Block
 from rocking_block._building import Building, FloorMotions, floor_motions
 from rocking_block._engine import __version__
@@ -29,6 +30,7 @@ from rocking_block._tie import Tie
 
 __all__ = [
     "AnnualRate",
+    "Assessment",
     "Block",
     "Building",
     "Counts",
@@ -48,6 +50,7 @@ __all__ = [
     "Table",
     "Tie",
     "annual_rate",
+    "assess",
     "blocks",
     "export_fragility",
     "fit_pulse",

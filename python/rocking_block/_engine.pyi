@@ -313,6 +313,9 @@ def search_overturning(
 def search_damping(
     block: Block, rate: float, scan: dict[str, Any], options: dict[str, Any], tick: _Tick
 ) -> _Answer: ...
+def assess(
+    name: str, study: str, folder: str | PathLike[str], threads: int | None, tick: _Tick
+) -> tuple[str, str, list[tuple[str, bytes]]]: ...
 def foundation_pairs() -> list[dict[str, Any]]: ...
 def pad_support(
     diameter: float, shape_factor: float, shear_modulus: float, bulk_modulus: float | None

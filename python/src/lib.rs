@@ -14,12 +14,14 @@
 //! | `studies` | many blocks under many ground motions → a column each |
 //! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `risk` | a hazard curve and a fragility curve → an annual rate |
+//! | `assess` | a study file with an object → the numbers and the files of a report |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `search` | a range → the values at which the outcome changes |
 //! | `work` | long work → its result, while Python shows progress and handles Ctrl-C |
 
 #![deny(clippy::disallowed_methods)]
 
+mod assess;
 mod block;
 mod blocks;
 mod building;
@@ -43,6 +45,8 @@ mod _engine {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use super::assess::assess;
     #[pymodule_export]
     use super::block::Block;
     #[pymodule_export]
