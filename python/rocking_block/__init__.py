@@ -22,7 +22,7 @@ from rocking_block._frame import Frame, FrameRun, frame
 from rocking_block._pulse import Pulse, PulseFit, fit_pulse
 from rocking_block._rate import AnnualRate, Hazard, annual_rate, read_hazard
 from rocking_block._record import Record, read_record
-from rocking_block._run import Counts, Energy, Event, Peak, Run
+from rocking_block._run import Counts, Energy, Event, Gradient, Grazing, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
 from rocking_block._studies import blocks, outcomes, spectrum, sweep
 from rocking_block._table import Table
@@ -40,6 +40,8 @@ __all__ = [
     "Fragility",
     "Frame",
     "FrameRun",
+    "Gradient",
+    "Grazing",
     "Hazard",
     "Peak",
     "Pulse",

@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rocking_block import _engine
@@ -125,6 +126,7 @@ class Block(_engine.Block):
         on_overturning: OnOverturning = "terminate",
         duration: float | None = None,
         step: float | None = None,
+        gradients: Sequence[str] = (),
         progress: bool | None = None,
     ) -> Run:
         """Simulates the block under a record or a pulse, or in free motion.
@@ -156,6 +158,9 @@ class Block(_engine.Block):
             Duration [s]; by default the run continues until the ground has come to rest and the block has come down.
         step : float, optional
             Time between two rows [s]; by default the record's time step, or 0.01 s.
+        gradients : sequence of str
+            Parameters with respect to which `Run.gradients` has exact derivatives, through all events: "alpha", "eta",
+            "scale", "pulse.period", "initial.theta", "tie_1.stiffness" and so on, by the names of the FMU.
         progress : bool, optional
             Whether to show a tqdm progress bar.
 
@@ -174,6 +179,12 @@ class Block(_engine.Block):
         <Run completed at 9.257 s, |θ|/α = 0.5798, 4 impacts, 927 rows>
         >>> run.outcome, run.theta.shape
         ('completed', (927,))
+
+        The peak rotation grows with the period of the pulse:
+
+        >>> run = rb.Block().run(pulse=rb.Pulse("one-sine", 6.2622, 1.2566), gradients=["pulse.period"])
+        >>> run.gradients["pulse.period"].peak.theta > 0
+        True
         """
         given = {"theta": theta, "theta_dot": theta_dot, "v": v, "v_dot": v_dot}
         beginning = {name: None if value is None else number(name, value) for name, value in given.items()}
@@ -181,7 +192,8 @@ class Block(_engine.Block):
         along = None if record is None else as_record("record", record, self.g)
         up = None if vertical is None else as_record("vertical", vertical, self.g)
         with ticking(progress) as tick:
-            made = _engine.history(self, along, up, number("scale", scale), as_pulse(pulse), beginning, options, tick)
+            factor, of = number("scale", scale), [str(name) for name in gradients]
+            made = _engine.history(self, along, up, factor, as_pulse(pulse), beginning, options, of, tick)
         return Run.of(self, made)
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":

@@ -275,6 +275,7 @@ def history(
     pulse: object | None,
     beginning: dict[str, float | None],
     options: dict[str, Any],
+    gradients: Sequence[str],
     tick: _Tick,
 ) -> dict[str, Any]: ...
 def frame_block(

@@ -1,7 +1,7 @@
 """The history of a block."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -50,6 +50,33 @@ class Peak:
     """Distance of the foot from its place at the start [m], of blocks with friction."""
     tensions: tuple[float, ...]
     """Tension of each tie [N]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gradient:
+    """Derivatives of a run with respect to one parameter, per SI unit of the parameter."""
+
+    columns: dict[str, Floats]
+    """Derivatives of the columns at the times of the rows, each of shape (n,); sums of energy since the start have none."""
+    event_times: Floats
+    """Derivatives of the times of the events."""
+    peak: Peak
+    """Derivatives of the largest absolute values."""
+
+    def __getitem__(self, name: str) -> Floats:
+        return self.columns[name]
+
+
+@dataclass(frozen=True)
+class Grazing:
+    """An event that hardly happens: from there on a run has no derivatives."""
+
+    t: float
+    """Time [s]."""
+    event: str
+    """As in `Event`, or "held" where a corner is held from there on, or bears again."""
+    corner: str | None
+    """"L" or "R", of a lift-off or a landing."""
 
 
 @dataclass(frozen=True)
@@ -120,11 +147,20 @@ class Run:
     """Whether, at the end, the ground is at rest and the block is at rest or bound to come to rest."""
     broken: tuple[bool, ...] = ()
     """Whether each tie is broken at the end."""
+    gradients: dict[str, Gradient] = field(default_factory=dict)
+    """Derivatives by the names of their parameters, as asked for in `Block.run`; NaN after `grazing`."""
+    grazing: Grazing | None = None
+    """The event from which on there are no derivatives, if one grazes."""
 
     @staticmethod
     def of(block: _engine.Block, made: dict[str, Any]) -> "Run":
         """Builds a run from the engine's result."""
-        for column in made["columns"].values():
+        gradients = {
+            name: Gradient(columns, event_times, Peak(*peak))
+            for name, (columns, event_times, peak) in made["gradients"].items()
+        }
+        of_gradients = [array for of in gradients.values() for array in (*of.columns.values(), of.event_times)]
+        for column in (*made["columns"].values(), *of_gradients):
             column.setflags(write=False)
         return Run(
             block=block,
@@ -136,6 +172,8 @@ class Run:
             end_time=made["end_time"],
             has_come_down=made["has_come_down"],
             broken=tuple(made["broken"]),
+            gradients=gradients,
+            grazing=Grazing(*made["grazing"]) if made["grazing"] else None,
         )
 
     def __getitem__(self, name: str) -> Floats:
@@ -268,7 +306,7 @@ class Run:
     def energy(self) -> Energy:
         """Energies [J]."""
         none = np.zeros(len(self))
-        return Energy(**{field.name: self.columns.get(f"energy.{field.name}", none) for field in fields(Energy)})
+        return Energy(**{of.name: self.columns.get(f"energy.{of.name}", none) for of in fields(Energy)})
 
     def to_frame(self) -> "pandas.DataFrame":
         """Returns the columns as a pandas DataFrame with the index `t` [s].

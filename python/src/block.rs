@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Physical};
 use rocking_block::words::Words;
+use rocking_gradients::Given;
 
 use crate::options::{choice, invalid};
 use crate::tie::Tie;
@@ -55,6 +56,25 @@ impl ExplicitParameters {
         match self.named().into_iter().find(|(name, value)| value.is_some() && names.contains(name)) {
             Some((name, _)) => Err(PyValueError::new_err(format!("{name} has no effect {why}"))),
             None => Ok(()),
+        }
+    }
+
+    /// The parameters of this block, in the way in which they were given.
+    fn given(&self, block: &engine::Block) -> Given {
+        match self.width {
+            None => Given::Dimensionless(Dimensionless {
+                alpha: block.alpha,
+                p: block.p,
+                eta: self.eta.unwrap_or(block.eta()),
+                xi_v: block.xi_v,
+            }),
+            Some(_) => Given::Physical(Physical {
+                width: 2.0 * block.b,
+                height: 2.0 * block.h,
+                stiffness: block.stiffness,
+                damping: block.damping,
+                inertia: self.inertia,
+            }),
         }
     }
 
@@ -119,6 +139,16 @@ impl Hash for Block {
         [alpha, p, omega_v, xi_v, mass, gamma, epsilon, gravity, restitution_factor, eccentricity, friction]
             .map(|value| (value + 0.0).to_bits())
             .hash(state);
+    }
+}
+
+impl Block {
+    /// The parameters of this block, in the way in which they were given.
+    pub fn given(&self) -> (Given, Common) {
+        let engine::Block { mass, gamma, epsilon, gravity, foundation, .. } = self.block;
+        let engine::Block { restitution_factor, eccentricity, friction, .. } = self.block;
+        let common = Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction };
+        (self.given.given(&self.block), common)
     }
 }
 

@@ -8,6 +8,8 @@ use rocking_block::block::{self as engine, Foundation, TieState};
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
 use rocking_block::simulation::peaks::Peaks;
+use rocking_gradients::{Grazing, Parameters};
+use rocking_studies::run::gradients::{Derivatives, Gradients, has_derivative};
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
@@ -52,6 +54,7 @@ pub fn history<'py>(
     pulse: Option<PulseOptions>,
     beginning: InitialValues,
     options: RunOptions,
+    gradients: Vec<String>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
     if horizontal.is_none() && vertical.is_none() && scale != 1.0 {
@@ -77,6 +80,7 @@ pub fn history<'py>(
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
     }
+    let (given, common) = block.get().given();
     let (block, settings) = (block.get().block, options.settings()?);
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     let duration = run.longest_duration();
@@ -85,14 +89,64 @@ pub fn history<'py>(
         let message = format!("{duration} s in steps of {output_step} s are {rows:.0} rows; expected fewer than 1e8");
         return Err(PyValueError::new_err(message));
     }
+    let parameters = Parameters {
+        given,
+        common,
+        ties: block.ties.all().to_vec(),
+        initial,
+        pulse,
+        scale: (!run.ground.is_empty()).then_some(scale),
+    };
+    let known = if gradients.is_empty() { Vec::new() } else { parameters.names() };
+    if let Some(name) = gradients.iter().find(|name| !known.contains(name)) {
+        let message =
+            format!("gradients: {name} is no real parameter of this run; expected one of {}", known.join(", "));
+        return Err(PyValueError::new_err(message));
+    }
     const PARTS: u64 = 1000;
-    let history = wait(py, tick, move |progress| {
-        run.history(|part| {
+    let made = wait(py, tick, move |progress| {
+        let mut show = |part: f64| {
             progress.show((part * PARTS as f64) as u64, PARTS);
             progress.end_if_abandoned();
-        })
+        };
+        if gradients.is_empty() {
+            return Some(run.history(&mut show).map(|history| (history, Gradients::default())));
+        }
+        run.history_with_gradients(&parameters, &gradients, &mut show)
     })?;
-    shown(py, &block, &history.map_err(invalid)?)
+    let made = made.ok_or_else(|| PyValueError::new_err("gradients: a parameter is missing"))?;
+    let (history, gradients) = made.map_err(invalid)?;
+    let result = shown(py, &block, &history)?;
+    result.set_item("gradients", derivatives(py, &block, &gradients)?)?;
+    let grazing = gradients.grazing.map(|Grazing { time, kind }| {
+        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.place()));
+        (time, event, corner)
+    });
+    result.set_item("grazing", grazing)?;
+    Ok(result)
+}
+
+/// Returns the derivatives by the names of their parameters: columns, times of events and peaks.
+fn derivatives<'py>(py: Python<'py>, block: &engine::Block, gradients: &Gradients) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    for Derivatives { name, rows, events, peaks } in &gradients.parameters {
+        let columns = PyDict::new(py);
+        for column in table::columns(block).iter().filter(|column| has_derivative(column)) {
+            let values = rows.iter().map(|row| column.value(row));
+            columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
+        }
+        let events = PyArray1::from_iter(py, events.iter().copied());
+        all.set_item(name, (columns, events, peak(py, block, peaks)?))?;
+    }
+    Ok(all)
+}
+
+type PeakTuple<'py> = (f64, f64, f64, f64, f64, f64, Bound<'py, PyTuple>);
+
+fn peak<'py>(py: Python<'py>, block: &engine::Block, peaks: &Peaks) -> PyResult<PeakTuple<'py>> {
+    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, tension } = *peaks;
+    let tensions = PyTuple::new(py, &tension[..block.ties.all().len()])?;
+    Ok((theta, reaction, horizontal, uplift, friction_demand, slip, tensions))
 }
 
 fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyResult<Bound<'py, PyDict>> {
@@ -110,10 +164,8 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
     let result = PyDict::new(py);
     result.set_item("columns", columns)?;
     result.set_item("events", events.collect::<Vec<_>>())?;
-    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, tension } = *peaks;
     let count = block.ties.all().len();
-    let tensions = PyTuple::new(py, &tension[..count])?;
-    result.set_item("peak", (theta, reaction, horizontal, uplift, friction_demand, slip, tensions))?;
+    result.set_item("peak", peak(py, block, peaks)?)?;
     let broken: Vec<bool> = ties[..count].iter().map(|state| *state == TieState::Broken).collect();
     result.set_item("broken", broken)?;
     result.set_item("counts", (counts.impacts, counts.liftoffs, counts.steps, counts.rejected, counts.evaluations))?;

@@ -325,3 +325,23 @@ def test_what_a_block_lacks_is_told():
     assert run.tensions == () and not hasattr(run, "slip") and not run.energy.friction.any()
     with pytest.raises(ValueError, match="stiffness = 0"):
         rb.Tie(stiffness=0)
+
+
+def test_gradients_are_those_of_neighbouring_runs() -> None:
+    """Derivatives through impacts, of columns, peaks and times of events, against central differences."""
+    h, names = 1e-4, ["pulse.period", "alpha"]
+
+    def run(period: float, gradients: list[str]) -> rb.Run:
+        pulse = rb.Pulse("one-sine", 6.2622, period)
+        return rb.Block(alpha=0.25, eta=40).run(pulse=pulse, duration=5.0, tolerance=1e-13, gradients=gradients)
+
+    found, up, down = run(1.2566, names), run(1.2566 + h, []), run(1.2566 - h, [])
+    assert list(found.gradients) == names and found.grazing is None and not up.gradients
+    of = found.gradients["pulse.period"]
+    assert of.peak.theta == pytest.approx((up.peak.theta - down.peak.theta) / (2 * h), rel=1e-6)
+    times = [(a.t - b.t) / (2 * h) for a, b in zip(up.events, down.events, strict=True)]
+    np.testing.assert_allclose(of.event_times, times, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(of["theta"], (up.theta - down.theta) / (2 * h), atol=1e-6 * np.abs(of["theta"]).max())
+    assert "energy.input" not in of.columns
+    with pytest.raises(ValueError, match="gradients: scale is no real parameter of this run"):
+        run(1.2566, ["scale"])
