@@ -3,7 +3,7 @@
     .venv/bin/python -m pip install heyoka==7.13.2
     .venv/bin/python benches/peers/ensemble.py        # about two minutes; needs target/release/rocking
 
-heyoka compiles a Taylor integrator of adaptive order for the equation of motion, for one block or for as many as a vector has lanes.
+heyoka compiles a Taylor integrator of adaptive order for the equation of motion, for one block or for one block per lane of a vector.
 Impacts are terminal events; a callback in Python changes the pivot, and ends the run of a block that comes to rest. Blocks that overturn
 go on turning there until the end, while the program ends their runs. The program also follows reactions, separation, works and
 peaks, and writes a table; its time is that of all blocks less that of a tenth of them, so that its start does not count. The
