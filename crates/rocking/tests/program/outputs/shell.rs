@@ -7,18 +7,20 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 15] = [
     "simulate",
     "sketch",
     "frame",
     "spectrum",
     "sweep",
     "record",
+    "pulse",
     "search",
     "figures",
     "foundations",
     "fragility",
     "rate",
+    "assess",
     "completions",
     "man",
 ];
