@@ -87,7 +87,7 @@ pub trait Elementary: Scalar<Real = f64> {
     /// `√(self² + other²)`.
     fn hypot(self, other: Self) -> Self;
 
-    /// Whether it is zero, and with it its derivative.
+    /// Whether it is zero, of either sign, and with it its derivative.
     fn is_zero(self) -> bool;
 }
 
@@ -160,6 +160,6 @@ impl Elementary for f64 {
 
     #[inline]
     fn is_zero(self) -> bool {
-        self.to_bits() == 0
+        self == 0.0
     }
 }

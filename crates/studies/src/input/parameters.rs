@@ -162,7 +162,9 @@ mod tests {
             assert_eq!(shape.item(spelling), Ok(3.0), "{spelling}");
         }
         assert_eq!([3.0, 4.0].map(|value| shape.display(value)), ["one-cosine", "c1"]);
-        assert!(shape.item("two-sines").unwrap_err().ends_with("expected one of none, one-sine, one-cosine, c1, c2"));
+        let expected = "expected one of none, one-sine, one-cosine, c1, c2, half-sine, rectangular, symmetric-ricker, \
+                        antisymmetric-ricker, gabor";
+        assert!(shape.item("two-sines").unwrap_err().ends_with(expected));
         assert_eq!(Parameter::named("foundation").unwrap().display(2.0), "rigid");
         assert_eq!(Parameter::named("alpha"), Parameter::named("dimensionless.alpha"));
         assert_eq!(Parameter::named("width"), Parameter::named("physical.width"));
