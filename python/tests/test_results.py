@@ -329,7 +329,7 @@ def test_what_a_block_lacks_is_told():
 
 def test_gradients_are_those_of_neighbouring_runs() -> None:
     """Derivatives through impacts, of columns, peaks and times of events, against central differences."""
-    h, names = 1e-4, ["pulse.period", "alpha"]
+    h, names = 2e-5, ["pulse.period", "alpha"]
 
     def run(period: float, gradients: list[str]) -> rb.Run:
         pulse = rb.Pulse("one-sine", 6.2622, period)
@@ -341,7 +341,10 @@ def test_gradients_are_those_of_neighbouring_runs() -> None:
     assert of.peak.theta == pytest.approx((up.peak.theta - down.peak.theta) / (2 * h), rel=1e-6)
     times = [(a.t - b.t) / (2 * h) for a, b in zip(up.events, down.events, strict=True)]
     np.testing.assert_allclose(of.event_times, times, rtol=1e-6, atol=1e-7)
-    np.testing.assert_allclose(of["theta"], (up.theta - down.theta) / (2 * h), atol=1e-6 * np.abs(of["theta"]).max())
+    # An event between the three runs lies within a few h of its time.
+    away = np.abs(np.subtract.outer(found.t, [event.t for event in found.events])).min(axis=1) > 10 * h
+    theta = (up.theta - down.theta) / (2 * h)
+    np.testing.assert_allclose(of["theta"][away], theta[away], atol=1e-6 * np.abs(theta).max())
     assert "energy.input" not in of.columns
     with pytest.raises(ValueError, match="gradients: scale is no real parameter of this run"):
         run(1.2566, ["scale"])

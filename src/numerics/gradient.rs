@@ -28,8 +28,8 @@ impl<const N: usize> Gradient<N> {
     #[inline(always)]
     fn chain(self, other: Self, re: f64, [by_self, by_other]: [f64; 2]) -> Self {
         let mut eps = self.eps;
-        for i in 0..N {
-            eps[i] = eps[i] * by_self + other.eps[i] * by_other;
+        for (part, of_other) in eps.iter_mut().zip(other.eps) {
+            *part = *part * by_self + of_other * by_other;
         }
         Gradient { re, eps }
     }
@@ -78,8 +78,8 @@ impl<const N: usize> Add for Gradient<N> {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         let mut eps = self.eps;
-        for i in 0..N {
-            eps[i] += other.eps[i];
+        for (part, of_other) in eps.iter_mut().zip(other.eps) {
+            *part += of_other;
         }
         Gradient { re: self.re + other.re, eps }
     }
@@ -91,8 +91,8 @@ impl<const N: usize> Sub for Gradient<N> {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         let mut eps = self.eps;
-        for i in 0..N {
-            eps[i] -= other.eps[i];
+        for (part, of_other) in eps.iter_mut().zip(other.eps) {
+            *part -= of_other;
         }
         Gradient { re: self.re - other.re, eps }
     }

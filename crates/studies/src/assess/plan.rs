@@ -94,7 +94,7 @@ pub struct Assumption {
     pub values: [f64; 2],
     /// Its value in the middle of the study.
     pub middle: f64,
-    /// Whether the study has this range; else it is the usual one of [`alternatives`].
+    /// Whether the study has this range; else it is the usual one.
     pub is_given: bool,
 }
 

@@ -22,7 +22,7 @@ pub enum Change {
     /// A coefficient of friction over the static threshold (b − |e_x|)/h of the block; below 1 the block slides before it rocks.
     FrictionOverThreshold(f64),
     /// A horizontal tie to each side at twice the height of the centre of mass, to anchors at a distance of h that move with the
-    /// ground. The stiffness (M g/R0) is the number; the ties have a slack of [`SLACK`], no pretension, and do not break.
+    /// ground. The stiffness (M g/R0) is the number; the ties have a slack of R0/100, no pretension, and do not break.
     Tied(f64),
 }
 
