@@ -14,6 +14,9 @@ fn run(folder: &Path, period: f64, more: &[&str]) -> Value {
     serde_json::from_str(&stdout(folder, &[&of[..], &shown, more].concat())).unwrap()
 }
 
+/// The summary of a run with a period nearby, and its column θ.
+type Neighbour = (Value, Vec<f64>);
+
 /// The derivatives of table, peaks and events are those of runs with other periods.
 #[test]
 fn derivatives_are_those_of_neighbouring_runs() {
@@ -27,7 +30,7 @@ fn derivatives_are_those_of_neighbouring_runs() {
         let run = run(folder.path(), period + h, &[]);
         (run, Table::read(&folder.path().join("run.csv")).column("theta"))
     });
-    let same = |what: &str, ours: f64, of: &dyn Fn(&(Value, Vec<f64>)) -> f64| {
+    let same = |what: &str, ours: f64, of: &dyn Fn(&Neighbour) -> f64| {
         let expected = (of(&sides[0]) - of(&sides[1])) / (2.0 * h);
         assert!((ours - expected).abs() <= 1e-6 * expected.abs().max(0.1), "{what}: {ours}, {expected} by differences");
     };
