@@ -139,10 +139,13 @@ fn deaggregation<'a>(found: &AnnualRate, axis: &'a str, x: &Range<f64>) -> Chart
     }
 }
 
+/// The least annual rate that is written as a number.
+pub const NEGLIGIBLE: f64 = 1e-12;
+
 /// Formats a rate or a return period for a heading.
 pub fn per_year(rate: f64) -> String {
     match rate {
-        0.0..1e-12 => "below 1e-12".into(),
+        0.0..NEGLIGIBLE => "below 1e-12".into(),
         ..1e-3 => format!("{rate:.2e}"),
         _ => significant(rate, 3),
     }

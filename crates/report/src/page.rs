@@ -11,6 +11,7 @@ use crate::sentences::summary;
 use crate::{ReportError, range};
 use rocking_block::excitation::PulseShape;
 use rocking_block::words::Words;
+use rocking_charts::rate::NEGLIGIBLE;
 use rocking_studies::assess::{Comparison, Counts, CurveResult, Found, LeastPulse, Plan, Report};
 
 /// Fills the template.
@@ -185,12 +186,13 @@ impl Page<'_> {
         Some(format!("{} of {all} ground motions overturn the object itself", own.overturned))
     }
 
-    fn rate_interval(&self, [low, high]: &[Option<f64>; 2]) -> String {
-        match (low, high) {
+    fn rate_interval(&self, &[low, high]: &[Option<f64>; 2]) -> String {
+        // A lower end that is written as a bound says nothing.
+        match (low.filter(|&low| low >= NEGLIGIBLE), high) {
             (None, None) => "unbounded".into(),
-            (Some(low), None) => format!("above {}", rate(*low)),
-            (None, Some(high)) => format!("below {}", rate(*high)),
-            (Some(low), Some(high)) => format!("{} to {}", rate(*low), rate(*high)),
+            (Some(low), None) => format!("above {}", rate(low)),
+            (None, Some(high)) => format!("below {}", rate(high)),
+            (Some(low), Some(high)) => format!("{} to {}", rate(low), rate(high)),
         }
     }
 
