@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 use differential_equations::control::ControlFlag;
 use differential_equations::interpolate::Interpolation;
 use differential_equations::ode::{OrdinaryNumericalMethod, solve_ode};
-use differential_equations::prelude::ExplicitRungeKutta;
+use differential_equations::prelude::{ExplicitRungeKutta, ODE};
 use differential_equations::solout::Solout;
 use differential_equations::solution::Solution;
 use equations::{Block, Contact, Equations, Ground, Regime, SIGNS, State};
