@@ -104,7 +104,7 @@ fn accelerations_are_derivatives_of_the_published_ground_velocities() {
             let (found, exact) = (pulse.velocity(START + t), velocity(shape, t).0 - velocity(shape, 0.0).0);
             assert!((found - exact).abs() < 1e-7, "{shape:?} at {t} s: {found} m/s, not {exact} m/s");
         }
-        // The peak acceleration is a_p, and the ground stands still at the end, but for pulses of one sign.
+        // The peak acceleration is a_p. The ground stands still at the end of every pulse that changes its sign.
         let greatest = (0..4000).map(|i| pulse.acceleration(START + duration * f64::from(i) / 4000.0).abs());
         assert!((greatest.fold(0.0, f64::max) / AMPLITUDE - 1.0).abs() < 1e-5, "{shape:?}");
         let end = match shape {
