@@ -1,6 +1,6 @@
 //! The regime after an event: a corner leaves if its support, or the rigid base, would have to pull it.
 
-use crate::block::{Corner, Foundation, Regime};
+use crate::block::{Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Beside, Elementary};
 use crate::system::System;
@@ -30,7 +30,7 @@ where
             if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
                 match self.landed && block.is_extended() {
                     false => self.hold_pivot(pivot, &mut placement),
-                    true => self.keep_momentum(regime, &mut placement),
+                    true => self.keep_momentum(pivot, &mut placement),
                 }
             }
             before = regime;
@@ -78,12 +78,20 @@ where
         self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
     }
 
-    /// Stops the other corner by an impulse after a corner has landed and lifted in the same instant; with friction it slides
-    /// instead.
-    fn keep_momentum(&self, regime: Regime, placement: &mut Placement<T>) {
+    /// Stops the `pivot` by an impulse after the other corner has landed and lifted in the same instant; with friction it slides
+    /// instead. An impulse of its support keeps the other corner from being pressed down by that.
+    fn keep_momentum(&self, pivot: Corner, placement: &mut Placement<T>) {
         let block = &self.system.block;
-        if block.friction.value() == 0.0 {
-            placement.strike(block, impact::grip(block, regime, placement.theta, placement.velocities));
+        if block.friction.value() > 0.0 {
+            return;
+        }
+        let (theta, before, other) = (placement.theta, placement.velocities, pivot.other());
+        let support = self.support(other).rate;
+        placement.strike(block, impact::grip(block, Regime::on(pivot), theta, before));
+        if placement.corners[other.index()].1.value() < support.value() {
+            let foot = Foot::Corner(pivot);
+            placement.strike(block, impact::landing_with_grip(block, other, foot, theta, before, support));
+            placement.corners[other.index()].1 = support;
         }
     }
 

@@ -1,7 +1,7 @@
 //! Ties: an elastic tendon through the middle of a rigid base, and ties that break together.
 
-use rocking_block::block::{Block, Common, Foundation, Tie, TieState};
-use rocking_block::excitation::{Inputs, Pulse};
+use rocking_block::block::{Block, Common, Corner, Foundation, Tie, TieState};
+use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 
@@ -196,4 +196,36 @@ fn a_pretensioned_block_rests() {
     simulation.advance(10.0, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();
     let after = simulation.observe(&Inputs::default());
     assert!((after.v - seen.v).abs() < 1e-12 && after.theta == 0.0, "{after:?}");
+}
+
+/// A block between two anchors lands on a support that has recovered, and lifts from it at once: the impulse that then stops
+/// the other corner does not press it down, but leaves it where it is, once.
+#[test]
+fn a_corner_that_lands_and_lifts_at_once_is_not_pressed_down() {
+    let (width, height, mass) = (0.32, 0.74, 100.0);
+    let (alpha, p) = (libm::atan(width / height), (1.5 * 9.81 / libm::hypot(width, height)).sqrt());
+    let strength = mass * 9.81;
+    let anchor = |side: f64| Tie {
+        block: [0.5 * side * width, height],
+        ground: [side * (0.5 * width + 0.1), height],
+        stiffness: strength / 0.005,
+        strength,
+        ..Tie::default()
+    };
+    let block = block([alpha, p, 50.0, 0.1], &Common { mass, ..Common::default() });
+    let block = block.with_ties(&[anchor(-1.0), anchor(1.0)]).unwrap();
+    let initial = Initial { theta: 1.319e-3, theta_dot: -2.08e-3, vertical: Some((5.71e-5, -1.065e-2)) };
+    let inputs = Inputs { time: 8.755, a_gx: Ramp { value: -9.533, rate: -216.1 }, ..Inputs::default() };
+    let mut simulation = Simulation::new(
+        block,
+        Settings { tolerance: 1e-6, ..Settings::default() },
+        Pulse::NONE,
+        &initial,
+        8.755,
+        &inputs,
+    );
+    let mut events = Vec::new();
+    simulation.advance(8.76, &inputs, &mut |event| events.push(event.kind)).unwrap();
+    assert_eq!(events, [EventKind::Landing(Corner::Left)]);
+    assert!(simulation.observe(&inputs).uplift[0] > 0.0);
 }
