@@ -61,7 +61,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         println!("{}: {:.2} s without a mutant", program.name, time.as_secs_f64());
         times.insert(program.name.clone(), time);
     }
-    programs.sort_by_key(|program| times[&program.name]);
+    // How many mutants of a file a test has caught.
+    let mut catches: BTreeMap<(&str, String), u32> = BTreeMap::new();
 
     let runnable: Vec<&Mutant> = mutants.iter().filter(|mutant| !left_out.contains(&mutant.number)).collect();
     for (done, mutant) in runnable.iter().enumerate() {
@@ -70,6 +71,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             Some(_) => continue,
             None => BTreeSet::new(),
         };
+        // Those that have caught the most mutants of this file for their time come first.
+        programs.sort_by_cached_key(|program| {
+            let caught = catches.get(&(&*mutant.file, program.name.clone())).copied().unwrap_or_default();
+            times[&program.name] / (1 + caught)
+        });
         let mut noticed = None;
         for program in &programs {
             if survived.contains(&program.name) && !arguments.again {
@@ -84,6 +90,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
                 break;
             }
             survived.insert(program.name.clone());
+        }
+        if let Some(Outcome::Caught(test) | Outcome::TimedOut(test)) = &noticed {
+            *catches.entry((&mutant.file, test.clone())).or_default() += 1;
         }
         let outcome = noticed.unwrap_or(Outcome::Survived(survived));
         println!("{}/{} {} {}: {outcome}", done + 1, runnable.len(), mutant.place(), mutant.change);

@@ -1,6 +1,7 @@
 //! The rewritten copy → test programs → whether a test notices a mutant.
 
 use std::collections::BTreeSet;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -11,10 +12,14 @@ use serde_json::Value;
 const ENVIRONMENT: [(&str, &str); 2] =
     [("PROPTEST_MAX_SHRINK_ITERS", "0"), ("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true")];
 
-/// A test that takes this many times longer, and longer than [`LEAST_TIMEOUT`], notices the mutant.
-const TIMEOUT: u32 = 20;
+/// A test that takes this many times the processor time, and more than [`LEAST_TIMEOUT`], notices the mutant.
+const TIMEOUT: u64 = 10;
 
-const LEAST_TIMEOUT: Duration = Duration::from_secs(5);
+/// Least limit on the processor time of a test (s).
+const LEAST_TIMEOUT: u64 = 5;
+
+/// Number of the signal that ends a test beyond its limit.
+const SIGXCPU: i32 = 24;
 
 /// Limit on a test's memory (KiB): a mutant may turn a loop that allocates into an endless one.
 const MEMORY: u64 = 8 << 20;
@@ -35,7 +40,8 @@ pub struct Program {
     path: PathBuf,
     filter: Option<String>,
     folder: PathBuf,
-    timeout: Duration,
+    /// Limit on its processor time (s), if any.
+    timeout: Option<u64>,
 }
 
 pub enum Verdict {
@@ -75,7 +81,9 @@ pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Re
     }
     let mut programs = Vec::new();
     for message in &messages {
-        let Some(path) = message["executable"].as_str().filter(|_| message["profile"]["test"] == true) else { continue };
+        let Some(path) = message["executable"].as_str().filter(|_| message["profile"]["test"] == true) else {
+            continue;
+        };
         let target = &message["target"];
         let name = if target["kind"][0] == "test" { text(&target["name"]) } else { "lib".into() };
         for module in modules(&name, path)? {
@@ -83,13 +91,7 @@ pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Re
             let skipped = module.as_ref().is_some_and(|module| skip.contains(module));
             if tests.contains(&full) || tests.contains(&name) && !skipped {
                 let filter = module.map(|module| format!("{module}::"));
-                programs.push(Program {
-                    name: full,
-                    path: path.into(),
-                    filter,
-                    folder: folder.into(),
-                    timeout: Duration::MAX,
-                });
+                programs.push(Program { name: full, path: path.into(), filter, folder: folder.into(), timeout: None });
             }
         }
     }
@@ -153,29 +155,27 @@ impl Program {
             Verdict::Failed | Verdict::TimedOut => return Err(format!("{} fails without a mutant", self.name)),
         }
         let time = start.elapsed();
-        self.timeout = (TIMEOUT * time).max(LEAST_TIMEOUT);
+        self.timeout = Some((TIMEOUT * time.as_secs()).max(LEAST_TIMEOUT));
         Ok(time)
     }
 
     /// Runs the tests with a mutant.
     pub fn run(&self, mutant: u32) -> Result<Verdict, String> {
-        let failed = |e: std::io::Error| format!("{}: {e}", self.path.display());
+        let time = self.timeout.map_or("unlimited".into(), |limit| limit.to_string());
         let mut command = Command::new("sh");
-        command.args(["-c", &format!("ulimit -v {MEMORY} && exec \"$0\" \"$@\" --test-threads=1 --quiet")]);
+        command.args([
+            "-c",
+            &format!("ulimit -v {MEMORY} && ulimit -S -t {time} && exec \"$0\" \"$@\" --test-threads=1 --quiet"),
+        ]);
         command.arg(&self.path).args(&self.filter);
         command.envs(ENVIRONMENT).env("MUTANT", mutant.to_string()).current_dir(&self.folder);
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        let start = Instant::now();
-        let mut child = command.spawn().map_err(failed)?;
-        loop {
-            if let Some(status) = child.try_wait().map_err(failed)? {
-                return Ok(if status.success() { Verdict::Passed } else { Verdict::Failed });
-            }
-            if start.elapsed() > self.timeout {
-                child.kill().and_then(|()| child.wait()).map_err(failed)?;
-                return Ok(Verdict::TimedOut);
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
+        let status = command.status().map_err(|e| format!("{}: {e}", self.path.display()))?;
+        Ok(match status.signal() {
+            Some(SIGXCPU) => Verdict::TimedOut,
+            Some(_) => Verdict::Failed,
+            None if status.success() => Verdict::Passed,
+            None => Verdict::Failed,
+        })
     }
 }
