@@ -416,21 +416,10 @@ impl Block {
     }
 }
 
-/// Warns of the first block without ties that falls over by itself. Its supports' moment per radian, 2 K b², is at most that of its
-/// weight, M g h. `stack_level` selects the line that the warning names.
+/// Warns of the first block whose supports are too soft to keep it upright. `stack_level` selects the line that the warning names.
 pub fn warn_of_soft_supports(py: Python, blocks: &[engine::Block], stack_level: i32) -> PyResult<()> {
-    let least = |block: &engine::Block| block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
-    let is_soft = |block: &&engine::Block| {
-        block.foundation == Foundation::Viscoelastic && block.ties.is_empty() && block.stiffness <= least(block)
-    };
-    let Some(block) = blocks.iter().find(is_soft) else { return Ok(()) };
-    let (eta, stiffness, least) = (block.eta(), block.stiffness, least(block));
-    let least_eta = eta * (least / stiffness).sqrt();
-    let message = format!(
-        "the block falls over by itself on supports of eta = {eta:.4}, K = {stiffness:.4e} N/m; expected eta > \
-         {least_eta:.4}, K > {least:.4e} N/m"
-    );
-    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, stack_level)
+    let Some(warning) = blocks.iter().find_map(engine::Block::soft_supports) else { return Ok(()) };
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(warning)?, stack_level)
 }
 
 /// Returns a hash of numbers that is the same in every Python process.

@@ -1,4 +1,4 @@
-//! The foundation: a rigid base, or a support under each corner, which creeps back to its free height once its corner has left it.
+//! The foundation: a rigid base, or a support under each corner, and the recovery of a support after lift-off.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,9 +16,9 @@ pub enum Foundation {
     Rigid = 2,
 }
 
-/// The recovery of a support that its corner has left: it creeps back to its free height δ_s.
+/// Recovery of a support after its corner has left it, by creep to the free height δ_s.
 ///
-/// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping is back at once.
+/// `C ẏ = K (δ_s − y)`: `δ_s − y = depth · exp(−(t − since) K/C)`. A support without damping recovers at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Creep<T = f64> {
     /// δ_s − y₀ (m) at lift-off.
@@ -28,22 +28,39 @@ pub struct Creep<T = f64> {
 }
 
 impl<T: Elementary> Creep<T> {
-    /// Height of the support's top above its place under the block at rest (m), and its rate (m/s).
+    /// Returns the height of the support's top above its position under the block at rest (m), and its rate (m/s).
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match block.foundation {
             Foundation::Rigid => Sample::default(),
             Foundation::Viscoelastic => {
                 let rate = block.creep_rate();
-                // Without damping it is back at once.
+                // Without damping it recovers at once.
                 if self.depth.is_zero() || rate.value().is_infinite() {
                     return Sample { value: block.free_height(corner), rate: T::from(0.0) };
                 }
-                // A clock that is set back by its rounding may show a time before lift-off.
+                // Rounding of the clock may give a time before lift-off.
                 let elapsed = time - self.since;
                 let elapsed = T::select_less(0.0, elapsed.value(), elapsed, T::from(0.0));
                 let sunk = self.depth * (-(rate * elapsed)).exp();
                 Sample { value: block.free_height(corner) - sunk, rate: rate * sunk }
             }
         }
+    }
+}
+
+impl Block {
+    /// Returns a warning if a block without ties falls over by itself on its supports: their moment per radian, 2 K b², is at most that
+    /// of the weight, M g h.
+    pub fn soft_supports(&self) -> Option<String> {
+        let Block { mass, gravity, b, h, stiffness, .. } = *self;
+        let (eta, least) = (self.eta(), mass * gravity * h / (2.0 * b * b));
+        let is_soft = self.foundation == Foundation::Viscoelastic && self.ties.is_empty() && stiffness <= least;
+        is_soft.then(|| {
+            let least_eta = eta * (least / stiffness).sqrt();
+            format!(
+                "the block falls over by itself on supports of eta = {eta:.4}, K = {stiffness:.4e} N/m; expected eta > \
+                 {least_eta:.4}, K > {least:.4e} N/m"
+            )
+        })
     }
 }

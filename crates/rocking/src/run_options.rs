@@ -11,8 +11,8 @@ use crate::choices;
 use crate::explicit_options::ExplicitOptions;
 use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles, is_standard_output};
-use rocking_block::block::{Block, Foundation};
-use rocking_block::numerics::wide::Width;
+use rocking_block::block::Block;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{OnSeparation, Settings};
 use rocking_block::words::Words;
 use rocking_studies::output::resumable::{Failures, ResumableTable, TableOptions};
@@ -49,16 +49,10 @@ impl SizeOptions {
     }
 }
 
-/// Warns of a block without ties that falls over by itself: the supports' moment per radian, 2 K b², is at most the weight's, M g h.
+/// Prints the warning about supports too soft to keep the block upright, if they are.
 pub fn warn_of_soft_supports(block: &Block) {
-    let least = block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
-    if block.foundation == Foundation::Viscoelastic && block.ties.is_empty() && block.stiffness <= least {
-        let (eta, stiffness) = (block.eta(), block.stiffness);
-        let least_eta = eta * (least / stiffness).sqrt();
-        eprintln!(
-            "rocking: warning: the block falls over by itself on supports of eta = {eta:.4}, K = {stiffness:.4e} N/m; expected \
-             eta > {least_eta:.4}, K > {least:.4e} N/m"
-        );
+    if let Some(warning) = block.soft_supports() {
+        eprintln!("rocking: warning: {warning}");
     }
 }
 
@@ -126,8 +120,8 @@ pub struct ProcessorOptions {
 
 impl ProcessorOptions {
     /// Returns the width of the vectors, or none if each block is stepped alone.
-    pub fn width(&self) -> Option<Width> {
-        self.lanes.map_or_else(Width::widest, Width::at_most)
+    pub fn width(&self) -> Option<VectorWidth> {
+        self.lanes.map_or_else(VectorWidth::widest, VectorWidth::at_most)
     }
 }
 

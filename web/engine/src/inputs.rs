@@ -119,7 +119,7 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     let settings = Settings { tolerance, on_separation, ..Settings::default() };
     let initial = Initial { theta, theta_dot, ..Initial::default() };
     let description = describe(&excitation, &vertical, &ground, &pulse, block.gravity);
-    let mut warnings = Vec::from_iter(soft_supports(&block));
+    let mut warnings = Vec::from_iter(block.soft_supports());
     let sources = [(files[0], &unscaled.horizontal, "excitation"), (files[1], &unscaled.vertical, "vertical")];
     for (file, record, field) in sources {
         if let (Some(file), Some(record), "file") = (file, record, fields.text(field)) {
@@ -357,19 +357,4 @@ fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse
         parts.push(format!("vertical {}, {} g", title(record, name), strength(record)));
     }
     parts.join(" + ")
-}
-
-/// Warns of a block that falls over by itself: its supports resist with 2 K b² per radian, its weight acts with M g h.
-fn soft_supports(block: &Block) -> Option<String> {
-    let least = block.mass * block.gravity * block.h / (2.0 * block.b * block.b);
-    let is_soft = block.foundation == Foundation::Viscoelastic && block.stiffness <= least;
-    is_soft.then(|| {
-        let least_eta = block.eta() * (least / block.stiffness).sqrt();
-        format!(
-            "the block falls over by itself on supports of η = {}, K = {:.4e} N/m; expected η > {}, K > {least:.4e} N/m",
-            significant(block.eta(), 4),
-            block.stiffness,
-            significant(least_eta, 4)
-        )
-    })
 }
