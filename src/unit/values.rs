@@ -97,6 +97,14 @@ const TIE_VARIABLES: [TieVariables; TIES] = [
     },
 ];
 
+impl TieVariables {
+    /// Returns the variables that are read only if the stiffness is above zero.
+    fn needing_stiffness(&self) -> [Variable; 8] {
+        let &TieVariables { block: [block_x, block_z], ground: [ground_x, ground_z], .. } = self;
+        [block_x, block_z, ground_x, ground_z, self.pretension, self.slack, self.damping, self.strength]
+    }
+}
+
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 
 impl Values {
@@ -243,6 +251,9 @@ impl Values {
     /// Returns the setting that a parameter needs to be read, if the others lack it.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
+        if let Some(tie) = TIE_VARIABLES.iter().find(|tie| tie.needing_stiffness().contains(&parameter.variable())) {
+            return (self[tie.stiffness] == 0.0).then_some(tie.stiffness.name());
+        }
         match parameter {
             Parameter::DimensionlessAlpha
             | Parameter::DimensionlessP
@@ -260,22 +271,6 @@ impl Values {
             }
             Parameter::PhysicalHeight => self.has_center_height().then_some("physical.center_height = 0"),
             Parameter::Gamma => (physical && self.has_inertia()).then_some("physical.inertia = 0"),
-            Parameter::Tie1BlockX
-            | Parameter::Tie1BlockZ
-            | Parameter::Tie1GroundX
-            | Parameter::Tie1GroundZ
-            | Parameter::Tie1Pretension
-            | Parameter::Tie1Slack
-            | Parameter::Tie1Damping
-            | Parameter::Tie1Strength => (self[Variable::Tie1Stiffness] == 0.0).then_some("tie_1.stiffness"),
-            Parameter::Tie2BlockX
-            | Parameter::Tie2BlockZ
-            | Parameter::Tie2GroundX
-            | Parameter::Tie2GroundZ
-            | Parameter::Tie2Pretension
-            | Parameter::Tie2Slack
-            | Parameter::Tie2Damping
-            | Parameter::Tie2Strength => (self[Variable::Tie2Stiffness] == 0.0).then_some("tie_2.stiffness"),
             Parameter::InitialV | Parameter::InitialVDot if rigid => Some(ON_SUPPORTS),
             Parameter::InitialV | Parameter::InitialVDot => {
                 (self[Variable::InitialSettled] != 0.0).then_some("initial.settled = false")
@@ -294,26 +289,7 @@ impl Values {
                 self[Text::RecordHorizontal].is_empty().then_some("record.horizontal")
             }
             Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
-            Parameter::Parameterization
-            | Parameter::PhysicalWidth
-            | Parameter::PhysicalCenterHeight
-            | Parameter::PhysicalInertia
-            | Parameter::PhysicalK
-            | Parameter::PhysicalC
-            | Parameter::Mass
-            | Parameter::Eccentricity
-            | Parameter::Epsilon
-            | Parameter::G
-            | Parameter::Friction
-            | Parameter::Foundation
-            | Parameter::Tie1Stiffness
-            | Parameter::Tie2Stiffness
-            | Parameter::OnSeparation
-            | Parameter::OnOverturning
-            | Parameter::InitialTheta
-            | Parameter::InitialThetaDot
-            | Parameter::InitialSettled
-            | Parameter::PulseShape => None,
+            _ => None,
         }
     }
 
