@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_studies::assess::{Plan, assess as assessed};
 
 use crate::options::{invalid, pool};
@@ -30,7 +30,7 @@ pub fn assess<'py>(
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        let found = assessed(&plan, &pool, Width::widest(), &show).map_err(|error| error.to_string())?;
+        let found = assessed(&plan, &pool, VectorWidth::widest(), &show).map_err(|error| error.to_string())?;
         let files = rocking_report::files(&plan, &found).map_err(|error| error.to_string())?;
         let text = rocking_report::text(&found);
         let numbers = serde_json::to_string(&found.report).map_err(|error| error.to_string())?;

@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rocking_block::block::{Common, Dimensionless, Foundation};
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaking, Threshold};
 
@@ -68,7 +68,7 @@ pub fn search_overturning<'py>(
             progress.show(done, total);
             progress.end_if_abandoned();
         };
-        pool.install(|| search::overturning(&block, &shaking, settings, &scan, Width::widest(), show))
+        pool.install(|| search::overturning(&block, &shaking, settings, &scan, VectorWidth::widest(), show))
     })?;
     Ok(answer(&found, found.overturning()))
 }
@@ -106,7 +106,7 @@ pub fn search_damping<'py>(
             progress.end_if_abandoned();
         };
         let search = || {
-            let (ties, width) = (block.ties.all(), Width::widest());
+            let (ties, width) = (block.ties.all(), VectorWidth::widest());
             search::damping_against_separation(&dimensionless, &common, ties, rate, settings, &scan, width, show)
         };
         pool.install(search)

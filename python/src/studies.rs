@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_block::unit::variables::Variable;
 use rocking_studies::input::study_file::StudyFileError;
@@ -52,7 +52,7 @@ fn rows<T: Send>(
         progress.end_if_abandoned();
         make(numbers)
     };
-    let done = runner::in_batches(pool, 0..count, Width::widest(), runs_in_a_row, make, |number, row| {
+    let done = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |number, row| {
         rows.push(row);
         progress.show(number + 1, count);
         Ok::<(), Infallible>(())
@@ -126,7 +126,7 @@ pub fn outcomes<'py>(
             let above = friction_demand.map(|demand| run(number).longest_above(demand));
             (outcome, block.alpha, shown.iter().map(of).chain(above).collect())
         };
-        let width = Width::widest();
+        let width = VectorWidth::widest();
         rows(&pool, count, 1, progress, |numbers| {
             let outcomes = batch::outcomes(width, numbers.clone().map(run), || ());
             numbers.zip(outcomes).map(row).collect()
@@ -212,7 +212,7 @@ pub fn sweep<'py>(
     let headings = study.header().columns;
     let count = study.rows();
     let made: Vec<StudyRow> = wait(py, tick, move |progress| {
-        let width = Width::widest();
+        let width = VectorWidth::widest();
         rows(&pool, count, study.runs_in_a_row(), progress, |numbers| study.make(numbers, width))
     })?;
     let failure = made.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);

@@ -6,7 +6,7 @@ use crate::block::{Block, Corner, Creep, Foot};
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::Elementary;
 
-/// The regime of motion: which corners stand on their supports.
+/// The regime of motion, by the corners in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(i32)]
 pub enum Regime {
@@ -21,7 +21,7 @@ pub enum Regime {
 }
 
 impl Regime {
-    /// The regime in which just these corners touch.
+    /// Returns the regime in which only these corners touch.
     pub fn of_touching([left, right]: [bool; 2]) -> Regime {
         match (left, right) {
             (true, true) => Regime::FullContact,
@@ -31,7 +31,7 @@ impl Regime {
         }
     }
 
-    /// The regime in which only this corner touches.
+    /// Returns the regime in which only this corner touches.
     pub fn on(corner: Corner) -> Regime {
         match corner {
             Corner::Left => Regime::TiltingLeft,
@@ -39,7 +39,7 @@ impl Regime {
         }
     }
 
-    /// Whether this corner touches.
+    /// Returns true if this corner touches.
     #[inline]
     pub fn touches(self, corner: Corner) -> bool {
         match self {
@@ -50,7 +50,7 @@ impl Regime {
         }
     }
 
-    /// The point on which the block stands; none in flight.
+    /// Returns the point on which the block stands, or `None` in flight.
     #[inline(always)]
     pub fn foot(self) -> Option<Foot> {
         match self {
@@ -61,7 +61,7 @@ impl Regime {
         }
     }
 
-    /// The corner on which the block stands, if it is just one.
+    /// Returns the only corner on which the block stands, or `None`.
     pub fn pivot(self) -> Option<Corner> {
         match self {
             Regime::TiltingLeft => Some(Corner::Left),
@@ -70,7 +70,7 @@ impl Regime {
         }
     }
 
-    /// The number of the paper and of the FMU: −1, 0, 1 or 2.
+    /// Returns the number of the regime in the paper and the FMU: −1, 0, 1 or 2.
     pub fn number(self) -> i32 {
         self as i32
     }
@@ -92,8 +92,8 @@ impl std::fmt::Display for Regime {
 pub enum Contact<T = f64> {
     /// It stands on its support, or on the rigid base.
     Bearing,
-    /// It bears nothing and goes with its support, which creeps to its free height: full contact would lift it, and the other
-    /// corner alone would press it back. See docs/model.md.
+    /// It carries no load and follows its support, which creeps to its free height: full contact would lift the corner, and the regime
+    /// without it would press it back. See docs/model.md.
     Held(Creep<T>),
     /// It has left its support, which creeps back to its free height.
     Lifted(Creep<T>),
@@ -107,13 +107,13 @@ impl<T: Elementary> Contacts<T> {
     /// Both corners bear.
     pub const FULL: Contacts<T> = Contacts([Contact::Bearing; 2]);
 
-    /// Bearing on the corners that touch; the supports of the others are at their free height.
+    /// Returns contacts in which these corners bear; the supports of the others are at their free height.
     pub fn touching(touching: [bool; 2], time: T) -> Contacts<T> {
         let free = Contact::Lifted(Creep { depth: T::from(0.0), since: time });
         Contacts(touching.map(|touches| if touches { Contact::Bearing } else { free }))
     }
 
-    /// The contact of a corner.
+    /// Returns the contact of a corner.
     #[inline]
     pub fn of(&self, corner: Corner) -> Contact<T> {
         self.0[corner.index()]
@@ -125,7 +125,7 @@ impl<T: Elementary> Contacts<T> {
         self.0[corner.index()] = contact;
     }
 
-    /// Whether a corner is on its support.
+    /// Returns true if a corner is on its support.
     #[inline]
     pub fn touches(&self, corner: Corner) -> bool {
         match self.of(corner) {
@@ -134,27 +134,27 @@ impl<T: Elementary> Contacts<T> {
         }
     }
 
-    /// The regime: which corners touch.
+    /// Returns the regime.
     #[inline]
     pub fn regime(&self) -> Regime {
         Regime::of_touching(Corner::each(|corner| self.touches(corner)))
     }
 
-    /// The corner that is held, if one is.
+    /// Returns the held corner, if any.
     #[inline]
     pub fn held(&self) -> Option<Corner> {
         Corner::BOTH.into_iter().find(|&corner| matches!(self.of(corner), Contact::Held(_)))
     }
 
-    /// A corner that was held bears from here on.
+    /// Lets a held corner bear.
     pub fn let_bear(&mut self) {
         if let Some(corner) = self.held() {
             self.set(corner, Contact::Bearing);
         }
     }
 
-    /// Height of the support's top under a corner that bears nothing, above its place under the block at rest (m), and its rate
-    /// (m/s); zeros where the corner bears.
+    /// Returns the height of the support's top under a corner (m), above its position under the block at rest, and its rate (m/s). Both
+    /// are zero if the corner bears.
     #[inline]
     pub fn top(&self, corner: Corner, block: &Block<T>, time: T) -> Sample<T> {
         match self.of(corner) {
@@ -163,7 +163,7 @@ impl<T: Elementary> Contacts<T> {
         }
     }
 
-    /// Whether all numbers are finite.
+    /// Returns true if all numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.0.iter().all(|contact| match contact {
             Contact::Bearing => true,

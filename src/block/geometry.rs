@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::Block;
-use crate::numerics::scalar::{Beside, Scalar};
+use crate::numerics::scalar::{CombinesWith, Scalar};
 
 /// A corner of the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -105,7 +105,7 @@ impl<P: Scalar> Block<P> {
 
     /// The centre of mass as seen from the foot, at a rotation with this sine and cosine.
     #[inline(always)]
-    pub fn lever<T: Beside<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
+    pub fn lever<T: CombinesWith<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
         let offset = self.offset_from(foot);
         Lever { x: sin * self.h + cos * offset, q: cos * self.h - sin * offset }
     }

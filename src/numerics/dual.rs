@@ -1,13 +1,12 @@
 //! Dual numbers: a number with its derivative, which formulas carry along exactly.
 //!
-//! The rules of differentiation are those of `num-dual`, with the same operations in the same order, for `f64` and for several
-//! numbers side by side.
+//! The rules of differentiation are those of `num-dual`, with the same operations in the same order, for `f64` and for lanes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::numerics::scalar::{Elementary, Scalar};
 
-/// `re + eps ε` with `ε² = 0`: a number, and its derivative with respect to time or to whatever it depends on.
+/// `re + eps ε` with `ε² = 0`: a number and its derivative with respect to time or a parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dual<R> {
     /// The number.
@@ -16,8 +15,8 @@ pub struct Dual<R> {
     pub eps: R,
 }
 
-/// Operators between a dual of `$number` and a constant of that type, for numbers other than `f64`.
-macro_rules! beside_duals {
+/// Operators between a dual of `$number` and a constant of that type, for types other than `f64`.
+macro_rules! constants_with_duals {
     ([$($generics:tt)*] $number:ty) => {
         impl<$($generics)*> From<$number> for Dual<$number> {
             #[inline(always)]
@@ -54,13 +53,13 @@ macro_rules! beside_duals {
         }
     };
 }
-pub(super) use beside_duals;
+pub(super) use constants_with_duals;
 
 /// One number with its derivative.
 pub type Dual64 = Dual<f64>;
 
 impl<R> Dual<R> {
-    /// A number with this derivative.
+    /// Returns a number with this derivative.
     #[inline(always)]
     pub fn new(re: R, eps: R) -> Dual<R> {
         Dual { re, eps }
@@ -83,7 +82,7 @@ impl<R: Scalar> Neg for Dual<R> {
     }
 }
 
-/// An operator between duals, and between a dual and a constant.
+/// An operator between two duals and between a dual and a constant.
 macro_rules! operator {
     ($trait:ident, $operate:ident, |$a:ident, $b:ident| $of_duals:expr, |$c:ident, $d:ident| $of_constant:expr) => {
         impl<R: Scalar> $trait for Dual<R> {
@@ -183,7 +182,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The same number, as `num-dual` has it.
+    /// Returns the same number as a dual of `num-dual`.
     fn other(x: Dual64) -> num_dual::Dual64 {
         num_dual::Dual64::new(x.re, x.eps)
     }
@@ -193,7 +192,7 @@ mod tests {
     }
 
     proptest! {
-        /// Each operation gives the bits of `num-dual`.
+        /// The bits of each operation are those of `num-dual`.
         #[test]
         fn operations_are_those_of_num_dual(a in [-1e3..1e3, -1e3..1e3], b in [-1e3..1e3, -1e3..1e3], c in -1e3..1e3) {
             let [a, b] = [a, b].map(|[re, eps]| Dual64::new(re, eps));

@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::numerics::dual::{Dual, beside_duals};
+use crate::numerics::dual::{Dual, constants_with_duals};
 use crate::numerics::scalar::{Elementary, Scalar};
 
 /// A number, and its derivatives in N directions.
@@ -201,7 +201,7 @@ impl<const N: usize> Elementary for Gradient<N> {
     }
 }
 
-beside_duals!([const N: usize] Gradient<N>);
+constants_with_duals!([const N: usize] Gradient<N>);
 
 #[cfg(test)]
 mod tests {

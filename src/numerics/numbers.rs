@@ -1,6 +1,6 @@
-//! Vectors of numbers that are integrated together: states, and quadratures.
+//! Vectors of numbers that are integrated together: states and quadratures.
 //!
-//! The order of operations is part of a run's bits, so it is written here.
+//! The order of the operations determines the bits of a run.
 
 use std::ops::{Add, Index, IndexMut, Mul, Sub};
 
@@ -14,13 +14,13 @@ use crate::numerics::scalar::Scalar;
 pub struct Numbers<R, const N: usize>(pub [R; N]);
 
 impl<R: Scalar, const N: usize> Numbers<R, N> {
-    /// All zero.
+    /// Returns a vector of zeros.
     #[inline(always)]
     pub fn zeros() -> Self {
         Numbers([R::default(); N])
     }
 
-    /// Each times the same factor.
+    /// Returns the vector times a factor.
     #[inline(always)]
     pub fn times(mut self, factor: R) -> Self {
         for i in 0..N {
@@ -29,7 +29,7 @@ impl<R: Scalar, const N: usize> Numbers<R, N> {
         self
     }
 
-    /// Each times that of `weights`.
+    /// Returns the products with the elements of `weights`.
     #[inline(always)]
     pub fn weighted(mut self, weights: Self) -> Self {
         for i in 0..N {
@@ -38,8 +38,9 @@ impl<R: Scalar, const N: usize> Numbers<R, N> {
         self
     }
 
-    /// Sum of the squares: of four the first and the third are added, the second and the fourth, and then both sums; of eight those of
-    /// both halves.
+    /// Returns the sum of the squares.
+    ///
+    /// Four are added as `(a + c) + (b + d)`, eight as the sums of the two halves.
     #[inline(always)]
     pub fn square(self) -> R {
         let squares = self.weighted(self).0;
@@ -51,7 +52,7 @@ impl<R: Scalar, const N: usize> Numbers<R, N> {
         }
     }
 
-    /// Root of the sum of the squares.
+    /// Returns the root of the sum of the squares.
     #[inline(always)]
     pub fn norm(self) -> R {
         self.square().sqrt()
@@ -112,7 +113,7 @@ impl<R: Scalar, const N: usize> Sub for Numbers<R, N> {
     }
 }
 
-/// Each times the same constant.
+/// The product with a constant.
 impl<R: Scalar, const N: usize> Mul<f64> for Numbers<R, N> {
     type Output = Self;
 

@@ -400,7 +400,7 @@ mod tests {
 
     /// A fall from zero counts even if the function soon comes back; not within rounding, and not from above zero.
     #[test]
-    fn what_leaves_zero_downwards_is_told_from_what_rises() {
+    fn a_fall_from_zero_differs_from_a_rise() {
         let falls = |at: f64, rounding: f64| {
             let function = |t: f64| Sample { value: at + t * (t - 1e-4), rate: 2.0 * t - 1e-4 };
             leaves_downwards(function(0.0), rounding, 1.0, function)

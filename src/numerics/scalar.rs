@@ -1,10 +1,10 @@
-//! The numbers in which equations are written: `f64`, one number per lane, or a dual number with its derivative.
+//! The numbers of the equations: `f64`, one number per lane, or a dual number with its derivative.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The operations that the equations of motion need.
+/// A number of the equations of motion.
 ///
-/// `f64` runs the simulation. A dual number in its place gives exact derivatives of the same formulas; lanes run several blocks.
+/// Simulations use `f64`. Dual numbers give the exact derivatives of the same formulas; lanes run several blocks.
 pub trait Scalar:
     Copy
     + Default
@@ -18,76 +18,82 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + From<f64>
 {
-    /// The number without its derivative.
+    /// The type of the value without its derivative.
     type Real: Real;
 
-    /// A number that does not change.
+    /// Returns a constant, with a derivative of zero.
     fn constant(value: Self::Real) -> Self;
 
-    /// Sine and cosine of an angle in radians, from the one implementation that gives the same bits on every platform
-    /// (`libm`, a port of FreeBSD's msun: at most 1 ulp of error, no platform-dependent instruction).
+    /// Returns the sine and cosine of an angle in radians.
+    ///
+    /// They have the same bits on every platform: `libm`, a port of FreeBSD's msun, uses no platform-dependent instruction and is
+    /// accurate to 1 ulp.
     fn sin_cos(self) -> (Self, Self);
 
-    /// Sine of an angle in radians.
+    /// Returns the sine of an angle in radians.
     #[inline(always)]
     fn sin(self) -> Self {
         self.sin_cos().0
     }
 
-    /// Cosine of an angle in radians.
+    /// Returns the cosine of an angle in radians.
     #[inline(always)]
     fn cos(self) -> Self {
         self.sin_cos().1
     }
 
-    /// The exponential function, from `libm` as well.
+    /// Returns the exponential function, also from `libm`.
     fn exp(self) -> Self;
 
-    /// The square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
 
-    /// The value without its derivative.
+    /// Returns the value without its derivative.
     fn value(self) -> Self::Real;
 
-    /// `yes` where `a < b`, `no` elsewhere.
+    /// Returns `yes` if `a < b`, and otherwise `no`, in each lane.
     fn select_less(a: Self::Real, b: Self::Real, yes: Self, no: Self) -> Self;
 }
 
-/// A number without a derivative, or one per lane: steps are made of these.
+/// A number without a derivative, or one per lane: the type of states and steps.
 pub trait Real: Scalar<Real = Self> {
-    /// The absolute value.
+    /// Returns the absolute value.
     fn abs(self) -> Self;
 }
 
-/// The lesser of two numbers; the first if they are equal.
+/// Returns the lesser of two numbers, or the first if they are equal.
 #[inline(always)]
 pub fn least<T: Scalar>(a: T, b: T) -> T {
     T::select_less(b.value(), a.value(), b, a)
 }
 
-/// The greater of two numbers; the first if they are equal.
+/// Returns the greater of two numbers, or the first if they are equal.
 #[inline(always)]
 pub fn greatest<T: Scalar>(a: T, b: T) -> T {
     T::select_less(a.value(), b.value(), b, a)
 }
 
-/// A number that combines with the parameters `P` of a block: of the same type, or a dual number beside plain parameters.
-pub trait Beside<P>: Scalar + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self> + From<P> {}
+/// A number that combines with parameters of type `P`: the same type, or a dual number with plain parameters.
+pub trait CombinesWith<P>:
+    Scalar + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self> + From<P>
+{
+}
 
-impl<P, T> Beside<P> for T where T: Scalar + Add<P, Output = T> + Sub<P, Output = T> + Mul<P, Output = T> + From<P> {}
+impl<P, T> CombinesWith<P> for T where T: Scalar + Add<P, Output = T> + Sub<P, Output = T> + Mul<P, Output = T> + From<P>
+{}
 
-/// The further functions, from `libm`, of formulas that are evaluated once from parameters and initial values.
+/// A number with the further functions, from `libm`, that parameters and initial values need.
 pub trait Elementary: Scalar<Real = f64> {
-    /// The angle in radians whose sine this is, from −π/2 to π/2.
+    /// Returns the arcsine in radians, from −π/2 to π/2.
     fn asin(self) -> Self;
 
-    /// The angle in radians of the point `(x, self)`.
+    /// Returns the angle in radians of the point `(x, self)`.
     fn atan2(self, x: Self) -> Self;
 
-    /// `√(self² + other²)`.
+    /// Returns `√(self² + other²)`.
     fn hypot(self, other: Self) -> Self;
 
-    /// Whether it is zero, of either sign, and with it its derivative.
+    /// Returns true if the value is zero, of either sign, and its derivative too.
     fn is_zero(self) -> bool;
 }
 

@@ -5,7 +5,7 @@ use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Scalar};
+use crate::numerics::scalar::{CombinesWith, Scalar};
 use crate::simulation::{Ending, OnOverturning, OnSeparation, Simulation};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::{Evaluation, Motion};
@@ -64,7 +64,7 @@ pub struct Observation<T> {
 
 /// Returns the observation of an instant; `support_heights` are the heights of the supports.
 #[inline(always)]
-pub fn observe<P: Scalar, T: Beside<P>>(
+pub fn observe<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     regime: Regime,
     x: &Instant<T>,
@@ -112,7 +112,7 @@ pub struct Strain<T> {
 
 /// Returns these quantities; `support_heights` are the heights of the supports.
 #[inline(always)]
-pub fn strain<P: Scalar, T: Beside<P>>(
+pub fn strain<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     regime: Regime,
     x: &Instant<T>,
@@ -211,7 +211,7 @@ impl<T: Scalar> Observation<T> {
 
 impl<R: Scalar> Evaluation<'_, R>
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     /// The observed quantities with their exact rates of change along the motion in the dual parts.
     #[inline(always)]

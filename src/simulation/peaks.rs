@@ -8,7 +8,7 @@ use crate::block::Corner;
 use crate::block::ties::MOST_TIES;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
-use crate::numerics::scalar::{Beside, Scalar};
+use crate::numerics::scalar::{CombinesWith, Scalar};
 use crate::simulation::outputs::{Observation, Strain, strain};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::{landing, lift_off};
@@ -219,7 +219,7 @@ fn sample<R: Scalar>(x: Dual<R>) -> Sample<R> {
 
 impl<R: Scalar> Evaluation<'_, R>
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     /// The quantities whose greatest values are peaks, with all rates.
     #[inline(always)]

@@ -7,7 +7,7 @@ use crate::block::{Block, Foot, Foundation, Regime};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::events::Path;
 use crate::system::events::change::Change;
@@ -30,7 +30,7 @@ pub struct Initial<T = f64> {
 
 impl<T: Elementary> System<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The pose at the beginning, at `time` (s), under the excitation of that time. A support that nothing touches stands at
     /// its free height.

@@ -10,7 +10,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::forces::{self, friction, support};
 use crate::system::instant::{Footing, Held, Instant, Place};
 
@@ -18,7 +18,7 @@ use crate::system::instant::{Footing, Held, Instant, Place};
 ///
 /// The excitation may be that of any smooth piece; see [`Forcing`] for signs.
 #[inline]
-pub fn instant<P: Scalar, T: Beside<P>>(
+pub fn instant<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     regime: Regime,
     state: [T; 4],
@@ -31,7 +31,7 @@ pub fn instant<P: Scalar, T: Beside<P>>(
 /// The part of [`instant`] that `pick` takes. It is inlined, so that only this part is computed, and for a constant `foundation`
 /// (that of the block) and `regime` the compiler removes the other branches.
 #[inline(always)]
-pub fn instant_of<P: Scalar, T: Beside<P>, R>(
+pub fn instant_of<P: Scalar, T: CombinesWith<P>, R>(
     block: &Block<P>,
     foundation: Foundation,
     regime: Regime,
@@ -50,7 +50,7 @@ pub fn instant_of<P: Scalar, T: Beside<P>, R>(
 }
 
 /// The equations of motion where one of both corners is held; θ and θ̇ alone are the state.
-pub fn instant_held<P: Scalar, T: Beside<P>>(
+pub fn instant_held<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     [theta, theta_dot]: [T; 2],
     held: Held<T>,
@@ -74,7 +74,7 @@ pub fn instant_with_rates<R: Scalar, T>(
     pick: impl Fn(Instant<Dual<R>>) -> T,
 ) -> T
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     let state = [
         Dual::new(x.theta, x.theta_dot),
@@ -101,7 +101,7 @@ pub fn instant_held_with_rates<R: Scalar>(
     forcing: Forcing<Dual<R>>,
 ) -> Instant<Dual<R>>
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     let state = [Dual::new(x.theta, x.theta_dot), Dual::new(x.theta_dot, x.theta_ddot)];
     instant_held(block, state, held.with_rates(block), footing.map(|x| Dual::new(x, R::default())), forcing)
@@ -120,7 +120,7 @@ struct Posture<'a, P, T> {
     footing: Footing<T>,
 }
 
-impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
+impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     #[inline(always)]
     fn new(block: &'a Block<P>, [theta, theta_dot, w, w_dot]: [T; 4], footing: Footing<T>) -> Posture<'a, P, T> {
         let (sin, cos) = theta.sin_cos();
@@ -359,7 +359,11 @@ impl<'a, P: Scalar, T: Beside<P>> Posture<'a, P, T> {
 
 /// The forcing with the forces between block and ground. A function of its own, so that the equations without them stay small.
 #[inline(never)]
-fn pulled<P: Scalar, T: Beside<P>>(posture: Posture<P, T>, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
+fn pulled<P: Scalar, T: CombinesWith<P>>(
+    posture: Posture<P, T>,
+    foot: Option<Foot>,
+    forcing: Forcing<T>,
+) -> Forcing<T> {
     let Posture { block, theta_dot, w, w_dot, sin, cos, footing, .. } = posture;
     let foot_or_middle = foot.unwrap_or(Foot::Middle);
     let Lever { x, q } = block.lever(foot_or_middle, sin, cos);

@@ -4,7 +4,7 @@ use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime, TieState};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary, Real, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Real, Scalar};
 use crate::numerics::{Equations, Rate, State};
 use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
 
@@ -298,7 +298,7 @@ impl<R: Real> Evaluation<'_, R> {
 
 impl<R: Scalar> Evaluation<'_, R>
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     /// The equations of motion with their rates of change along the motion in the dual parts, while the forcing changes at this
     /// rate.
@@ -321,7 +321,7 @@ where
 
 impl<T: Elementary> Evaluation<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The same at the actual rate of the forcing, not inlined.
     #[inline(never)]

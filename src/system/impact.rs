@@ -1,7 +1,7 @@
 //! Velocities before a corner lands, grips or changes the pivot → velocities after.
 
 use crate::block::{Block, Corner, Foot, Lever, Regime};
-use crate::numerics::scalar::{Beside, Elementary, Scalar, greatest, least};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar, greatest, least};
 use crate::system::instant::Instant;
 
 /// Velocities of the block: `u̇`, `v̇` of the centre of mass relative to the ground (m/s), θ̇ (rad/s).
@@ -163,7 +163,7 @@ pub fn grip<T: Elementary>(block: &Block<T>, regime: Regime, theta: T, before: V
 
 /// Vertical rate (m/s) with which a corner that slides along the rigid base leaves it if it is stopped by a horizontal
 /// impulse alone, negative if it is pressed on: `s P Q u̇_I/(i0 + Q²)`, with its horizontal velocity `u̇_I = u̇ − Q θ̇`.
-pub fn thrown_by_grip<P: Scalar, T: Beside<P>>(block: &Block<P>, corner: Corner, x: &Instant<T>) -> T {
+pub fn thrown_by_grip<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, corner: Corner, x: &Instant<T>) -> T {
     let (sin, cos) = x.theta.sin_cos();
     let Lever { x: across, q } = block.lever(Foot::Corner(corner), sin, cos);
     across * q * (x.u_dot - q * x.theta_dot) / (q * q + block.i0)

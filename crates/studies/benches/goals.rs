@@ -15,7 +15,7 @@ use common::{block, instance, intervals, loma_prieta, right_hand_side, run_recor
 use rocking_block::block::Foundation;
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::instant::State;
 use rocking_records::ReadOptions;
@@ -118,7 +118,7 @@ fn short_steps_of_the_fmu() {
 }
 
 /// Counts the steps of a spectrum in lanes of vectors of a width.
-fn lane_use(spectrum: &Spectrum, blocks: u64, width: Width) -> LaneUse {
+fn lane_use(spectrum: &Spectrum, blocks: u64, width: VectorWidth) -> LaneUse {
     in_lanes(width, (0..blocks).map(|row| spectrum.run(row).expect("a block")), || ()).1
 }
 
@@ -129,7 +129,8 @@ fn spectrum(ground: Ground, blocks: u64) {
         let spectrum = common::spectrum(ground.clone(), blocks);
         let pool = runner::pool(Some(threads)).expect("threads");
         let mut table = spectrum.open(&path, TableOptions::default()).expect("a table");
-        runner::run(&spectrum, &pool, Width::at_most(lanes), &mut table, |_, _| ()).expect("the spectrum is made");
+        runner::run(&spectrum, &pool, VectorWidth::at_most(lanes), &mut table, |_, _| ())
+            .expect("the spectrum is made");
     };
     made(blocks / 10, 2, 1);
     let before = peak_memory();
@@ -159,7 +160,7 @@ fn spectrum(ground: Ground, blocks: u64) {
     );
     println!("    in lanes: 1 {one:.2} s, 2 {two:.2} s, 4 {four:.2} s, 8 {eight:.2} s");
     println!("    ratio of 1 lane to 2 {:.2}, to 4 {:.2}, to 8 {:.2}", one / two, one / four, one / eight);
-    for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+    for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
         let LaneUse { in_lanes, alone, repeated, idle } = lane_use(&single, blocks, width);
         let percent = |count: u64| 100.0 * count as f64 / (in_lanes + alone) as f64;
         println!(

@@ -66,24 +66,24 @@ pub trait Task {
     /// Its result.
     type Output;
 
-    /// Runs it. It must be inlined with all that it calls: only the body of the function that [`Width::run`] enters is compiled for the
+    /// Runs it. It must be inlined with all that it calls: only the body of the function that [`VectorWidth::run`] enters is compiled for the
     /// processor's vectors.
     fn run<V: Simd>(self) -> Self::Output;
 }
 
 /// A vector width that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Width(processor::Vectors);
+pub struct VectorWidth(processor::Vectors);
 
-impl Width {
+impl VectorWidth {
     /// Returns the widest with at most this many lanes, or `None` for a single one.
-    pub fn at_most(lanes: usize) -> Option<Width> {
-        processor::Vectors::at_most(lanes).map(Width)
+    pub fn at_most(lanes: usize) -> Option<VectorWidth> {
+        processor::Vectors::at_most(lanes).map(VectorWidth)
     }
 
     /// Returns the widest, or `None` if vectors have a single lane.
-    pub fn widest() -> Option<Width> {
-        Width::at_most(MOST_LANES)
+    pub fn widest() -> Option<VectorWidth> {
+        VectorWidth::at_most(MOST_LANES)
     }
 
     /// Returns the number of lanes.
@@ -288,7 +288,7 @@ mod tests {
     /// Tests all vectors that this processor has, and the portable pairs.
     #[test]
     fn vectors_do_what_single_numbers_do() {
-        for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+        for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
             check(width.lanes(), width.run(Operations));
         }
         assert_eq!(portable::Vectors::at_most(1), None);

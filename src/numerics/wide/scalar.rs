@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::numerics::dual::{Dual, beside_duals};
+use crate::numerics::dual::{Dual, constants_with_duals};
 use crate::numerics::scalar::{Real, Scalar};
 use crate::numerics::wide::{Array, MOST_LANES, Simd, Wide};
 
@@ -101,4 +101,4 @@ fn far_from_zero(angles: &Array) -> (Array, Array) {
     (sines, cosines)
 }
 
-beside_duals!([V: Simd] Wide<V>);
+constants_with_duals!([V: Simd] Wide<V>);

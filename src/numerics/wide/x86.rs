@@ -1,13 +1,13 @@
 //! The vectors of x86-64: two numbers with SSE2, which all of these processors have, four with AVX2, eight with AVX-512.
 //!
-//! The types are private: a value of one comes about only in a task that [`Vectors::run`] runs, and a [`Vectors`] only where the
-//! processor has its instructions.
+//! The vector types are private. Only a task run by [`Vectors::run`] makes values of them, and [`Vectors::at_most`] makes a [`Vectors`]
+//! only if the processor has its instructions.
 
 use std::arch::x86_64::*;
 
 use crate::numerics::wide::{Array, MOST_LANES, Simd, Task};
 
-/// Vectors that this processor has.
+/// A vector type that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vectors(Set);
 
@@ -40,9 +40,9 @@ impl Vectors {
     pub fn run<T: Task>(self, task: T) -> T::Output {
         match self.0 {
             Set::Sse2 => task.run::<F64x2>(),
-            // SAFETY: `at_most`, which alone makes this, has found AVX2 on the processor.
+            // SAFETY: only `at_most` makes this variant, after finding AVX2 on the processor.
             Set::Avx2 => unsafe { with_avx2(task) },
-            // SAFETY: `at_most`, which alone makes this, has found AVX512F and AVX512DQ on the processor.
+            // SAFETY: only `at_most` makes this variant, after finding AVX512F and AVX512DQ on the processor.
             Set::Avx512 => unsafe { with_avx512(task) },
         }
     }
@@ -58,7 +58,7 @@ fn with_avx512<T: Task>(task: T) -> T::Output {
     task.run::<F64x8>()
 }
 
-/// A vector type with its instructions; those that differ in more than their names are in the macro `$rest`.
+/// A vector type with its intrinsics. The macro `$rest` has the operations whose form differs between the instruction sets.
 macro_rules! vector {
     (
         $name:ident($vector:ty), $lanes:literal, $mask:ty, $rest:ident;
@@ -74,27 +74,27 @@ macro_rules! vector {
 
             #[inline(always)]
             fn load(numbers: &Array) -> $name {
-                // SAFETY: the array has at least as many numbers as are read; for the instruction, see the module.
+                // SAFETY: the array has at least `LANES` numbers; for the instruction, see the module.
                 $name(unsafe { $load(numbers.as_ptr()) })
             }
 
             #[inline(always)]
             fn store(self) -> Array {
                 let mut numbers = [0.0; MOST_LANES];
-                // SAFETY: the array has room for as many numbers as are written; for the instruction, see the module.
+                // SAFETY: the array has room for `LANES` numbers; for the instruction, see the module.
                 unsafe { $store(numbers.as_mut_ptr(), self.0) };
                 numbers
             }
 
             #[inline(always)]
             fn splat(number: f64) -> $name {
-                // SAFETY: this runs only where the processor has the instruction, see the module.
+                // SAFETY: this runs only if the processor has the instruction, see the module.
                 $name(unsafe { $splat(number) })
             }
 
             #[inline(always)]
             fn add(self, other: $name) -> $name {
-                // SAFETY: a value of this type exists only where the processor has the instruction, see the module.
+                // SAFETY: a value of this type exists only if the processor has the instruction, see the module.
                 $name(unsafe { $add(self.0, other.0) })
             }
 

@@ -76,7 +76,7 @@ mod tests {
 
     use super::*;
     use crate::numerics::roots;
-    use crate::numerics::wide::{Array, Task, Width};
+    use crate::numerics::wide::{Array, Task, VectorWidth};
 
     /// Ends of steps, and numbers beside which they are seen.
     #[derive(Debug)]
@@ -126,7 +126,7 @@ mod tests {
 
         #[test]
         fn each_lane_decides_as_a_run_alone_does(cases in cases()) {
-            for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+            for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
                 let [may_rise, may_fall] = width.run(&cases);
                 for i in 0..width.lanes() {
                     let at = |of: &Sample<Array>| Sample { value: of.value[i], rate: of.rate[i] };

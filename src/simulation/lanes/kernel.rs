@@ -10,7 +10,7 @@ use crate::numerics::dop853::Step;
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
 use crate::numerics::short::ShortStep;
-use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, Wide, Width};
+use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
 use crate::numerics::{Equations, Rate, Real, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::{Lane, place};
@@ -49,7 +49,7 @@ pub struct Stepped {
 
 /// Takes a step of each run of a group, either a short one or one of order 8. A group has at least one run and at most one per
 /// lane.
-pub fn step(width: Width, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
+pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]) -> Stepped {
     let count = group.len();
     let mut runs: [&Lane; MOST_LANES] = [&group[count - 1]; MOST_LANES];
     for (place, run) in runs.iter_mut().zip(group) {

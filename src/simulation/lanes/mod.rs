@@ -14,7 +14,7 @@ use crate::numerics::control::{Attempt, ShortStepTo, is_resolved, shortest, size
 use crate::numerics::dop853::EVALUATIONS_PER_STEP;
 use crate::numerics::roots::Sample;
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
-use crate::numerics::wide::{Array, Width};
+use crate::numerics::wide::{Array, VectorWidth};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
 use crate::simulation::{AtEvent, Simulation, SimulationError};
@@ -294,7 +294,7 @@ impl Lane {
 /// Takes the next step, of this kind, of each run of a group of at most one run per lane.
 ///
 /// Returns a bit for each run that has stepped; the others must take the step alone.
-pub fn step_group(width: Width, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
+pub fn step_group(width: VectorWidth, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
     let stepped = kernel::step(width, kind.regime, kind.short, group);
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
@@ -339,7 +339,7 @@ mod tests {
         for in_lane in [false, true] {
             let next = group[0].next_step();
             let Next::Together(kind) = next else { panic!("{next:?}") };
-            let went = Width::widest().map(|width| step_group(width, kind, &mut group));
+            let went = VectorWidth::widest().map(|width| step_group(width, kind, &mut group));
             assert!(went.is_none_or(|went| went == u32::from(in_lane)), "{went:?}");
             if went != Some(1) {
                 group[0].step_alone(&mut |_| ()).unwrap();

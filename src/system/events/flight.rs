@@ -4,7 +4,7 @@
 
 use crate::block::{Contact, Corner, Foot, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary, greatest};
+use crate::numerics::scalar::{CombinesWith, Elementary, greatest};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
 use crate::system::events::landing::{self, without_gain};
@@ -13,7 +13,7 @@ use crate::system::impact::{self, Velocities};
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The gap under `corner` closed in flight, or while the other corner slides.
     pub(super) fn land_freely(&mut self, corner: Corner, now: &Evaluation<T>) {

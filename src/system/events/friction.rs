@@ -3,7 +3,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::event::EventKind;
@@ -16,7 +16,7 @@ use crate::system::instant::{Footing, Instant};
 #[inline(never)]
 pub(super) fn rest_to_limit<T: Elementary>(at: &Evaluation<T>, push: Corner) -> Sample<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     let of = |x: &Instant<Dual<T>>| {
         let normal = x.reaction[0] + x.reaction[1];
@@ -52,7 +52,7 @@ pub(super) fn rounding_of_speed<T: Elementary>(block: &Block<T>) -> f64 {
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// Decides whether the foot grips or slides, and to which side: it grips if it does not move and `|H| ≤ μ N` holds it.
     /// Without a limit of friction nothing changes.

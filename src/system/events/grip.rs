@@ -7,7 +7,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary, least};
+use crate::numerics::scalar::{CombinesWith, Elementary, least};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
@@ -17,7 +17,7 @@ use crate::system::instant::Instant;
 /// The distance of a sliding foot from being pressed on if it gripped (m/s²).
 pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     let block = at.block;
     match (block.foundation, at.regime.pivot()) {
@@ -53,7 +53,7 @@ pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
 ///
 /// A support of stiffness K catches a mass M thrown up with v̇ as long as its force is above `√(K M) v̇`. With less, the
 /// corner would leave it again, land, and grip, over and over.
-pub fn pressure_if_gripped<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
+pub fn pressure_if_gripped<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
     let Block { i0, omega_v, xi_v, .. } = *block;
     let (sin, cos) = x.theta.sin_cos();
     let height = block.lever(regime.foot().unwrap_or(Foot::Middle), sin, cos).q;
@@ -72,7 +72,7 @@ pub fn pressure_if_gripped<P: Elementary, T: Beside<P>>(block: &Block<P>, regime
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// Holds the sliding foot where it is.
     pub(super) fn grip_from(&mut self, mut placement: Placement<T>) {

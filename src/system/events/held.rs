@@ -5,7 +5,7 @@
 use crate::block::{Contact, Corner, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving};
@@ -28,7 +28,7 @@ pub(super) fn unloading<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> Sa
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// `corner` is held on its support at this height (m).
     pub(super) fn keep(&mut self, corner: Corner, height: T) {

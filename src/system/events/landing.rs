@@ -4,7 +4,7 @@ use crate::block::{Block, Corner, Foot, Foundation};
 use crate::numerics::Scalar;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
@@ -35,7 +35,7 @@ pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// Applies the impact map, if the corner comes down, and holds the middle of the base.
     pub(super) fn land(&mut self, corner: Corner, now: &Evaluation<T>) {

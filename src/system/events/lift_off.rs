@@ -5,7 +5,7 @@
 use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::dynamics::instant;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving, ROUNDING};
@@ -17,7 +17,7 @@ use crate::system::instant::{Footing, Instant};
 #[inline(always)]
 pub(super) fn reaction<T: Elementary>(foundation: Foundation, at: &Evaluation<T>, corner: Corner) -> Sample<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     match foundation {
         Foundation::Viscoelastic => on_support(at.block, &at.instant, corner),
@@ -38,7 +38,7 @@ pub(super) fn rounding<T: Elementary>(block: &Block<T>) -> f64 {
 #[inline(never)]
 fn rates_on_rigid_base<T: Elementary>(at: &Evaluation<T>) -> [T; 2]
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     at.with_rates_of(at.forcing_rate(), |x| x.reaction.map(|n| n.eps))
 }
@@ -47,7 +47,7 @@ where
 #[inline(always)]
 pub fn on_support<R: Scalar>(block: &Block<R>, x: &Instant<R>, corner: Corner) -> Sample<R>
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     let i = corner.index();
     Sample { value: x.reaction[i], rate: support::reaction_rate(block, x.corner_dot[i], x.corner_ddot[i]) }
@@ -84,7 +84,7 @@ fn acceleration_if_let_go<T: Elementary>(at: &Evaluation<T>, corner: Corner) -> 
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The reaction of `corner` fell through zero, or the corner, which `was_held`, would no longer be pressed on.
     pub(super) fn lift_off(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {

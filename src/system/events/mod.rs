@@ -37,7 +37,7 @@ use crate::block::ties::MOST_TIES;
 use crate::block::{Block, Corner, Foundation, Regime, TieState};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::instant::Pose;
@@ -135,7 +135,7 @@ impl Surface {
     #[inline(always)]
     pub fn sample<T: Elementary>(self, at: &Evaluation<T>) -> Sample<T>
     where
-        Dual<T>: Beside<T>,
+        Dual<T>: CombinesWith<T>,
     {
         self.sample_on(at.block.foundation, at)
     }
@@ -144,7 +144,7 @@ impl Surface {
     #[inline(always)]
     pub fn sample_on<T: Elementary>(self, foundation: Foundation, at: &Evaluation<T>) -> Sample<T>
     where
-        Dual<T>: Beside<T>,
+        Dual<T>: CombinesWith<T>,
     {
         match self {
             Surface::Reaction(corner) => lift_off::reaction(foundation, at, corner),
@@ -234,7 +234,7 @@ pub struct Transition<T = f64> {
 
 impl<T: Elementary> System<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The change of a pose at `now`, when the motion has fallen through a surface.
     pub fn transition(&self, pose: &Pose<T>, now: &Evaluation<T>, surface: Surface) -> Transition<T> {

@@ -2,7 +2,7 @@
 
 use crate::block::{Contacts, Corner};
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary, greatest, least};
+use crate::numerics::scalar::{CombinesWith, Elementary, greatest, least};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::Change;
 use crate::system::events::landing::without_gain;
@@ -12,7 +12,7 @@ use crate::system::instant::State;
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The pivot changes to `corner`: `θ̇ → e θ̇` at θ = 0, or rest.
     pub(super) fn change_pivot(&mut self, corner: Corner, now: &Evaluation<T>) {

@@ -2,7 +2,7 @@
 
 use crate::block::{Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving};
@@ -15,14 +15,14 @@ use crate::system::instant::Footing;
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// Decides the regime: takes the corners that touch, drops one whose support would have to pull, or would have to
     /// within the resolution of time, and repeats. `before` is the regime that the block comes from.
     pub(in crate::system) fn settle(&mut self, mut before: Regime, mut placement: Placement<T>) {
         let block = &self.system.block;
         let omega_v = block.omega_v.value();
-        // Two events closer than this cannot be told apart.
+        // Two events closer than this cannot be distinguished.
         let resolution = 4.0 * f64::EPSILON * self.pose.time.value().abs().max(1.0 / omega_v);
         loop {
             self.pose.contacts.let_bear();
@@ -148,7 +148,7 @@ where
 
 impl<T: Elementary> System<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// The corner that the rigid base would have to pull at this instant or right after it; of two, the one with the lower
     /// reaction. None on supports, whose reactions follow from the motion.

@@ -4,7 +4,7 @@
 use crate::block::{Block, Foundation, Tie, TieState};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::placement::Placement;
@@ -21,7 +21,7 @@ pub(super) fn stretch<T: Elementary>(at: &Evaluation<T>, tie: usize) -> Sample<T
 #[inline(never)]
 pub(super) fn tension<T: Elementary>(at: &Evaluation<T>, tie: usize) -> Sample<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     tie::tension_with_rate(at.block, &at.block.ties.all()[tie], &at.rates())
 }
@@ -30,7 +30,7 @@ where
 #[inline(never)]
 pub(super) fn rest_of_strength<T: Elementary>(at: &Evaluation<T>, tie: usize) -> Sample<T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     let Sample { value, rate } = tension(at, tie);
     Sample { value: at.block.ties.all()[tie].strength - value, rate: -rate }
@@ -58,7 +58,7 @@ fn length<T: Elementary>(block: &Block<T>, tie: usize) -> f64 {
 
 impl<T: Elementary> Change<'_, T>
 where
-    Dual<T>: Beside<T>,
+    Dual<T>: CombinesWith<T>,
 {
     /// Sets the state of a tie.
     pub(super) fn set_tie(&mut self, tie: usize, state: TieState) {

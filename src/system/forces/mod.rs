@@ -20,7 +20,7 @@ pub mod weight;
 
 use crate::block::{Block, Regime, TieStates};
 use crate::excitation::Forcing;
-use crate::numerics::scalar::{Beside, Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::instant::{Instant, Place};
 
 impl<T: Scalar> Instant<T> {
@@ -28,7 +28,7 @@ impl<T: Scalar> Instant<T> {
     #[inline(always)]
     pub fn powers<P: Scalar>(&self, block: &Block<P>, regime: Regime, forcing: Forcing<T>) -> [T; 2]
     where
-        T: Beside<P>,
+        T: CombinesWith<P>,
     {
         [load::power(self, forcing), support::power(block, regime, self.corner_dot)]
     }
@@ -41,7 +41,7 @@ pub fn act<T>(forcing: &Forcing<T>) -> bool {
 }
 
 /// The forcing with the forces between block and ground.
-pub fn added_to<P: Scalar, T: Beside<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
+pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
     tie::added_to(block, forcing, place)
 }
 
@@ -50,7 +50,11 @@ pub const DISSIPATIVE: usize = 2;
 
 /// Powers per mass (m²/s³) taken by friction and by the dashpots of the ties.
 #[inline(always)]
-pub fn dissipated<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; DISSIPATIVE] {
+pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    ties: &TieStates,
+    x: &Instant<T>,
+) -> [T; DISSIPATIVE] {
     [friction::power(x.horizontal, x.slip_rate), tie::power(block, ties, x)]
 }
 
@@ -75,13 +79,18 @@ pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f6
 }
 
 /// Potential energy of weight, supports and ties in these states (m²/s²), zero at rest without ties.
-fn potential<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, ties: &TieStates, x: &Instant<T>) -> T {
+fn potential<P: Elementary, T: CombinesWith<P>>(
+    block: &Block<P>,
+    regime: Regime,
+    ties: &TieStates,
+    x: &Instant<T>,
+) -> T {
     let untied = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
     if block.ties.is_empty() { untied } else { untied + tie::energy(block, ties, x) }
 }
 
 /// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.
-pub fn energy<P: Elementary, T: Beside<P>>(
+pub fn energy<P: Elementary, T: CombinesWith<P>>(
     block: &Block<P>,
     regime: Regime,
     ties: &TieStates,

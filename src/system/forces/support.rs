@@ -4,11 +4,11 @@
 
 use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Beside, Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 
 /// Reaction N_I/M (m/s²) on a touching corner, from its height above rest (m) and its rate (m/s).
 #[inline(always)]
-pub fn reaction<P: Scalar, T: Beside<P>>(block: &Block<P>, corner: Corner, height: T, rate: T) -> T {
+pub fn reaction<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, corner: Corner, height: T, rate: T) -> T {
     let Block { gravity, omega_v, xi_v, .. } = *block;
     -(height * (omega_v * 0.5 * omega_v)) - rate * (xi_v * omega_v) + gravity * block.share[corner.index()]
 }
@@ -17,7 +17,7 @@ pub fn reaction<P: Scalar, T: Beside<P>>(block: &Block<P>, corner: Corner, heigh
 #[inline(always)]
 pub fn reaction_rate<R: Scalar>(block: &Block<R>, rate: R, acceleration: R) -> R
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     // The static share does not change.
     reaction(block, Corner::Left, Dual::new(R::default(), rate), Dual::new(R::default(), acceleration)).eps
@@ -25,7 +25,7 @@ where
 
 /// Power per mass (m²/s³) that the dashpots under the touching corners take: `ξ_v ω_v Σ v̇_I²`.
 #[inline(always)]
-pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, regime: Regime, [left, right]: [T; 2]) -> T {
+pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, [left, right]: [T; 2]) -> T {
     let squares = match regime {
         Regime::FullContact => left * left + right * right,
         Regime::TiltingLeft => left * left,
@@ -37,7 +37,7 @@ pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, regime: Regime, [left, r
 
 /// Energy of the springs per mass (m²/s²), less that at rest: `½ K/M (δ_I − v_I)² − ½ K/M δ_I²` of a touching corner, with the
 /// second term alone where the support bears nothing. A rigid base stores none.
-pub fn energy<P: Elementary, T: Beside<P>>(block: &Block<P>, regime: Regime, height: [T; 2]) -> T {
+pub fn energy<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, height: [T; 2]) -> T {
     let Block { gravity, omega_v, .. } = *block;
     let of = |corner: Corner| match regime.touches(corner) {
         true => {

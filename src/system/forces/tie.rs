@@ -7,7 +7,7 @@ use crate::block::{Block, Tie, TieState, TieStates};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{Beside, Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::instant::{Instant, Place};
 
 /// A tie that is stretched.
@@ -22,7 +22,7 @@ pub struct Stretch<T> {
 }
 
 /// Stretch of a tie.
-pub fn stretch<P: Scalar, T: Beside<P>>(block: &Block<P>, tie: &Tie<P>, place: &Place<T>) -> Stretch<T> {
+pub fn stretch<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, tie: &Tie<P>, place: &Place<T>) -> Stretch<T> {
     let &Place { sin_cos: [sin, cos], theta_dot, center: [u, v], velocity: [u_dot, v_dot] } = place;
     // From the centre of mass to the end at the block, at rest and turned.
     let [x, z] = [tie.block[0] - block.eccentricity, tie.block[1] - block.h];
@@ -45,13 +45,13 @@ pub fn stretch<P: Scalar, T: Beside<P>>(block: &Block<P>, tie: &Tie<P>, place: &
 
 /// Tension (N) of a tie if it is taut.
 #[inline(always)]
-pub fn taut_tension<P: Scalar, T: Beside<P>>(tie: &Tie<P>, stretch: &Stretch<T>) -> T {
+pub fn taut_tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, stretch: &Stretch<T>) -> T {
     stretch.length * tie.stiffness + stretch.rate * tie.damping
 }
 
 /// Tension (N) of a tie.
 #[inline(always)]
-pub fn tension<P: Scalar, T: Beside<P>>(tie: &Tie<P>, state: TieState, stretch: &Stretch<T>) -> T {
+pub fn tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, state: TieState, stretch: &Stretch<T>) -> T {
     match state {
         TieState::Taut => taut_tension(tie, stretch),
         TieState::Slack | TieState::Limp | TieState::Broken => T::from(0.0),
@@ -59,7 +59,7 @@ pub fn tension<P: Scalar, T: Beside<P>>(tie: &Tie<P>, state: TieState, stretch: 
 }
 
 /// The forcing with the pull of the ties in place of their states.
-pub fn added_to<P: Scalar, T: Beside<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
+pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
     let mut sum = forcing;
     for (tie, state) in block.ties.all().iter().zip(forcing.ties) {
         if state == TieState::Taut {
@@ -110,12 +110,12 @@ fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Plac
 
 /// Tensions of all ties (N).
 #[inline(always)]
-pub fn tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; MOST_TIES] {
+pub fn tensions<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; MOST_TIES] {
     if pulls(ties) { taut_tensions(block, ties, *x) } else { [T::from(0.0); MOST_TIES] }
 }
 
 #[inline(never)]
-fn taut_tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> [T; MOST_TIES] {
+fn taut_tensions<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> [T; MOST_TIES] {
     let mut tensions = [T::from(0.0); MOST_TIES];
     let place = Place::of(&x);
     for ((of, tie), &state) in tensions.iter_mut().zip(block.ties.all()).zip(ties) {
@@ -125,25 +125,25 @@ fn taut_tensions<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x:
 }
 
 /// Energy of the springs of the ties per mass (m²/s²): `½ k s²` while a tie is stretched.
-pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
+pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
     each(block, ties, x, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
 }
 
 /// Power per mass (m²/s³) that the dashpots of the ties take: all that T does beyond the spring, `(T − k s) ṡ`.
 #[inline(always)]
-pub fn power<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
+pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
     if pulls(ties) || ties.contains(&TieState::Limp) { power_of_dashpots(block, ties, *x) } else { T::from(0.0) }
 }
 
 #[inline(never)]
-fn power_of_dashpots<P: Scalar, T: Beside<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> T {
+fn power_of_dashpots<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> T {
     each(block, ties, &x, |tie, state, stretch| {
         (tension(tie, state, &stretch) - stretch.length * tie.stiffness) * stretch.rate
     })
 }
 
 /// A sum over the stretched ties, per mass.
-fn each<P: Scalar, T: Beside<P>>(
+fn each<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     ties: &TieStates,
     x: &Instant<T>,
@@ -173,7 +173,7 @@ pub fn length<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Samp
 #[inline]
 pub fn tension_with_rate<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<Dual<R>>) -> Sample<R>
 where
-    Dual<R>: Beside<R>,
+    Dual<R>: CombinesWith<R>,
 {
     let Dual { re, eps } = taut_tension(tie, &stretch(block, tie, &Place::of(x)));
     Sample { value: re, rate: eps }

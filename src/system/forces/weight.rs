@@ -1,9 +1,9 @@
 //! The weight.
 
 use crate::block::Block;
-use crate::numerics::scalar::{Beside, Scalar};
+use crate::numerics::scalar::{CombinesWith, Scalar};
 
 /// Potential energy per mass (m²/s²) at the height `v` above rest (m).
-pub fn energy<P: Scalar, T: Beside<P>>(block: &Block<P>, v: T) -> T {
+pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, v: T) -> T {
     v * block.gravity
 }

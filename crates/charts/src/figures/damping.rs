@@ -8,7 +8,7 @@ use crate::numerals::short;
 use rocking_block::block::BlockError;
 use rocking_block::excitation::Pulse;
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::Initial;
 use rocking_studies::run::Run;
 use rocking_studies::run::batch::outcomes;
@@ -41,7 +41,7 @@ pub fn least_damping(alpha: f64, eta: f64, epsilon: f64, detail: &Detail) -> Res
         output_step: 0.01,
         ..run(block(xi_v).unwrap_or_else(|error| unreachable!("{error}")), Pulse::NONE, Ground::default())
     };
-    let outcomes = |values: &[(usize, f64)]| outcomes(Width::widest(), values.iter().map(run), || ());
+    let outcomes = |values: &[(usize, f64)]| outcomes(VectorWidth::widest(), values.iter().map(run), || ());
     let found = search::changes(&scan, 1, |values| outcomes(values).iter().map(|outcome| outcome.end).collect());
     let [found] = found.as_slice() else { unreachable!("one search was asked for") };
     Ok(LeastDamping {

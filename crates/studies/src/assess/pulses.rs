@@ -4,14 +4,14 @@ use crate::assess::plan::Plan;
 use crate::assess::results::LeastPulse;
 use crate::search::{self, OutcomeMap, Scan, Shaking};
 use rocking_block::excitation::Pulse;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 
 /// Values of a scan, and the width to which changes between them are bisected (m/s²), as in `rocking search overturning`.
 pub(super) const POINTS: u64 = 201;
 const RESOLUTION: f64 = 1e-6;
 
 /// Searches the least amplitude of each period on the current rayon pool; `ran` is called after each run.
-pub(super) fn least(plan: &Plan, width: Option<Width>, ran: impl Fn() + Sync) -> Vec<LeastPulse> {
+pub(super) fn least(plan: &Plan, width: Option<VectorWidth>, ran: impl Fn() + Sync) -> Vec<LeastPulse> {
     let settings = plan.values.settings(Some(plan.sweep.tolerance));
     let search = |&period: &f64| {
         let shaking = Shaking::Pulse(Pulse { shape: plan.pulse, period, ..Pulse::NONE });

@@ -22,7 +22,7 @@ use crate::sweep::Sweep;
 use crate::sweep::change::Change;
 use crate::sweep::strength::Strengths;
 use rocking_block::block::{Block, Foundation};
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::unit::variables::Variable;
 use rocking_block::words::Words;
 
@@ -53,7 +53,7 @@ pub type AssessError = Box<dyn std::error::Error + Send + Sync>;
 /// Work in progress.
 struct Work<'a> {
     pool: &'a ThreadPool,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     done: AtomicU64,
     all: AtomicU64,
     progress: &'a (dyn Fn(u64, u64) + Sync),
@@ -100,7 +100,7 @@ impl Work<'_> {
 pub fn assess(
     plan: &Plan,
     pool: &ThreadPool,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Found, AssessError> {
     let Plan { sweep, measure, states, years, .. } = plan;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
 use crate::output::resumable::{Failures, ResumableTable, TableHeader, TableOptions, TableWriteError};
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
 
 /// Tasks per thread in progress or waiting for their turn; a task this many times longer than the others delays none.
@@ -30,7 +30,7 @@ pub trait Study: Sync {
     /// Makes rows, without their numbers as fields; each depends on its number alone.
     ///
     /// Runs are stepped in vectors of this width, or one by one without.
-    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow>;
+    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow>;
     /// Opens the table of the study in this file.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ pub struct StudySummary {
 pub fn run(
     study: &impl Study,
     pool: &rayon::ThreadPool,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     table: &mut ResumableTable,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<StudySummary, TableWriteError> {
@@ -93,7 +93,7 @@ pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPo
 /// Rows per batch: enough to fill the lanes of this width most of the time, few enough to occupy all threads.
 ///
 /// One without vectors.
-pub(crate) fn batch(width: Option<Width>, rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
+pub(crate) fn batch(width: Option<VectorWidth>, rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
     if width.is_none() {
         return 1;
     }
@@ -106,7 +106,7 @@ pub(crate) fn batch(width: Option<Width>, rows: u64, runs_in_a_row: u64, threads
 pub fn in_batches<T: Send, E>(
     pool: &rayon::ThreadPool,
     rows: Range<u64>,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     runs_in_a_row: u64,
     make: impl Fn(Range<u64>) -> Vec<T> + Sync,
     mut take: impl FnMut(u64, T) -> Result<(), E>,

@@ -5,7 +5,7 @@
 
 use crate::run::outcome::{Flights, Outcome};
 use crate::run::{Run, Schedule};
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
 use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
 
@@ -36,7 +36,7 @@ struct ActiveRun {
 /// Makes runs with vectors of this width, or one by one without, and returns their outcomes in order.
 ///
 /// `ended` is called after each run, in any order.
-pub fn outcomes(width: Option<Width>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {
+pub fn outcomes(width: Option<VectorWidth>, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> Vec<Outcome> {
     match width {
         // The WebAssembly of this project has no vectors.
         Some(width) if !cfg!(target_family = "wasm") => in_lanes(width, runs, ended).0,
@@ -45,7 +45,7 @@ pub fn outcomes(width: Option<Width>, runs: impl Iterator<Item = Run>, ended: im
 }
 
 /// Makes runs in lanes, as [`outcomes`] does, and counts their steps.
-pub fn in_lanes(width: Width, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> (Vec<Outcome>, LaneUse) {
+pub fn in_lanes(width: VectorWidth, runs: impl Iterator<Item = Run>, ended: impl Fn()) -> (Vec<Outcome>, LaneUse) {
     let mut batch = Batch {
         width,
         runs: runs.enumerate(),
@@ -70,7 +70,7 @@ pub fn in_lanes(width: Width, runs: impl Iterator<Item = Run>, ended: impl Fn())
 
 /// The active and the remaining runs of a batch.
 struct Batch<R, E> {
-    width: Width,
+    width: VectorWidth,
     runs: R,
     ended: E,
     /// Indexed by the tags of the lanes.

@@ -19,7 +19,7 @@ pub use bisection::{Change, OutcomeMap, Scan, Threshold, changes};
 use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Tie};
 use rocking_block::excitation::Pulse;
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 
 /// Finds the changes of a run's end over a range, in parallel on the current rayon pool.
@@ -29,7 +29,7 @@ use rocking_block::simulation::{Initial, Settings};
 /// then those of the bisections too.
 fn changes_of_end(
     scan: &Scan,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     run: impl Fn(f64) -> Run + Sync,
     progress: impl Fn(u64, u64) + Sync,
 ) -> OutcomeMap<End> {
@@ -63,7 +63,7 @@ pub fn damping_against_separation(
     rate: f64,
     settings: Settings,
     scan: &Scan,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> Result<OutcomeMap<End>, BlockError> {
     let of = |xi_v: f64| Block::from_dimensionless(&Dimensionless { xi_v, ..*block }, common)?.with_ties(ties);
@@ -111,7 +111,7 @@ pub fn overturning(
     shaking: &Shaking,
     settings: Settings,
     scan: &Scan,
-    width: Option<Width>,
+    width: Option<VectorWidth>,
     progress: impl Fn(u64, u64) + Sync,
 ) -> OutcomeMap<End> {
     let run = |strength: f64| {

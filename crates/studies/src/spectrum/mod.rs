@@ -18,7 +18,7 @@ use crate::run::sliding;
 use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Tie};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::Settings;
 
 /// The foundation of a block, with its parameters.
@@ -286,7 +286,7 @@ impl Study for Spectrum {
         1
     }
 
-    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow> {
+    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow> {
         let outcomes = outcomes(width, numbers.clone().map(|number| self.valid_run(number)), || ());
         numbers.zip(&outcomes).map(|(number, outcome)| self.row_of(number, outcome)).collect()
     }

@@ -36,7 +36,7 @@ use crate::sweep::strength::Strengths;
 use rocking_block::block::{Block, BlockError};
 use rocking_block::excitation::PulseShape;
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
@@ -227,7 +227,13 @@ impl Sweep {
     }
 
     /// Searches, for each row, the values of a measure at which the block overturns.
-    fn least(&self, measure: Measure, scan: &Scan, rows: &[RowInputs], width: Option<Width>) -> Vec<OutcomeMap<End>> {
+    fn least(
+        &self,
+        measure: Measure,
+        scan: &Scan,
+        rows: &[RowInputs],
+        width: Option<VectorWidth>,
+    ) -> Vec<OutcomeMap<End>> {
         let run = |&(row, value): &(usize, f64)| {
             let RowInputs { values, motion, block, .. } = &rows[row];
             self.run_of(values, motion, motion.scale_to(measure, value, block))
@@ -313,7 +319,7 @@ impl Study for Sweep {
         }
     }
 
-    fn make(&self, numbers: Range<u64>, width: Option<Width>) -> Vec<StudyRow> {
+    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow> {
         let rows: Vec<RowInputs> = numbers.clone().map(|number| self.inputs(number)).collect();
         if let Strengths::Least(measure, scan) = &self.strengths {
             let found = self.least(*measure, scan, &rows, width);

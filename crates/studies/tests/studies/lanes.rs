@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::lanes::{Kind, Lane, Next, step_group};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_records::ReadOptions;
@@ -18,8 +18,8 @@ use rocking_studies::run::outcome::{End, Outcome};
 use crate::cases::cases;
 
 /// The vector widths of this processor.
-fn widths() -> Vec<Width> {
-    let mut widths: Vec<Width> = [2, 4, 8].into_iter().filter_map(Width::at_most).collect();
+fn widths() -> Vec<VectorWidth> {
+    let mut widths: Vec<VectorWidth> = [2, 4, 8].into_iter().filter_map(VectorWidth::at_most).collect();
     widths.dedup();
     widths
 }
@@ -77,7 +77,7 @@ fn inputs(intervals: &[(f64, f64, f64)]) -> Vec<(Inputs, f64)> {
 }
 
 /// Takes the runs of a group through an interval, in lanes where possible; returns the number of steps in lanes.
-fn through(width: Width, lanes: &mut [Option<Box<Lane>>]) -> u64 {
+fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>]) -> u64 {
     let mut taken = 0;
     loop {
         let mut waiting: [Vec<usize>; Kind::COUNT] = Default::default();
@@ -218,7 +218,7 @@ fn runs_without_steps_are_included() {
         assert_eq!(in_lanes(width, (0..9).map(short), || ()).0, alone);
         assert!(in_lanes(width, std::iter::empty(), || ()).0.is_empty());
     }
-    assert_eq!(Width::at_most(1), None);
-    assert_eq!(Width::widest(), widths().last().copied());
-    assert_eq!(Width::at_most(3), Width::at_most(2));
+    assert_eq!(VectorWidth::at_most(1), None);
+    assert_eq!(VectorWidth::widest(), widths().last().copied());
+    assert_eq!(VectorWidth::at_most(3), VectorWidth::at_most(2));
 }

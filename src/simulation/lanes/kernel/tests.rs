@@ -187,7 +187,7 @@ prop_compose! {
 
 fn compare(law: impl Law, cases: &[Case]) -> Result<(), TestCaseError> {
     let runs: [&Lane; MOST_LANES] = std::array::from_fn(|i| &cases[i].lane);
-    for width in [2, 4, 8].into_iter().filter_map(Width::at_most) {
+    for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
         let together = Together { law, short: false, runs, count: width.lanes() };
         let found = width.run(Look { together, cases });
         for (found, case) in found.iter().zip(cases) {

@@ -3,7 +3,7 @@
 use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
-use rocking_block::numerics::wide::Width;
+use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
@@ -12,7 +12,7 @@ use rocking_studies::search::{Scan, Shaking, damping_against_separation, overtur
 use crate::program::{RECORD, Table, files, refused, stdout};
 
 /// No lanes; the module `lanes` compares results with and without them.
-const WIDTH: Option<Width> = None;
+const WIDTH: Option<VectorWidth> = None;
 
 const BLOCK: Dimensionless = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
 
@@ -103,8 +103,8 @@ fn the_program_prints_the_result_of_the_library() {
         assert_eq!((table.number(row, "from"), table.number(row, "to")), (*from, *to));
         assert_eq!(table.get(row, "outcome"), end.to_string());
     }
-    let told = stdout(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
-    assert!(told.contains("separation even at xi_v = 0.02"), "{told}");
+    let printed = stdout(folder.path(), &["search", "damping", "--to", "0.02", "--points", "2"]);
+    assert!(printed.contains("separation even at xi_v = 0.02"), "{printed}");
 }
 
 /// Records are searched over their scale factor; `rocking simulate` confirms the outcomes on both sides of each change.
@@ -113,13 +113,13 @@ fn records_are_searched_over_their_scale() {
     let folder = tempfile::tempdir().unwrap();
     let block = ["--record", RECORD, "--vertical", RECORD, "--alpha", "0.15", "--p", "2"];
     let range = ["--from", "1.5", "--to", "3.5", "--points", "5", "--resolution", "1e-3", "--csv", "o.csv"];
-    let told = stdout(folder.path(), &[&["search", "overturning"], &block[..], &range].concat());
+    let printed = stdout(folder.path(), &[&["search", "overturning"], &block[..], &range].concat());
     let table = Table::read(&folder.path().join("o.csv"));
     assert_eq!((table.number(0, "from"), table.get(0, "outcome")), (1.5, "completed"));
     let row = (0..table.rows.len()).find(|&row| table.get(row, "outcome") == "overturned").unwrap();
     let least = table.number(row, "from");
     assert_ne!(table.get(row, "from"), format!("{least:.3}"), "the table has all digits");
-    assert!(told.contains(&format!("first overturning at scale = {least:.3}\n")), "{told}");
+    assert!(printed.contains(&format!("first overturning at scale = {least:.3}\n")), "{printed}");
     let run = [&["simulate", "--on-separation", "fly", "--csv", "x.csv"], &block[..]].concat();
     for row in 0..table.rows.len() {
         let words = match table.get(row, "outcome") {
@@ -127,8 +127,8 @@ fn records_are_searched_over_their_scale() {
             word => word,
         };
         for scale in ["from", "to"].map(|column| table.get(row, column)) {
-            let told = stdout(folder.path(), &[&run[..], &["--scale", scale]].concat());
-            assert!(told.contains(words), "{words} at {scale}: {told}");
+            let printed = stdout(folder.path(), &[&run[..], &["--scale", scale]].concat());
+            assert!(printed.contains(words), "{words} at {scale}: {printed}");
         }
     }
 }
@@ -150,30 +150,30 @@ fn simulate_and_search_agree() {
     for (amplitude, words) in
         [(table.get(below, "to"), "completed at"), (table.get(above, "from"), "overturning, with")]
     {
-        let told = stdout(folder.path(), &[&["simulate", "--amplitude", amplitude], &pulse[..], &rigid].concat());
-        assert!(told.contains(words), "{words} at {amplitude}: {told}");
+        let printed = stdout(folder.path(), &[&["simulate", "--amplitude", amplitude], &pulse[..], &rigid].concat());
+        assert!(printed.contains(words), "{words} at {amplitude}: {printed}");
     }
     let slow = ["simulate", "--pulse", "one-sine", "--amplitude", "14", "--period", "1"];
-    let told = stdout(folder.path(), &[&slow[..], &rigid].concat());
-    assert!(told.contains("overturning, with complete separation at t = 8.1424 s"), "{told}");
+    let printed = stdout(folder.path(), &[&slow[..], &rigid].concat());
+    assert!(printed.contains("overturning, with complete separation at t = 8.1424 s"), "{printed}");
     // A short duration leaves the outcome undecided.
-    let told = stdout(folder.path(), &[&slow[..], &rigid, &["--duration", "5"]].concat());
-    assert!(told.contains("undecided at t = 5.0000 s: the duration is too short"), "{told}");
+    let printed = stdout(folder.path(), &[&slow[..], &rigid, &["--duration", "5"]].concat());
+    assert!(printed.contains("undecided at t = 5.0000 s: the duration is too short"), "{printed}");
 }
 
 /// Progress counts every run once and ends with all runs done.
 #[test]
 fn progress_ends_with_all_runs_done() {
     let scan = Scan { from: 0.0, to: 0.4, points: 9, resolution: 1e-3 };
-    let told = std::sync::Mutex::new(Vec::new());
-    let progress = |done, runs| told.lock().unwrap().push((done, runs));
+    let progressed = std::sync::Mutex::new(Vec::new());
+    let progress = |done, runs| progressed.lock().unwrap().push((done, runs));
     damping_against_separation(&BLOCK, &Common::default(), &[], 0.95, Settings::default(), &scan, WIDTH, progress)
         .unwrap();
-    let mut told = told.into_inner().unwrap();
-    told.sort_unstable();
-    assert!(told.iter().map(|run| run.0).eq(1..=told.len() as u64));
-    assert!(told[..9].iter().all(|run| run.1 == 9) && told.iter().all(|(done, runs)| done <= runs));
-    let (done, runs) = told[told.len() - 1];
+    let mut progressed = progressed.into_inner().unwrap();
+    progressed.sort_unstable();
+    assert!(progressed.iter().map(|run| run.0).eq(1..=progressed.len() as u64));
+    assert!(progressed[..9].iter().all(|run| run.1 == 9) && progressed.iter().all(|(done, runs)| done <= runs));
+    let (done, runs) = progressed[progressed.len() - 1];
     assert_eq!(done, runs, "the number of bisections follows from the width of the change");
 }
 
@@ -182,8 +182,8 @@ fn progress_ends_with_all_runs_done() {
 fn a_least_value_is_exact_or_reported_as_a_bound() {
     let folder = tempfile::tempdir().unwrap();
     let search = |arguments: &[&str]| {
-        let told = stdout(folder.path(), &[&["search"], arguments, &["--resolution", "1e-4", "--json"]].concat());
-        let json: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let printed = stdout(folder.path(), &[&["search"], arguments, &["--resolution", "1e-4", "--json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&printed).unwrap();
         let [bound, answer] = ["bound", "answer"].map(|name| json[name].as_str().unwrap().to_string());
         (json["least"].as_f64(), bound, answer)
     };
