@@ -82,9 +82,9 @@ def watched(command: list, expected: int, size_of_row: float, table: Path, until
         seen.append((table.stat().st_size / size_of_row / expected, memory(process.pid)))
         if until is not None and seen[-1][0] >= until:
             process.kill()
-    told = process.communicate()[1]
+    printed = process.communicate()[1]
     if process.returncode not in (0, -9):
-        raise SystemExit(f"{command}: {told}")
+        raise SystemExit(f"{command}: {printed}")
     return seen, time.monotonic() - begun
 
 

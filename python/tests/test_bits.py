@@ -162,12 +162,12 @@ def test_columns_have_one_name_and_words_one_spelling(path):
 
 
 def test_foundations_are_those_of_the_program(rocking):
-    told = rocking.json("foundations")["pairs"]
+    report = rocking.json("foundations")["pairs"]
     found = [asdict(pair) for pair in rb.foundations.pairs()]
-    for pair in told:
+    for pair in report:
         source = pair.pop("source")
         pair |= {"source": source["name"], "citation": source["citation"], "doi": source["doi"]}
-    assert found == told
+    assert found == report
     only = rb.foundations.pairs("friction", "Granite")
     assert len(only) == 3 and all(pair.surfaces == "granite on granite" for pair in only)
     pad = rb.foundations.pad(0.5, 12, 0.9e6, bulk_modulus=2e9)

@@ -77,13 +77,13 @@ def test_the_rate_of_a_fitted_curve_has_an_interval_about_it(hazard):
 def test_a_rate_is_that_of_the_program(rocking, hazard, tmp_path):
     lines = [f"{level},{rate}" for level, rate in zip(100 * LEVELS, RATES)]
     (tmp_path / "hazard.csv").write_text("\n".join(["PGV [cm/s],rate [1/year]", *lines]))
-    told = rocking.json("rate", tmp_path / "hazard.csv", "--median", "0.5", "--beta", "0.4", "--im", "PGV")
+    report = rocking.json("rate", tmp_path / "hazard.csv", "--median", "0.5", "--beta", "0.4", "--im", "PGV")
     read = rb.read_hazard(tmp_path / "hazard.csv")
     assert (read.im, read.unit) == ("PGV", "m/s") and np.allclose(read.levels, LEVELS, rtol=1e-15)
     found = rb.annual_rate(read, (0.5, 0.4))
-    assert (told["rate"], told["return_period"]) == (found.rate, found.return_period)
-    assert [part["rate"] for part in told["deaggregation"]] == found.deaggregation["rate"].tolist()
-    assert told["probabilities"][1] == {"years": 50.0, "probability": found.probability(50.0), "interval": [None, None]}
+    assert (report["rate"], report["return_period"]) == (found.rate, found.return_period)
+    assert [part["rate"] for part in report["deaggregation"]] == found.deaggregation["rate"].tolist()
+    assert report["probabilities"][1] == {"years": 50.0, "probability": found.probability(50.0), "interval": [None, None]}
 
 
 @pytest.mark.filterwarnings("ignore:.*of the rate")

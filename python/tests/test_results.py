@@ -92,7 +92,7 @@ def test_runs_are_drawn_on_the_current_figure_and_share_it(record, figure, tmp_p
     figure.savefig(tmp_path / "runs.png")
 
 
-def test_a_run_is_drawn_where_it_is_told(figure):
+def test_a_run_is_drawn_on_the_given_axes(figure):
     """Free motion has no ground to draw; far rotations are cut, and the picture says so."""
     axes = figure.add_subplot()
     run = rb.Block(foundation="rigid").run(pulse=rb.Pulse("one-sine", 30.0, 1.0))
@@ -320,7 +320,7 @@ def test_what_makes_no_block_is_refused(wrong, words):
         rb.Block(**wrong)
 
 
-def test_what_a_block_lacks_is_told():
+def test_a_missing_parameter_is_named():
     run = rb.Block().run(theta=0.1, duration=0.1, progress=False)
     assert run.tensions == () and not hasattr(run, "slip") and not run.energy.friction.any()
     with pytest.raises(ValueError, match="stiffness = 0"):

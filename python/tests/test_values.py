@@ -272,7 +272,7 @@ def test_arguments_broadcast():
     assert np.isnan(table["eta"][1]) and table["eta"][0] == 40
 
 
-def test_records_are_told_apart():
+def test_records_are_distinguished():
     named = rb.Record(RECORD.acceleration, RECORD.dt, "quake")
     table = rb.outcomes(BLOCK, [RECORD, named, RECORD, named], scale=[1, 2])
     assert table["record"].tolist() == ["0", "0", "quake", "quake", "2", "2", "quake (3)", "quake (3)"]

@@ -192,10 +192,10 @@ fn failed<V: Version>(instance: &mut Instance<V>, call: V::Call, reason: std::th
             (Status::Fatal, format!("internal error: {}", panic_reason(panic.as_ref())))
         }
     };
-    let told = catch_unwind(AssertUnwindSafe(|| {
+    let logged = catch_unwind(AssertUnwindSafe(|| {
         instance.log.status(status, &format!("{}: {message}", call.name()));
     }));
-    match told {
+    match logged {
         Ok(()) => status,
         // The logger panicked.
         Err(_) => {
@@ -357,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn the_reason_of_a_panic_is_told() {
+    fn the_reason_of_a_panic_is_logged() {
         let text = catch_unwind(|| panic!("reason {}", 7)).unwrap_err();
         assert_eq!(panic_reason(text.as_ref()), "reason 7");
         let literal = catch_unwind(|| panic!("reason")).unwrap_err();

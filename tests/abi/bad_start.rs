@@ -216,7 +216,7 @@ fn percent_signs_arrive_verbatim() {
     let status = call!(instance, set_debug_logging, 1, 1, &category);
     let messages = instance.messages();
     assert_eq!(status, ERROR);
-    let [Message { instance: told, format, text, .. }] = messages.as_slice() else { panic!("{messages:?}") };
-    assert_eq!((told.as_str(), format.as_str()), (name, "%s"));
+    let [Message { instance, format, text, .. }] = messages.as_slice() else { panic!("{messages:?}") };
+    assert_eq!((instance.as_str(), format.as_str()), (name, "%s"));
     assert!(text.contains("%s%n%1$s"), "{text}");
 }

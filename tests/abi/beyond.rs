@@ -49,23 +49,23 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
             }
         }
     }
-    let told: Vec<LoggedEvent> =
+    let logged: Vec<LoggedEvent> =
         instance.messages().into_iter().map(|message| LoggedEvent::read(&message.text)).collect();
     let expected = case.lasting_events();
-    if told.len() != expected.len() {
-        wrong.push(format!("{name}: {} events, not {}", told.len(), expected.len()));
+    if logged.len() != expected.len() {
+        wrong.push(format!("{name}: {} events, not {}", logged.len(), expected.len()));
     }
-    for (told, (time, change)) in told.iter().zip(&expected) {
+    for (event, (time, change)) in logged.iter().zip(&expected) {
         let same = match change {
-            Change::Regime { regime, .. } => told.after == *regime && !told.what.starts_with("tie"),
+            Change::Regime { regime, .. } => event.after == *regime && !event.what.starts_with("tie"),
             Change::Tie(tie) => {
                 let number: i32 = tie[tie.len() - 1..].parse().unwrap();
                 let breaks = tie.starts_with("break");
-                told.what.starts_with(&format!("tie {}", number + 1)) && told.what.ends_with("breaks") == breaks
+                event.what.starts_with(&format!("tie {}", number + 1)) && event.what.ends_with("breaks") == breaks
             }
         };
-        if !same || (told.time - time).abs() > CLOSE {
-            wrong.push(format!("{name}: {} at {} s, not {change:?} at {time} s", told.what, told.time));
+        if !same || (event.time - time).abs() > CLOSE {
+            wrong.push(format!("{name}: {} at {} s, not {change:?} at {time} s", event.what, event.time));
             break;
         }
     }

@@ -218,8 +218,11 @@ fn an_exception_from_the_logger_ends_the_process() {
         .env(THROWS, "1")
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&output.stderr);
+    let message = String::from_utf8_lossy(&output.stderr);
     #[cfg(unix)]
-    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(libc::SIGABRT), "{told}");
-    assert!(told.contains("thrown by the logger") && told.contains("cannot catch foreign exceptions"), "{told}");
+    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(libc::SIGABRT), "{message}");
+    assert!(
+        message.contains("thrown by the logger") && message.contains("cannot catch foreign exceptions"),
+        "{message}"
+    );
 }

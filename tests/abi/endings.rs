@@ -44,7 +44,7 @@ fn the_end_of_a_run_is_a_discarded_step_with_the_outputs_of_its_time() {
         assert_eq!(instance.real_status(LAST_SUCCESSFUL_TIME), Ok(time));
         let before = instance.save();
         assert_eq!(instance.try_step(time, 0.01), DISCARD);
-        assert_eq!(instance.messages(), [], "the standard, 2.1.3: without logging a discarded step is not told");
+        assert_eq!(instance.messages(), [], "the standard, 2.1.3: without logging a discarded step is not logged");
         instance.restore(before);
         instance.free(before);
         let discarded = c"logStatusDiscard".as_ptr();

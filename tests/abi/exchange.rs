@@ -402,7 +402,7 @@ fn nominal_values_suit_the_default_block() {
     let names = ["theta", "theta_dot", "v", "v_dot", "u", "u_dot", "energy.input", "energy.dashpots"];
     for (name, nominal) in names.into_iter().zip(nominals) {
         let node = document.descendants().find(|node| node.attribute("name") == Some(name)).unwrap();
-        let told: f64 = node.first_element_child().unwrap().attribute("nominal").unwrap().parse().unwrap();
-        assert!((told / nominal - 1.0).abs() < 0.01, "{name}: {told}, {nominal}");
+        let documented: f64 = node.first_element_child().unwrap().attribute("nominal").unwrap().parse().unwrap();
+        assert!((documented / nominal - 1.0).abs() < 0.01, "{name}: {documented}, {nominal}");
     }
 }

@@ -182,10 +182,10 @@ fn legality_of_every_call_in_every_state() {
                 }
                 continue;
             }
-            let told = messages.len() == 1
+            let is_logged = messages.len() == 1
                 && messages[0].text.starts_with(name)
                 && (allowed.is_empty() || messages[0].text.contains(&name_of(state)));
-            if status != ERROR || !told || all_of(&instance) != before {
+            if status != ERROR || !is_logged || all_of(&instance) != before {
                 wrong.push(format!("{name} should be refused in {state:?}: {status}, {messages:?}"));
             }
         }
@@ -275,17 +275,17 @@ fn legality_of_every_call_of_model_exchange() {
             let status = act(&instance);
             let messages = instance.messages();
             let row = OF_EXCHANGE.iter().find(|row| row.0 == name);
-            let told = |word: &str| {
+            let logs = |word: &str| {
                 messages.len() == 1 && messages[0].text.starts_with(name) && messages[0].text.contains(word)
             };
             let right = match row {
                 Some((_, states)) if states.contains(letter) => {
                     status == OK || (*state == "error" && status == DISCARD && NOT_FINITE.contains(&name))
                 }
-                Some(_) => status == ERROR && told(state) && all_of(&instance) == before,
-                None if name == "fmi2CancelStep" => status == ERROR && told("no step is ever in progress"),
+                Some(_) => status == ERROR && logs(state) && all_of(&instance) == before,
+                None if name == "fmi2CancelStep" => status == ERROR && logs("no step is ever in progress"),
                 None => {
-                    status == ERROR && told("the instance is one for Model Exchange") && all_of(&instance) == before
+                    status == ERROR && logs("the instance is one for Model Exchange") && all_of(&instance) == before
                 }
             };
             if !right {

@@ -79,7 +79,7 @@ fn events_are_one_line_each_with_time_and_regimes() {
     let impacts = events.iter().filter(|event| event.what.starts_with("landing")).count();
     assert_eq!(impacts as f64, instance.get("events.impacts"));
     let last = events.last().unwrap();
-    assert!((last.time - instance.get("events.last_time")).abs() <= 1e-9, "times are told to 1e-9 s");
+    assert!((last.time - instance.get("events.last_time")).abs() <= 1e-9, "times are logged to 1e-9 s");
     assert_eq!(f64::from(last.after), instance.get("regime"));
 }
 
@@ -100,7 +100,7 @@ fn categories_are_chosen_by_name() {
     assert_eq!(count(true, &["logStatusError", "logSteps"]), (false, 100, 1));
     assert_eq!(count(true, &["logEvents", "logSteps"]), (true, 100, 0));
     assert_eq!(count(true, &[]), (true, 100, 1), "the standard, 2.1.5: no category is all of them");
-    assert_eq!(count(false, &[]), (false, 0, 1), "errors are told without logging, too");
+    assert_eq!(count(false, &[]), (false, 0, 1), "errors are logged without logging, too");
 }
 
 /// The categories of the description exist, and no others.

@@ -222,11 +222,11 @@ fn legality_of_every_call_in_every_state() {
                 "-" => "this belongs to Co-Simulation",
                 _ => state,
             };
-            let told = messages.len() == 1 && messages[0].2.contains(name) && messages[0].2.contains(word);
+            let is_logged = messages.len() == 1 && messages[0].2.contains(name) && messages[0].2.contains(word);
             let right = match states.contains(letter) {
                 // After the error the results of the states that led to it are not finite.
                 true => status == OK || (letter == 'X' && status == DISCARD && messages[0].2.contains("not finite")),
-                false => status == ERROR && told && all_of(&block) == before,
+                false => status == ERROR && is_logged && all_of(&block) == before,
             };
             if !right {
                 wrong.push(format!("{name} in {state}: {status}, {messages:?}"));

@@ -220,5 +220,5 @@ def test_another_process_resumes_without_the_file(fmu, tmp_path):
         expected = slave.getReal([references["theta"], references["energy.total"]])
     record.unlink()
     command = [sys.executable, "-c", RESUME, fmu, str(tmp_path / "state")]
-    told = subprocess.run(command, capture_output=True, text=True, check=True, cwd=Path(__file__).parent)
-    assert told.stdout.strip() == str(expected)
+    printed = subprocess.run(command, capture_output=True, text=True, check=True, cwd=Path(__file__).parent)
+    assert printed.stdout.strip() == str(expected)

@@ -43,8 +43,8 @@ def table(request, tmp_path_factory):
 def test_curves_are_those_of_statsmodels(program, table, link):
     path, pgv, period, fraction, peak = table
     arguments = ["fragility", path, "--im", "PGV", "--beside", "T_m", "--surface", "T_m", "--link", link, "--json"]
-    told = json.loads(subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout)
-    (found,) = told["measures"]
+    report = json.loads(subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout)
+    (found,) = report["measures"]
 
     def fit(*measures):
         design = sm.add_constant(np.log(np.column_stack(measures)))
@@ -69,10 +69,10 @@ def test_curves_are_those_of_statsmodels(program, table, link):
     near(found["Brier"], np.mean((curve.mu - fraction) ** 2))
     both = fit(pgv, period)
     surface = np.sum(fraction * np.log(both.mu) + (1 - fraction) * np.log1p(-both.mu))
-    near([told["surface"]["intercept"], *told["surface"]["slopes"]], both.params)
-    near(told["surface"]["standard_errors"], both.bse)
-    near(told["surface"]["log_likelihood"], surface)
-    near(told["surface"]["Brier"], np.mean((both.mu - fraction) ** 2))
+    near([report["surface"]["intercept"], *report["surface"]["slopes"]], both.params)
+    near(report["surface"]["standard_errors"], both.bse)
+    near(report["surface"]["log_likelihood"], surface)
+    near(report["surface"]["Brier"], np.mean((both.mu - fraction) ** 2))
     near(found["sufficiency"]["T_m"], chi2.sf(2 * (surface - log_likelihood), 1))
     stands = fraction <= 0.5
     _, residual, *_ = np.polyfit(np.log(pgv[stands]), np.log(peak[stands]), 1, full=True)

@@ -40,8 +40,8 @@ def measured(request, program, tmp_path_factory):
         pytest.skip(f"the record {path.name} may not be redistributed and is not at hand")
     table = tmp_path_factory.mktemp("record") / "r.csv"
     arguments = ["record", path, "--json", "--csv", table, "--periods", ",".join(map(str, PERIODS))]
-    told = subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
-    (content,) = json.loads(told)["records"]
+    printed = subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
+    (content,) = json.loads(printed)["records"]
     acceleration = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
     assert len(acceleration) == content["samples"]
     return content, acceleration

@@ -38,13 +38,13 @@ def export(program, table):
     """Exports both limits of a measure; returns the warnings and each curve's median (SI) and dispersion."""
 
     def run(im, kind, path, *options):
-        told = []
+        reports = []
         for limit, other in (LIMITS, LIMITS[::-1]):
             to = ["--export", kind, "--export-to", path, "--export-limit", other, "--id", "statue.1", *options]
             run = [program, "fragility", table, "--im", im, "--limit", limit, "--json", *to]
-            told.append(json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout))
-        curves = [(each["measures"][0]["median"], each["measures"][0]["beta"]) for each in told]
-        return told[-1]["warnings"], curves
+            reports.append(json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout))
+        curves = [(each["measures"][0]["median"], each["measures"][0]["beta"]) for each in reports]
+        return reports[-1]["warnings"], curves
 
     return run
 
@@ -149,8 +149,8 @@ def test_openquake_finds_our_annual_rate(program, export, openquake, tmp_path):
     fractions = scientific.classical_damage(built, 100 * levels, -np.expm1(-rates), 1.0, 1.0)
     for (median, beta), probability in zip(curves, (fractions[1:].sum(), fractions[2])):
         run = [program, "rate", tmp_path / "hazard.csv", "--median", repr(median), "--beta", repr(beta), "--im", "PGV [m/s]", "--json"]
-        told = json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout)
-        assert -np.log1p(-probability) == pytest.approx(factor * told["rate"], rel=1e-6)
+        report = json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout)
+        assert -np.log1p(-probability) == pytest.approx(factor * report["rate"], rel=1e-6)
 
 
 # Run by pelicun's Python: our curves before those of FEMA P-58, in SI units, and the library's rows of the same components.

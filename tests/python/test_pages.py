@@ -98,10 +98,10 @@ def test_commands_print_what_the_pages_say(tmp_path):
     for page in COMMAND_PAGES:
         found = [pair for block in shell_blocks(page) for pair in commands(block)]
         assert found, page
-        for command, printed in found:
+        for command, expected in found:
             if not command.startswith(BUILDS):
-                told = place.run(command)
-                assert not printed or told == printed, command
+                printed = place.run(command)
+                assert not expected or printed == expected, command
     assert len(place.printed) > 10
     pictures = place.pictures()
     assert len(pictures) == 9
@@ -181,11 +181,11 @@ if __name__ == "__main__":
         for page in dict.fromkeys(COMMAND_PAGES + PYTHON_PAGES):
             text = page.read_text()
             for block in shell_blocks(page) if page in COMMAND_PAGES else []:
-                for command, printed in commands(block):
-                    told = "" if command.startswith(BUILDS) else place.run(command)
-                    if printed:
-                        text = text.replace("\n".join(f"    {line}" if line else "" for line in printed.splitlines()),
-                                            "\n".join(f"    {line}" if line else "" for line in told.splitlines()))
+                for command, expected in commands(block):
+                    printed = "" if command.startswith(BUILDS) else place.run(command)
+                    if expected:
+                        text = text.replace("\n".join(f"    {line}" if line else "" for line in expected.splitlines()),
+                                            "\n".join(f"    {line}" if line else "" for line in printed.splitlines()))
             for said, printed in place.prints(page):
                 text = text.replace(f"  # {said}\n", f"  # {printed}\n")
             page.write_text(text)

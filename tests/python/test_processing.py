@@ -18,10 +18,10 @@ def table(program, tmp_path):
 
     def read(*options):
         path = tmp_path / "r.csv"
-        told = subprocess.run(
+        printed = subprocess.run(
             [program, "record", RECORD, "--json", "--csv", path, *options], check=True, capture_output=True, text=True
         ).stdout
-        (content,) = json.loads(told)["records"]
+        (content,) = json.loads(printed)["records"]
         return np.loadtxt(path, delimiter=",", skiprows=1)[:, 1], content["dt"], content
 
     return read
@@ -93,8 +93,8 @@ def test_pulses_are_those_of_the_literature(program, name, options, period, velo
     path = ROOT.parent / "shared/records" / name
     if not path.exists():
         pytest.skip(f"the record {path.name} may not be redistributed and is not at hand")
-    told = subprocess.run([program, "pulse", path, "--json", *options], check=True, capture_output=True, text=True).stdout
-    fit = json.loads(told)
+    printed = subprocess.run([program, "pulse", path, "--json", *options], check=True, capture_output=True, text=True).stdout
+    fit = json.loads(printed)
     assert fit["shape"] == "gabor" and fit["r_squared"] > 0.5
     assert fit["period"] == pytest.approx(period, rel=0.1)
     assert fit["PGV"][1] == pytest.approx(velocity, rel=0.15)
@@ -109,8 +109,8 @@ def test_rotations_are_those_of_every_direction(program, tmp_path):
     for name, samples in zip("ab", pair):
         np.savetxt(tmp_path / f"{name}.csv", np.column_stack([times, samples]), delimiter=",", header="t [s],a [m/s2]", comments="")
     command = [program, "record", tmp_path / "a.csv", "--transverse", tmp_path / "b.csv"]
-    told = subprocess.run([*command, "--json"], check=True, capture_output=True, text=True).stdout
-    (content,) = json.loads(told)["records"]
+    printed = subprocess.run([*command, "--json"], check=True, capture_output=True, text=True).stdout
+    (content,) = json.loads(printed)["records"]
     angles = np.radians(np.arange(180))[:, None]
     rotated = pair[0] * np.cos(angles) + pair[1] * np.sin(angles)
     peaks = np.abs(rotated).max(axis=1)

@@ -37,7 +37,7 @@ def printed(judge):
 
 
 @pytest.mark.check
-def test_without_a_fit_the_rocks_are_told_as_documented():
+def test_without_a_fit_the_rocks_match_the_documentation():
     """To the last digit; the README rounds the accuracies."""
     folder = shaking_table.Folder(data("shaking_table"))
     readme = (ROOT / "README.md").read_text()

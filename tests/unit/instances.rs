@@ -100,8 +100,8 @@ fn ten_thousand_instances_in_turn_leak_no_memory() {
         let name = "instances::ten_thousand_instances_in_turn_leak_no_memory";
         let program = std::env::current_exe().unwrap();
         let child = std::process::Command::new(program).args(["--exact", name]).env(CHILD, "1").output().unwrap();
-        let told = String::from_utf8_lossy(&child.stdout) + String::from_utf8_lossy(&child.stderr);
-        assert!(child.status.success() && told.contains("1 passed"), "the child process failed:\n{told}");
+        let message = String::from_utf8_lossy(&child.stdout) + String::from_utf8_lossy(&child.stderr);
+        assert!(child.status.success() && message.contains("1 passed"), "the child process failed:\n{message}");
         return;
     }
     let life = || {

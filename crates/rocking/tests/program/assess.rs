@@ -65,12 +65,12 @@ fn overturned(folder: &Path, replaced: &str, by: &str) -> u64 {
 fn the_numbers_are_those_of_the_single_commands() {
     let folder = folder(ASSESS);
     let folder = folder.path();
-    let told = json(folder, &["assess", "study.toml", "--out", "report"]);
+    let report = json(folder, &["assess", "study.toml", "--out", "report"]);
     // A sweep leaves [assess] unread, but its table names it.
     stdout(folder, &["sweep", "study.toml", "--csv", "runs.csv"]);
     assert_eq!(fs::read(folder.join("runs.csv")).unwrap(), fs::read(folder.join("report/runs.csv")).unwrap());
     for (state, limit) in [(0, "0.6"), (1, "overturned")] {
-        let state = &told["states"][state];
+        let state = &report["states"][state];
         let alone = json(folder, &["fragility", "runs.csv", "--im", "PGV", "--limit", limit]);
         let curve = &alone["measures"][0];
         for key in ["median", "median_interval", "beta", "beta_interval", "AUC"] {
@@ -89,8 +89,8 @@ fn the_numbers_are_those_of_the_single_commands() {
     let middle =
         ["--alpha", "0.15000000000000002", "--p", "2.2", "--foundation", "rigid", "--restitution-factor", "0.94"];
     let alone = json(folder, &[&["search", "overturning", "--period", "0.8"], &middle[..]].concat());
-    assert_eq!(told["pulses"][0]["amplitude"], alone["least"]);
-    assert_eq!(told["object"]["alpha"].as_f64(), Some(0.15000000000000002));
+    assert_eq!(report["pulses"][0]["amplitude"], alone["least"]);
+    assert_eq!(report["object"]["alpha"].as_f64(), Some(0.15000000000000002));
 }
 
 /// A variant and an end of a range are the study with that value: a sweep that names it has the same outcomes.
@@ -98,23 +98,23 @@ fn the_numbers_are_those_of_the_single_commands() {
 fn variants_and_ends_of_ranges_are_sweeps_of_their_own() {
     let folder = folder(ASSESS);
     let folder = folder.path();
-    let told = json(folder, &["assess", "study.toml", "--out", "report"]);
+    let report = json(folder, &["assess", "study.toml", "--out", "report"]);
     let plain = overturned(folder, "p = 2.2", "p = 2.2");
-    assert_eq!(told["variants"][0]["runs"]["exceeded"], plain);
+    assert_eq!(report["variants"][0]["runs"]["exceeded"], plain);
     let sliding = overturned(folder, "p = 2.2", "p = 2.2\nfriction = 0.12");
-    assert_eq!(told["variants"][1]["runs"]["exceeded"], sliding);
+    assert_eq!(report["variants"][1]["runs"]["exceeded"], sliding);
     assert!(sliding < plain, "{sliding} of {plain}");
     for (end, p) in [(0, "p = 2"), (1, "p = 2.4")] {
-        assert_eq!(told["sensitivity"][0]["ends"][end]["runs"]["exceeded"], overturned(folder, "p = 2.2", p));
+        assert_eq!(report["sensitivity"][0]["ends"][end]["runs"]["exceeded"], overturned(folder, "p = 2.2", p));
     }
     let table = Table::read(&folder.join("report/variants.csv"));
     assert_eq!(table.rows.len(), 5);
     assert_eq!(table.number(1, "exceeded"), sliding as f64);
-    let slip = told["variants"][1]["peak_slip"].as_f64().unwrap();
+    let slip = report["variants"][1]["peak_slip"].as_f64().unwrap();
     assert_eq!(table.number(1, "peak.slip"), slip);
     assert!(slip > 0.0);
     // tan α = b/h grows with the base.
-    let alphas = [0, 2].map(|variant| told["variants"][variant]["alpha"].as_f64().unwrap().tan());
+    let alphas = [0, 2].map(|variant| report["variants"][variant]["alpha"].as_f64().unwrap().tan());
     assert!((alphas[1] / alphas[0] - 1.1).abs() < 1e-14);
 }
 

@@ -15,19 +15,19 @@ fn json(arguments: &[&str]) -> Value {
 #[test]
 fn pairs_have_their_sources() {
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(folder.path(), &["foundations"]);
+    let printed = stdout(folder.path(), &["foundations"]);
     let values = json(&[]);
     let pairs = values["pairs"].as_array().unwrap();
     assert!(pairs.len() > 20 && values["command"] == "foundations", "{values}");
     for pair in pairs {
         let field = |name: &str| pair[name].as_str().unwrap();
         let (name, citation) = (pair["source"]["name"].as_str().unwrap(), pair["source"]["citation"].as_str().unwrap());
-        let row = told.lines().find(|line| line.contains(field("surfaces")) && line.ends_with(name));
+        let row = printed.lines().find(|line| line.contains(field("surfaces")) && line.ends_with(name));
         assert!(row.is_some_and(|row| row.contains(field("kind")) && row.starts_with(field("quantity"))), "{pair}");
-        assert!(told.contains(citation), "{citation}");
+        assert!(printed.contains(citation), "{citation}");
         assert!(pair["low"].as_f64().unwrap() <= pair["high"].as_f64().unwrap(), "{pair}");
     }
-    let steel = told.lines().find(|line| line.contains("steel on concrete or grout")).unwrap();
+    let steel = printed.lines().find(|line| line.contains("steel on concrete or grout")).unwrap();
     assert!(steel.contains("  0.57 to 0.7 ") && steel.contains("Rabbat and Russell (1985)"), "{steel}");
 }
 
@@ -41,8 +41,11 @@ fn pads_are_those_of_the_paper() {
     assert!((number("K") / 4.712e9 - 1.0).abs() < 1e-4 && values["C"].is_null(), "{values}");
     assert!((number("omega_v") - 116.0).abs() < 0.1 && (number("eta") - 305.0).abs() < 0.5, "{values}");
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(folder.path(), &[&["foundations"], &pad[..]].concat());
-    assert!(told.contains("4.7124e9 N/m") && told.contains("eq. (36)") && !told.contains("omega_v"), "{told}");
+    let printed = stdout(folder.path(), &[&["foundations"], &pad[..]].concat());
+    assert!(
+        printed.contains("4.7124e9 N/m") && printed.contains("eq. (36)") && !printed.contains("omega_v"),
+        "{printed}"
+    );
     let softer = json(&[&pad[..], &["--bulk-modulus", "2e9"]].concat());
     // 6 G S² = 150 MPa compared with 2000 MPa.
     assert!((softer["K"].as_f64().unwrap() / number("K") - 1.0 / 1.075).abs() < 1e-12, "{softer}");

@@ -13,10 +13,10 @@ const FRAME: [&str; 11] =
 fn a_frame_has_the_published_frequency_parameter_and_its_weight() {
     let folder = tempfile::tempdir().unwrap();
     let options = ["--theta", "0.1", "--duration", "1", "--json", "--csv", "frame.csv"];
-    let told: Value = serde_json::from_str(&stdout(folder.path(), &[&FRAME[..], &options].concat())).unwrap();
+    let printed: Value = serde_json::from_str(&stdout(folder.path(), &[&FRAME[..], &options].concat())).unwrap();
     let exact = (0.75 * 9.81 / 0.8_f64.hypot(4.8) * 9.0 / 13.0).sqrt();
-    assert!((told["frame"]["p"].as_f64().unwrap() - exact).abs() < 1e-14, "{told}");
-    assert_eq!(told["frame"]["mass_ratio"], 4.0);
+    assert!((printed["frame"]["p"].as_f64().unwrap() - exact).abs() < 1e-14, "{printed}");
+    assert_eq!(printed["frame"]["mass_ratio"], 4.0);
     let table = std::fs::read_to_string(folder.path().join("frame.csv")).unwrap();
     assert!(table.starts_with("t [s],theta [rad],theta_dot [rad/s],theta_ddot [rad/s2],beam_u [m],"), "{table}");
     // Nothing moves it before the pulse begins.

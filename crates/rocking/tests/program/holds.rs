@@ -80,9 +80,9 @@ fn an_invalid_tie_is_refused() {
     ] {
         let arguments = ["simulate", "--theta", "0.1", "--mass", "5", "--csv", "run.csv", "--tie", tie];
         let output = program(folder.path(), &[&arguments]).output().unwrap();
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains("--tie") && told.contains(words), "{told}");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("--tie") && message.contains(words), "{message}");
     }
 }
 

@@ -16,15 +16,15 @@ fn column(path: &Path, name: &str) -> Vec<f64> {
 #[test]
 fn without_arguments_a_block_rocks_under_a_real_record() {
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(folder.path(), &[]);
+    let printed = stdout(folder.path(), &[]);
     for word in ["Loma Prieta", "|θ|/α", "impacts", "residual", "rocking.csv", "rocking.png"] {
-        assert!(told.contains(word), "{word} is not in:\n{told}");
+        assert!(printed.contains(word), "{word} is not in:\n{printed}");
     }
     let table = folder.path().join("out/rocking.csv");
     let theta = column(&table, "theta");
     let peak = theta.iter().fold(0.0_f64, |peak, x| peak.max(x.abs())) / 0.15;
     assert!((0.2..1.0).contains(&peak), "peak {peak} alpha");
-    let printed: f64 = told.split("|θ|/α = ").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
+    let printed: f64 = printed.split("|θ|/α = ").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
     assert!((printed - peak).abs() < 1e-3, "printed {printed}, in the table {peak}");
     let picture = std::fs::read(folder.path().join("out/rocking.png")).unwrap();
     assert_eq!(&picture[..8], b"\x89PNG\r\n\x1a\n");
@@ -64,12 +64,12 @@ fn summaries_predict_the_future_of_the_block() {
         ),
     ] {
         let arguments: Vec<&str> = "simulate --csv run.csv".split(' ').chain(options.split(' ')).collect();
-        let told = stdout(folder.path(), &arguments);
-        let line = |name: &str| told.lines().find(|line| line.starts_with(name)).unwrap().to_string();
-        assert!(line("end").ends_with(end), "{told}");
-        assert_eq!(line("events").contains(" so far"), !end.ends_with("at rest"), "{told}");
+        let printed = stdout(folder.path(), &arguments);
+        let line = |name: &str| printed.lines().find(|line| line.starts_with(name)).unwrap().to_string();
+        assert!(line("end").ends_with(end), "{printed}");
+        assert_eq!(line("events").contains(" so far"), !end.ends_with("at rest"), "{printed}");
         let impacts: u32 = line("events").split_whitespace().nth(1).unwrap().parse().unwrap();
-        assert!(!end.starts_with("the block is at rest") || impacts > 20, "{told}");
+        assert!(!end.starts_with("the block is at rest") || impacts > 20, "{printed}");
     }
 }
 
@@ -93,8 +93,8 @@ fn the_time_above_a_friction_is_an_additional_column() {
     }
     let times = with[1..].iter().map(|row| row.rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
     assert!(times.clone().all(|time| (0.0..0.5).contains(&time)) && times.clone().any(|time| time > 0.1));
-    let told = stdout(folder.path(), &["simulate", "--theta", "0.2", "--friction-demand", "0.2", "--csv", "y.csv"]);
-    assert!(told.contains("|H|/(N_L + N_R) exceeds 0.2 for at most 0."), "{told}");
+    let printed = stdout(folder.path(), &["simulate", "--theta", "0.2", "--friction-demand", "0.2", "--csv", "y.csv"]);
+    assert!(printed.contains("|H|/(N_L + N_R) exceeds 0.2 for at most 0."), "{printed}");
 }
 
 #[test]
@@ -187,10 +187,10 @@ fn a_run_that_ends_early_reports_it_and_ends_its_table() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["simulate", "--pulse", "one-sine", "--amplitude", "6.2622", "--period", "1.2566370614359172"];
     let more = ["--eta", "60", "--epsilon", "0.4", "--csv", "run.csv", "--events"];
-    let told = stdout(folder.path(), &[&arguments[..], &more].concat());
+    let printed = stdout(folder.path(), &[&arguments[..], &more].concat());
     // From the reference case sine_separates.
-    assert!(told.contains("complete separation at t = 1.3901 s"), "{told}");
-    assert!(told.contains("lift-off of R, tilting right -> separated"), "{told}");
+    assert!(printed.contains("complete separation at t = 1.3901 s"), "{printed}");
+    assert!(printed.contains("lift-off of R, tilting right -> separated"), "{printed}");
     let last = *column(&folder.path().join("run.csv"), "t").last().unwrap();
     assert!((last - 1.3900586035017384).abs() < 1e-6, "{last}");
 }
@@ -211,9 +211,9 @@ fn a_pulse_and_a_record_are_added() {
 #[test]
 fn the_table_can_go_to_standard_output() {
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(folder.path(), &["simulate", "--csv", "-", "--duration", "1"]);
-    assert!(told.starts_with("t [s],theta [rad],theta_dot [rad/s],"), "{told}");
-    assert_eq!(told.lines().count(), 202);
+    let printed = stdout(folder.path(), &["simulate", "--csv", "-", "--duration", "1"]);
+    assert!(printed.starts_with("t [s],theta [rad],theta_dot [rad/s],"), "{printed}");
+    assert_eq!(printed.lines().count(), 202);
     assert!(files(folder.path()).is_empty());
 }
 

@@ -18,8 +18,8 @@ fn texts(svg: &str) -> Vec<String> {
 fn sketches_show_the_dimensions_of_the_block() {
     let folder = tempfile::tempdir().unwrap();
     let size = ["--width", "0.8", "--height", "3.2", "--stiffness", "1e7", "--damping", "4e4", "--mass", "4000"];
-    let told = stdout(folder.path(), &[&["sketch", "--plot", "block.svg"], &size[..]].concat());
-    assert!(told.contains("K = 1.0000e7 N/m") && told.contains("written       block.svg"), "{told}");
+    let printed = stdout(folder.path(), &[&["sketch", "--plot", "block.svg"], &size[..]].concat());
+    assert!(printed.contains("K = 1.0000e7 N/m") && printed.contains("written       block.svg"), "{printed}");
     let svg = std::fs::read_to_string(folder.path().join("block.svg")).unwrap();
     let texts = texts(&svg);
     for expected in [
@@ -44,11 +44,11 @@ fn sketches_show_the_dimensions_of_the_block() {
 #[test]
 fn a_rigid_base_has_no_supports() {
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(
+    let printed = stdout(
         folder.path(),
         &["sketch", "--alpha", "0.25", "--foundation", "rigid", "--plot", "-", "--plot-format", "svg"],
     );
-    let texts = texts(&told);
+    let texts = texts(&printed);
     assert!(texts.iter().any(|text| text == "rigid base, e = 0.9082"), "{texts:?}");
     assert!(texts.iter().all(|text| text != "K" && text != "C" && !text.contains('η')), "{texts:?}");
     assert_eq!(files(folder.path()), [""; 0]);
@@ -62,8 +62,8 @@ fn sketches_show_eccentricity_friction_and_ties() {
     let ties = "--tie block_x=-0.4,block_z=1.8,ground_x=-1.6,stiffness=2.5e6,slack=0.005 \
                 --tie block_z=0.2,ground_z=-30,stiffness=1e5,strength=4e4";
     let options = format!("sketch --plot block.svg {body} {ties}");
-    let told = stdout(folder.path(), &options.split_whitespace().collect::<Vec<_>>());
-    assert!(!told.contains("rocks ") && !told.contains("slides "), "{told}");
+    let printed = stdout(folder.path(), &options.split_whitespace().collect::<Vec<_>>());
+    assert!(!printed.contains("rocks ") && !printed.contains("slides "), "{printed}");
     let texts = texts(&std::fs::read_to_string(folder.path().join("block.svg")).unwrap());
     for expected in [
         "ex = −0.1 m",

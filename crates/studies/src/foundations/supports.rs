@@ -184,12 +184,12 @@ mod tests {
 
     #[test]
     fn errors_name_the_parameter() {
-        let told = |soil: Soil| soil.support().unwrap_err().to_string();
+        let message = |soil: Soil| soil.support().unwrap_err().to_string();
         assert_eq!(
-            told(Soil { poisson: 0.5, ..SOIL }),
+            message(Soil { poisson: 0.5, ..SOIL }),
             "poisson = 0.5 is not valid; expected a ratio from 0 to less than 0.5"
         );
-        assert_eq!(told(Soil { width: -1.0, ..SOIL }), "width = -1 is not valid; expected a number > 0");
+        assert_eq!(message(Soil { width: -1.0, ..SOIL }), "width = -1 is not valid; expected a number > 0");
         let pad = Pad { diameter: 1.0, shape_factor: f64::INFINITY, shear_modulus: 1e6, bulk_modulus: None };
         assert_eq!(pad.support().unwrap_err().name, "shape_factor");
         let pad = Pad { shape_factor: 5.0, bulk_modulus: Some(0.0), ..pad };

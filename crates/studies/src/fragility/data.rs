@@ -59,9 +59,9 @@ mod tests {
 
     #[track_caller]
     fn refused(observations: Vec<Observation>, words: &[&str]) {
-        let told = Data::new(observations).unwrap_err().to_string();
-        assert!(words.iter().all(|word| told.contains(word)), "{told}");
-        assert!(!told.contains('\n'), "{told}");
+        let message = Data::new(observations).unwrap_err().to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        assert!(!message.contains('\n'), "{message}");
     }
 
     #[test]

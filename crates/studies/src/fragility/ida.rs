@@ -93,9 +93,9 @@ mod tests {
         assert_eq!(ida.fractile(0.16), [Response::Stands(0.1), Response::Stands(0.9)]);
         assert_eq!(ida.fractile(0.5), [Response::Stands(0.2), Response::Stands(0.9)]);
         assert_eq!(ida.fractile(0.84), [Response::Stands(0.3), Response::Overturns]);
-        let told = read(&rows.replace("6,1,completed", "6,1.1,completed")).unwrap_err().to_string();
-        assert!(told.starts_with("t.csv: the curves have different levels of PGV; expected"), "{told}");
-        let told = read(&rows.replace("3,0.5,completed", "3,,completed")).unwrap_err().to_string();
-        assert!(told.contains("row 2 has PGV [m/s] = "), "{told}");
+        let message = read(&rows.replace("6,1,completed", "6,1.1,completed")).unwrap_err().to_string();
+        assert!(message.starts_with("t.csv: the curves have different levels of PGV; expected"), "{message}");
+        let message = read(&rows.replace("3,0.5,completed", "3,,completed")).unwrap_err().to_string();
+        assert!(message.contains("row 2 has PGV [m/s] = "), "{message}");
     }
 }

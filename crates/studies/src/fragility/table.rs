@@ -336,10 +336,10 @@ mod tests {
         kept.keep("p", "1.0").unwrap();
         assert_eq!(kept.rows(), 2);
         assert_eq!(kept.keep("record", "c").unwrap_err().to_string(), "t.csv: no row has record = c");
-        let told = table(TABLE).numbers("outcome").unwrap_err().to_string();
-        assert_eq!(told, "t.csv: row 0 has outcome = completed; expected a number");
-        let told = table(TABLE).numbers("PGA").unwrap_err().to_string();
-        assert!(told.contains("has no column PGA") && told.contains("PGV [m/s]"), "{told}");
+        let message = table(TABLE).numbers("outcome").unwrap_err().to_string();
+        assert_eq!(message, "t.csv: row 0 has outcome = completed; expected a number");
+        let message = table(TABLE).numbers("PGA").unwrap_err().to_string();
+        assert!(message.contains("has no column PGA") && message.contains("PGV [m/s]"), "{message}");
         for rotation in ["0.5", "theta/alpha>0.5", "Theta/Alpha>0.5"] {
             assert_eq!(rotation.parse(), Ok(Limit::Rotation(0.5)));
         }

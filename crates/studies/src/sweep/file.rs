@@ -363,11 +363,11 @@ mod tests {
             (grid, "[1, inf]", "p = inf"),
             ("design = \"grid\"\ntolerance = \"small\"", "1", "s.toml:3: tolerance = \"small\"; expected"),
         ] {
-            let told = study(lines, p).unwrap_err();
-            assert!(told.contains(expected), "{told}");
+            let message = study(lines, p).unwrap_err();
+            assert!(message.contains(expected), "{message}");
         }
         let spread = "ensemble = { p = { distribution = \"beta\", cov = 0.1 }, samples = 3 }";
-        let told = study(&format!("{grid}\n{spread}"), "1").unwrap_err();
-        assert_eq!(told, "s.toml:3: distribution = \"beta\"; expected \"lognormal\", \"normal\" or \"uniform\"");
+        let message = study(&format!("{grid}\n{spread}"), "1").unwrap_err();
+        assert_eq!(message, "s.toml:3: distribution = \"beta\"; expected \"lognormal\", \"normal\" or \"uniform\"");
     }
 }

@@ -72,7 +72,7 @@ fn all_commands_take_sizes_instead_of_angles() {
         stdout(folder.path(), &[&spectrum[..], &sizes].concat()),
         stdout(folder.path(), &[&spectrum[..], &[&alpha]].concat())
     );
-    for (command, told) in [
+    for (command, message) in [
         (&["search", "damping", "--width", "1"][..], "--width without --height; expected both"),
         (&["search", "damping", "--height", "1"], "--height without --width; expected both"),
         (&["search", "damping", "--width", "1", "--height", "4", "--p", "2"], "--p has no effect with --width"),
@@ -81,7 +81,7 @@ fn all_commands_take_sizes_instead_of_angles() {
             "--width without --eta; expected the stiffness ratio of the supports, or --foundation rigid",
         ),
     ] {
-        assert_eq!(refusal(folder.path(), command), told);
+        assert_eq!(refusal(folder.path(), command), message);
     }
 }
 
@@ -99,10 +99,10 @@ fn errors_of_the_command_line_are_one_line() {
         (&["simulte"], &["unrecognized subcommand 'simulte'"]),
     ] {
         let output = rocking(folder.path(), arguments);
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.starts_with("rocking: ") && told.lines().count() == 1, "{told}");
-        assert!(words.iter().all(|word| told.contains(word)), "{words:?}: {told}");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.starts_with("rocking: ") && message.lines().count() == 1, "{message}");
+        assert!(words.iter().all(|word| message.contains(word)), "{words:?}: {message}");
     }
     assert!(stdout(folder.path(), &["--help"]).lines().count() > 10);
     let loose = "--tolerance = 5; expected a number from 1e-14 to 0.1";
@@ -118,11 +118,11 @@ fn errors_of_the_command_line_are_one_line() {
         &["search", "overturning", "--period", "1", "--points", "2", "--resolution", "100"],
     ] {
         let soft = rocking(folder.path(), &[command, &["--eta", "0.001"]].concat());
-        let told = text(&soft.stderr);
+        let message = text(&soft.stderr);
         assert!(
-            told.contains("warning: the block falls over by itself on supports of eta = 0.001")
-                && told.contains("expected eta > "),
-            "{told}"
+            message.contains("warning: the block falls over by itself on supports of eta = 0.001")
+                && message.contains("expected eta > "),
+            "{message}"
         );
     }
 }

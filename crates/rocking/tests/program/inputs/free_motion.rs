@@ -14,8 +14,8 @@ fn column(folder: &Path, name: &str) -> Vec<f64> {
 }
 
 /// Line of a summary.
-fn line<'a>(told: &'a str, name: &str) -> &'a str {
-    told.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("no line {name} in {told}"))
+fn line<'a>(printed: &'a str, name: &str) -> &'a str {
+    printed.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("no line {name} in {printed}"))
 }
 
 #[test]
@@ -26,8 +26,8 @@ fn an_initial_state_alone_is_free_motion() {
         ("--theta", Initial { theta: 0.1, ..Initial::default() }),
         ("--theta-dot", Initial { theta_dot: 0.1, ..Initial::default() }),
     ] {
-        let told = stdout(folder.path(), &[&run[..], &[option, "0.1"]].concat());
-        assert_eq!(line(&told, "excitation").split_whitespace().skip(1).collect::<Vec<_>>(), ["free", "motion"]);
+        let printed = stdout(folder.path(), &[&run[..], &[option, "0.1"]].concat());
+        assert_eq!(line(&printed, "excitation").split_whitespace().skip(1).collect::<Vec<_>>(), ["free", "motion"]);
         assert!(column(folder.path(), "a_gx").iter().all(|a| *a == 0.0));
         // The same block in the library.
         let d = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
@@ -47,8 +47,8 @@ fn an_initial_state_alone_is_free_motion() {
 fn the_block_does_not_depend_on_the_excitation() {
     let folder = tempfile::tempdir().unwrap();
     let block = |more: &[&str]| {
-        let told = stdout(folder.path(), &[&["simulate", "--csv", "run.csv", "--duration", "0.1"], more].concat());
-        (line(&told, "block").to_string(), line(&told, "excitation").to_string())
+        let printed = stdout(folder.path(), &[&["simulate", "--csv", "run.csv", "--duration", "0.1"], more].concat());
+        (line(&printed, "block").to_string(), line(&printed, "excitation").to_string())
     };
     let (embedded, record) = block(&[]);
     assert!(record.contains("Loma Prieta"), "{record}");

@@ -29,8 +29,8 @@ fn negative_numbers_are_values_of_all_options() {
         for option in options(folder.path(), command) {
             // The unknown option keeps the command from running.
             let output = rocking(folder.path(), &[command, &[&option, "-1", "--never"]].concat());
-            let told = text(&output.stderr);
-            assert!(told.contains("unexpected argument '--never'"), "{command:?} {option}: {told}");
+            let message = text(&output.stderr);
+            assert!(message.contains("unexpected argument '--never'"), "{command:?} {option}: {message}");
             tried += 1;
         }
     }
@@ -61,7 +61,7 @@ fn negative_numbers_out_of_range_are_named() {
         (&["search", "damping"], &["--resolution", "-1"], "--resolution = -1; expected a number > 0"),
         (&["search", "damping"], &["--from", "-0.5"], "xi_v = -0.5 is not valid; expected a finite number >= 0"),
     ];
-    for (command, options, told) in cases {
-        assert_eq!(refusal(folder.path(), &[command, options].concat()), told);
+    for (command, options, message) in cases {
+        assert_eq!(refusal(folder.path(), &[command, options].concat()), message);
     }
 }

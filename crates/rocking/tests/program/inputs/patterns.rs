@@ -45,8 +45,8 @@ fn each_match_is_a_motion() {
     }
     // A new match changes the study.
     records(&home, &[("r/3-H.csv", 0.5)]);
-    let told = refusal(folder.path(), &["sweep", &file, "--csv", "s.csv", "--resume"]);
-    assert!(told.contains("the table is that of another study"), "{told}");
+    let message = refusal(folder.path(), &["sweep", &file, "--csv", "s.csv", "--resume"]);
+    assert!(message.contains("the table is that of another study"), "{message}");
 }
 
 #[test]
@@ -58,9 +58,9 @@ fn vertical_matches_are_paired_in_sorted_order() {
     let expected = [["a-H.csv", "0.2", "a-V.csv", "0.3"], ["b-H.csv", "0.1", "b-V.csv", "0.4"]];
     assert_eq!(rows(&folder.path().join("s.csv")), expected);
     records(folder.path(), &[("c-V.csv", 0.1)]);
-    let told = refusal(folder.path(), &["sweep", "study.toml", "--csv", "t.csv"]);
+    let message = refusal(folder.path(), &["sweep", "study.toml", "--csv", "t.csv"]);
     let expected = "found 3 vertical and 2 horizontal files; expected equal numbers, paired in sorted order";
-    assert_eq!(told, format!("study.toml:5: {expected}"));
+    assert_eq!(message, format!("study.toml:5: {expected}"));
 }
 
 #[test]
@@ -72,8 +72,8 @@ fn a_pattern_without_a_match_is_refused_with_its_line() {
     let expected = "study.toml:6: horizontal = \"*.AT2\"; expected a pattern that matches a file";
     assert_eq!(refusal(folder.path(), &sweep), expected);
     study(folder.path(), "horizontal = \"a[.csv\"");
-    let told = refusal(folder.path(), &sweep);
-    assert!(told.starts_with("study.toml:4: horizontal = \"a[.csv\"; expected a pattern"), "{told}");
+    let message = refusal(folder.path(), &sweep);
+    assert!(message.starts_with("study.toml:4: horizontal = \"a[.csv\"; expected a pattern"), "{message}");
     // The name of an existing file is no pattern.
     study(folder.path(), "horizontal = \"b[1].csv\"");
     stdout(folder.path(), &sweep);

@@ -35,23 +35,23 @@ fn measures_are_printed_as_text_and_json() {
         let exact = measure.of(&record, 9.81).unwrap();
         assert_eq!(json["records"][0][measure.to_string()].as_f64(), Some(exact), "{measure}");
         let line = words.lines().find_map(|line| line.strip_prefix(&format!("{measure} "))).unwrap();
-        let told: f64 = line.split_whitespace().next().unwrap().parse().unwrap();
-        assert!((told / exact - 1.0).abs() < 1e-5, "{measure}: {line}");
+        let printed: f64 = line.split_whitespace().next().unwrap().parse().unwrap();
+        assert!((printed / exact - 1.0).abs() < 1e-5, "{measure}: {line}");
     }
-    let told = refusal(folder.path(), &["record", RECORD, "--periods", "0.5,0"]);
-    assert!(told.contains("--periods") && told.contains("0.001 to 1000 s"), "{told}");
+    let message = refusal(folder.path(), &["record", RECORD, "--periods", "0.5,0"]);
+    assert!(message.contains("--periods") && message.contains("0.001 to 1000 s"), "{message}");
 }
 
 /// Numbers of records/README.md and of the header; the velocity from a midpoint rule in small steps.
 #[test]
 fn the_summary_agrees_with_the_header() {
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(folder.path(), &["record", RECORD]);
+    let printed = stdout(folder.path(), &["record", RECORD]);
     let word = |name: &str| {
-        let line = told.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}: {told}"));
+        let line = printed.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}: {printed}"));
         line[name.len()..].trim().to_string()
     };
-    assert!(word("title").contains("Loma Prieta") && word("title").contains("component= 133"), "{told}");
+    assert!(word("title").contains("Loma Prieta") && word("title").contains("component= 133"), "{printed}");
     assert_eq!(word("format"), "SMC, in cm/s²");
     assert_eq!(word("samples"), "7183, every 0.005 s from 0 s");
     assert_eq!(word("duration"), "35.91 s");
@@ -73,11 +73,11 @@ fn the_summary_agrees_with_the_header() {
 fn several_records_have_summaries_but_no_table() {
     let folder = tempfile::tempdir().unwrap();
     let other = RECORD.replace("np01002p_4225a_a", "0111a");
-    let told = stdout(folder.path(), &["record", RECORD, &other, "--g", "9.80665"]);
-    assert_eq!(told.matches("\nPGA ").count(), 2, "{told}");
-    let told = refusal(folder.path(), &["record", RECORD, &other, "--csv", "r.csv"]);
-    assert_eq!(told, "--csv with 2 records; expected one");
-    let told = refusal(folder.path(), &["record", RECORD, "--channel", "2"]);
-    assert_eq!(told, "--channel has no effect without a COSMOS or CSMIP file");
+    let printed = stdout(folder.path(), &["record", RECORD, &other, "--g", "9.80665"]);
+    assert_eq!(printed.matches("\nPGA ").count(), 2, "{printed}");
+    let message = refusal(folder.path(), &["record", RECORD, &other, "--csv", "r.csv"]);
+    assert_eq!(message, "--csv with 2 records; expected one");
+    let message = refusal(folder.path(), &["record", RECORD, "--channel", "2"]);
+    assert_eq!(message, "--channel has no effect without a COSMOS or CSMIP file");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -91,10 +91,10 @@ fn errors_name_the_option_that_resolves_them() {
             let own =
                 |option: &str| if vertical { option.replacen("--", "--vertical-", 1) } else { option.to_string() };
             let mut arguments = vec![if vertical { "--vertical" } else { "--record" }.to_string(), file.to_string()];
-            for (told, option) in errors {
+            for (message, option) in errors {
                 let given: Vec<&str> = arguments.iter().map(String::as_str).collect();
-                let told = told.replace("expected --", &format!("expected {}", own("--")));
-                assert_eq!(refusal(path, &[&["simulate"], &given[..]].concat()), told);
+                let message = message.replace("expected --", &format!("expected {}", own("--")));
+                assert_eq!(refusal(path, &[&["simulate"], &given[..]].concat()), message);
                 arguments.extend([own(option[0]), option[1].to_string()]);
             }
             let given: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -119,7 +119,7 @@ fn vertical_records_may_have_their_own_options() {
     let mixed = ["--record", "two.V2", "--channel", "1", "--vertical", "a.txt", "--vertical-unit", "g"];
     near(peaks(path, &[&mixed[..], &["--vertical-dt", "0.01"]].concat()), [0.3, 0.3 * 9.81]);
     // A contradiction with the vertical file is resolved by a vertical option.
-    let told = refusal(
+    let message = refusal(
         path,
         &[
             "simulate",
@@ -135,7 +135,7 @@ fn vertical_records_may_have_their_own_options() {
             "1",
         ],
     );
-    assert_eq!(told, "two.V2, line 9: the file is in cm/s² but g was given; expected --vertical-unit cm/s2");
+    assert_eq!(message, "two.V2, line 9: the file is in cm/s² but g was given; expected --vertical-unit cm/s2");
 }
 
 /// Columns by number, in a table that begins with another column; a format that the content does not suggest.
@@ -145,17 +145,17 @@ fn columns_and_formats_are_chosen() {
     let path = folder.path();
     std::fs::write(path.join("c.csv"), "sample,when,a [m/s2]\n1,0,0.5\n2,0.25,-0.75\n3,0.5,0\n").unwrap();
     near(peaks(path, &["--record", "c.csv", "--time-column", "2", "--acceleration-column", "3"]), [0.75, 0.0]);
-    let told = refusal(path, &["simulate", "--record", "c.csv", "--time-column", "time"]);
+    let message = refusal(path, &["simulate", "--record", "c.csv", "--time-column", "time"]);
     let found = "c.csv, line 1: found 3 columns named sample, when, a [m/s2], not \"time\"";
-    assert_eq!(told, format!("{found}; expected --time-column 1 to 3 or a name"));
+    assert_eq!(message, format!("{found}; expected --time-column 1 to 3 or a name"));
     // Two numbers a line are time and acceleration, unless --format says otherwise.
     std::fs::write(path.join("pairs.txt"), "0 0.5\n0.1 0.75\n0.2 0.25\n").unwrap();
     let said = ["--record", "pairs.txt", "--unit", "m/s2"];
     near(peaks(path, &said), [0.75, 0.0]);
     std::fs::write(path.join("pairs.txt"), "0 0.5\n0.1 -0.95\n0.2 0.25\n").unwrap();
     near(peaks(path, &[&said[..], &["--format", "peer", "--dt", "0.01"]].concat()), [0.95, 0.0]);
-    let told = refusal(path, &["simulate", "--record", "a.txt", "--format", "smc"]);
-    assert!(told.starts_with("a.txt, line 1: found an SMC file of the kind"), "{told}");
+    let message = refusal(path, &["simulate", "--record", "a.txt", "--format", "smc"]);
+    assert!(message.starts_with("a.txt, line 1: found an SMC file of the kind"), "{message}");
 }
 
 /// The message has the name of the file once, and the reason once.
@@ -163,9 +163,9 @@ fn columns_and_formats_are_chosen() {
 fn an_unreadable_file_is_named_once() {
     let folder = folder();
     for option in ["--record", "--vertical"] {
-        let told = refusal(folder.path(), &["simulate", option, "none.AT2"]);
-        assert_eq!(told.matches("none.AT2").count(), 1, "{told}");
-        assert_eq!(told.matches("os error").count(), 1, "{told}");
+        let message = refusal(folder.path(), &["simulate", option, "none.AT2"]);
+        assert_eq!(message.matches("none.AT2").count(), 1, "{message}");
+        assert_eq!(message.matches("os error").count(), 1, "{message}");
     }
 }
 
@@ -179,7 +179,7 @@ fn study_files_have_the_same_settings() {
         std::fs::write(path.join("study.toml"), study).unwrap();
         ["sweep", "study.toml", "--csv", "s.csv"]
     };
-    for (records, told) in [
+    for (records, message) in [
         (
             "horizontal = \"a.txt\"\ndt = 0.5",
             "study.toml:4: a.txt: no unit in the file and none given; expected unit g, m/s2 or cm/s2",
@@ -199,7 +199,7 @@ fn study_files_have_the_same_settings() {
         ),
         ("horizontal = \"a.txt\"\nchannel = 0", "study.toml:5: channel = 0; expected a whole number from 1 to 1000"),
     ] {
-        assert_eq!(refusal(path, &sweep(records)), told);
+        assert_eq!(refusal(path, &sweep(records)), message);
     }
     let records = "horizontal = \"two.V2\"\nchannel = 1\nvertical = \"table.csv\"\nvertical_unit = \"cm/s2\"\n\
                    vertical_acceleration_column = 2\nvertical_time_column = \"t\"";
@@ -239,8 +239,8 @@ fn real_files_are_read_with_the_options_that_errors_name() {
         let mut arguments = record.to_vec();
         if let Some((_, options)) = incomplete.iter().find(|(file, _)| *file == name) {
             for pair in options.chunks(2) {
-                let told = refusal(&formats, &arguments);
-                assert!(told.contains(&format!("; expected {} ", pair[0])), "{told}");
+                let message = refusal(&formats, &arguments);
+                assert!(message.contains(&format!("; expected {} ", pair[0])), "{message}");
                 arguments.extend(pair);
             }
         }

@@ -112,7 +112,7 @@ fn statistics_cover_the_blocks_that_rock_and_stand() {
 fn the_summary_counts_the_rows_of_each_curve() {
     let folder = folder();
     let path = folder.path();
-    let told = stdout(path, &spectrum(&NAMES, &["--csv", "all.csv"]));
+    let printed = stdout(path, &spectrum(&NAMES, &["--csv", "all.csv"]));
     let json = stdout(path, &spectrum(&NAMES, &["--csv", "all.csv", "--resume", "--json"]));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let all = Table::read(&path.join("all.csv"));
@@ -137,7 +137,7 @@ fn the_summary_counts_the_rows_of_each_curve() {
         assert_eq!(summary["greatest"]["p"], all.number(first, "p"));
         let foundation = ["40,0.1,0.2", "rigid"][curve % 2];
         assert_eq!(summary["foundation"], foundation);
-        let words: Vec<&str> = told.lines().nth(curve + 2).unwrap().split_whitespace().collect();
+        let words: Vec<&str> = printed.lines().nth(curve + 2).unwrap().split_whitespace().collect();
         let counts = ["completed", "overturned", "separated", "undecided", "failed", "flew", "flights"]
             .map(|word| summary[word].to_string());
         assert_eq!(words[..2], [foundation, all.get(rows[0], "motion")]);
@@ -208,9 +208,9 @@ fn contradictory_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     let refused = |records: &[&'static str], more: &[&'static str]| {
-        let told = refusal(path, &spectrum(records, &[more, &["--csv", "x.csv"]].concat()));
+        let message = refusal(path, &spectrum(records, &[more, &["--csv", "x.csv"]].concat()));
         assert!(!path.join("x.csv").exists());
-        told
+        message
     };
     assert_eq!(
         refused(&NAMES[..3], &["--vertical", "a.csv", "b.csv"]),

@@ -9,8 +9,8 @@ const FEW: [&str; 6] = ["--csv", "s.csv", "--points", "2", "--p-min", "3"];
 #[track_caller]
 fn has_no_effect(command: &[&str], options: &[&str], why: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let told = refusal(folder.path(), &[command, options].concat());
-    assert_eq!(told, format!("{} has no effect {why}", options[0]), "{command:?}");
+    let message = refusal(folder.path(), &[command, options].concat());
+    assert_eq!(message, format!("{} has no effect {why}", options[0]), "{command:?}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "something was left");
 }
 
@@ -99,8 +99,8 @@ fn a_rigid_base_needs_no_stiffness() {
     let folder = tempfile::tempdir().unwrap();
     let rigid = [&["simulate", "--foundation", "rigid", "--duration", "3"], &PULSE[..]].concat();
     let peak = |options: &[&str]| {
-        let told = stdout(folder.path(), &[&rigid[..], options, &["--csv", "x.csv"]].concat());
-        told.lines().find(|line| line.starts_with("peak")).unwrap().to_string()
+        let printed = stdout(folder.path(), &[&rigid[..], options, &["--csv", "x.csv"]].concat());
+        printed.lines().find(|line| line.starts_with("peak")).unwrap().to_string()
     };
     // tan α = 1/4, and p² = 3 g/(4 R0) with R0 = √17/2 m.
     let (alpha, p) = (0.25_f64.atan(), (0.75 * 9.81 / (0.5 * 17.0_f64.sqrt())).sqrt());
@@ -108,7 +108,7 @@ fn a_rigid_base_needs_no_stiffness() {
         [peak(&["--width", "1", "--height", "4"]), peak(&["--alpha", &alpha.to_string(), "--p", &p.to_string()])];
     assert_eq!(peaks[0], peaks[1]);
     assert!(!peaks[0].contains("|θ|/α = 0.0000"), "{}", peaks[0]);
-    for (options, told) in [
+    for (options, message) in [
         (&["--width", "1"][..], "--width without --height; expected both, or --center-height"),
         (
             &["--width", "1", "--height", "4", "--stiffness", "1e6"],
@@ -119,7 +119,7 @@ fn a_rigid_base_needs_no_stiffness() {
             "--stiffness without --mass; expected both, since eta and xi_v depend on the mass",
         ),
     ] {
-        assert_eq!(refusal(folder.path(), &[&["simulate"], options].concat()), told);
+        assert_eq!(refusal(folder.path(), &[&["simulate"], options].concat()), message);
     }
 }
 
@@ -141,8 +141,8 @@ fn study_parameters_without_effect_are_refused() {
         ("initial.v = 0.1", "initial.settled = false"),
     ] {
         let name = parameter.split_whitespace().next().unwrap().trim_start_matches("physical.");
-        let told = format!("study.toml:5: {name} is read by no block of the study; expected {needed}");
-        assert_eq!(study(parameter, ""), told);
+        let message = format!("study.toml:5: {name} is read by no block of the study; expected {needed}");
+        assert_eq!(study(parameter, ""), message);
     }
     // Sizes alone do not define the supports.
     let on_supports = "physical.width, physical.height, physical.K, physical.C, mass";
@@ -157,14 +157,14 @@ fn study_parameters_without_effect_are_refused() {
             on_supports,
         ),
     ] {
-        let told = format!("study.toml:5: parameterization = \"Physical\" without {missing}; expected {expected}");
-        assert_eq!(study(&format!("parameterization = \"Physical\"\n{sizes}"), ""), told);
+        let message = format!("study.toml:5: parameterization = \"Physical\" without {missing}; expected {expected}");
+        assert_eq!(study(&format!("parameterization = \"Physical\"\n{sizes}"), ""), message);
     }
     for parameter in ["dimensionless.eta = 60", "initial.v_dot = 1"] {
         let name = parameter.split_whitespace().next().unwrap().trim_start_matches("dimensionless.");
-        let told = study(&format!("{parameter}\nfoundation = \"Rigid\""), "");
+        let message = study(&format!("{parameter}\nfoundation = \"Rigid\""), "");
         let needed = "foundation = Viscoelastic";
-        assert_eq!(told, format!("study.toml:5: {name} is read by no block of the study; expected {needed}"));
+        assert_eq!(message, format!("study.toml:5: {name} is read by no block of the study; expected {needed}"));
     }
     let records = |more: &str| format!("[[records]]\nhorizontal = \"{RECORD}\"\n{more}\n");
     for (more, needed) in [
@@ -173,8 +173,8 @@ fn study_parameters_without_effect_are_refused() {
         ("acceleration_column = 2", "a columns file"),
     ] {
         let name = more.split_whitespace().next().unwrap();
-        let told = study("", &records(more));
-        assert_eq!(told, format!("study.toml:8: {name} has no effect without {needed}"));
+        let message = study("", &records(more));
+        assert_eq!(message, format!("study.toml:8: {name} has no effect without {needed}"));
     }
     // One of the two foundations reads eta.
     let text = "[study]\ndesign = \"grid\"\n[parameters]\ninitial.theta = 0.1\ndimensionless.eta = 60\n\

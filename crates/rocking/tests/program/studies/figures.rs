@@ -175,7 +175,7 @@ fn the_drawings_are_labelled() {
 #[test]
 fn a_missing_record_is_replaced_by_its_pulse_and_labelled() {
     let folder = tempfile::tempdir().unwrap();
-    let told = stdout(folder.path(), &["figures", "--out", "out", "--records", ".", "--only", "14"]);
+    let printed = stdout(folder.path(), &["figures", "--out", "out", "--records", ".", "--only", "14"]);
     let pulses = [
         "its c1 pulse instead, a_p = 4.11 m/s²",
         "a_p = 2.44",
@@ -184,7 +184,7 @@ fn a_missing_record_is_replaced_by_its_pulse_and_labelled() {
     ];
     let table = std::fs::read_to_string(folder.path().join("out/figure_14.csv")).unwrap();
     for pulse in pulses {
-        assert!(told.contains(pulse) && table.contains(pulse), "{pulse}: {told}{table}");
+        assert!(printed.contains(pulse) && table.contains(pulse), "{pulse}: {printed}{table}");
     }
     assert_eq!(Table::read(&folder.path().join("out/figure_14.csv")).rows.len(), 24);
 }

@@ -234,9 +234,9 @@ fn the_program_finds_the_true_curve_and_counts_omitted_rows() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("t.csv"), table(400)).unwrap();
     let arguments = ["fragility", "t.csv", "--im", "PGV", "--im", "T_m [s]", "--beside", "p", "--ci", "0.9"];
-    let told = stdout(folder.path(), &arguments);
-    assert!(told.contains("400 rows, 10 failed, 10 ended at separation\n"), "{told}");
-    assert!(told.contains("of 380 rows\n") && told.contains("intervals of 90 %"), "{told}");
+    let printed = stdout(folder.path(), &arguments);
+    assert!(printed.contains("400 rows, 10 failed, 10 ended at separation\n"), "{printed}");
+    assert!(printed.contains("of 380 rows\n") && printed.contains("intervals of 90 %"), "{printed}");
     let json = stdout(folder.path(), &[&arguments[..], &["--json"]].concat());
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let (pgv, period) = (&json["measures"][0], &json["measures"][1]);
@@ -296,7 +296,7 @@ fn efficiency_covers_the_blocks_that_rocked() {
 #[test]
 fn the_report_names_the_method_of_the_intervals() {
     let folder = tempfile::tempdir().unwrap();
-    let told = |name: &str, of: &dyn Fn(usize) -> String, more: &[&str]| {
+    let printed = |name: &str, of: &dyn Fn(usize) -> String, more: &[&str]| {
         let lines = table(200);
         let with = |(row, line): (usize, &str)| match row {
             0 | 1 => line.to_string(),
@@ -310,16 +310,16 @@ fn the_report_names_the_method_of_the_intervals() {
         std::fs::write(folder.path().join(name), text).unwrap();
         stdout(folder.path(), &[&["fragility", name, "--im", "PGV"], more].concat())
     };
-    let by_record = told("records.csv", &|row| format!("r{}", row % 7), &[]);
+    let by_record = printed("records.csv", &|row| format!("r{}", row % 7), &[]);
     assert!(by_record.contains("intervals of 95 %: profile likelihood, clustered by 7 records\n"), "{by_record}");
-    let bootstrap = told("records.csv", &|row| format!("r{}", row % 7), &["--bootstrap", "9"]);
+    let bootstrap = printed("records.csv", &|row| format!("r{}", row % 7), &["--bootstrap", "9"]);
     assert!(bootstrap.contains("95 %: 9 bootstrap samples, clustered by 7 records\n"), "{bootstrap}");
-    let independent = told("rows.csv", &|row| format!("r{row}"), &[]);
+    let independent = printed("rows.csv", &|row| format!("r{row}"), &[]);
     assert!(independent.contains("95 %: profile likelihood, rows independent\n"), "{independent}");
     // Rows without records do not share any.
-    let none = told("none.csv", &|_| String::new(), &[]);
+    let none = printed("none.csv", &|_| String::new(), &[]);
     assert!(none.contains("rows independent"), "{none}");
-    let one = told("one.csv", &|_| "r".into(), &[]);
+    let one = printed("one.csv", &|_| "r".into(), &[]);
     assert!(one.contains("for the only record"), "{one}");
 }
 
@@ -336,8 +336,8 @@ fn the_picture_shows_curve_band_and_rows() {
     }
     // The picture has the numbers of rows in each of twelve groups.
     let counts: usize = found.iter().filter_map(|label| label.parse::<usize>().ok()).filter(|&count| count > 10).sum();
-    let told = stdout(folder.path(), &[&["fragility", "t.csv", "--im", "PGV"], &limit[..]].concat());
-    assert!(told.contains(&format!(" of {counts} rows")), "{counts}: {told}");
+    let printed = stdout(folder.path(), &[&["fragility", "t.csv", "--im", "PGV"], &limit[..]].concat());
+    assert!(printed.contains(&format!(" of {counts} rows")), "{counts}: {printed}");
 }
 
 #[test]
@@ -386,8 +386,8 @@ fn curves_over_levels_and_surfaces_are_drawn() {
     std::fs::write(folder.path().join("t.csv"), text.as_bytes()).unwrap();
     let common = ["fragility", "t.csv", "--im", "PGV"];
     let more = ["--ida", "ida.svg", "--surface", "T_m", "--plot", "surface.svg"];
-    let told = stdout(folder.path(), &[&common[..], &more].concat());
-    assert!(told.contains("surface       of 100 rows: ("), "{told}");
+    let printed = stdout(folder.path(), &[&common[..], &more].concat());
+    assert!(printed.contains("surface       of 100 rows: ("), "{printed}");
     let found = |name: &str| labels(&std::fs::read_to_string(folder.path().join(name)).unwrap());
     for (name, label) in [
         ("ida.svg", "10 curves, 10 levels; overturning counts as more than any peak"),

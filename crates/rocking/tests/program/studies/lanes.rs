@@ -154,9 +154,9 @@ fn a_search_of_damping() {
 #[test]
 fn other_numbers_are_refused() {
     let folder = folder("");
-    let told = rocking(folder.path(), &[&SPECTRUM[..], &["--csv", "a.csv", "--lanes", "3"]].concat());
-    assert_eq!(told.status.code(), Some(2));
-    assert!(text(&told.stderr).contains("expected 1, 2, 4 or 8"));
+    let output = rocking(folder.path(), &[&SPECTRUM[..], &["--csv", "a.csv", "--lanes", "3"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("expected 1, 2, 4 or 8"));
 }
 
 /// Friction, a tie and an eccentric centre of mass: such blocks are stepped alone.

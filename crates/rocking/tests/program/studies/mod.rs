@@ -31,10 +31,10 @@ pub fn resumes_to_the_same_bytes(folder: &Path, arguments: &[&str], whole: &str)
     // An empty file, half the header, no row, whole rows, only the number of a row, half a row, all but the last line end.
     for length in [0, 30, first_row, middle, middle + 1, half, last - 1, last] {
         std::fs::write(folder.join("cut.csv"), &bytes[..length]).unwrap();
-        let told = stdout(folder, &[arguments, &["--csv", "cut.csv", "--resume"]].concat());
+        let printed = stdout(folder, &[arguments, &["--csv", "cut.csv", "--resume"]].concat());
         assert!(std::fs::read(folder.join("cut.csv")).unwrap() == bytes, "cut at byte {length} of {last}");
         let there = line_ends.iter().filter(|end| **end <= length && **end > first_row).count();
-        assert!(told.contains(&format!("{there} resumed")), "cut at byte {length}: {told}");
+        assert!(printed.contains(&format!("{there} resumed")), "cut at byte {length}: {printed}");
     }
 }
 

@@ -58,8 +58,8 @@ fn text_table_and_picture_have_the_rate_of_the_json() {
     let sum: f64 = table.column("rate").iter().sum();
     assert!((sum / rate - 1.0).abs() < 1e-12, "{sum} {rate}");
     assert_eq!((table.get(0, "from"), table.get(6, "to")), ("0.0", ""));
-    let told = text(&output.stdout);
-    assert!(told.contains(&format!("rate          {rate:.2e} per year (95 % interval ")), "{told}");
+    let printed = text(&output.stdout);
+    assert!(printed.contains(&format!("rate          {rate:.2e} per year (95 % interval ")), "{printed}");
     let above = 100.0 * found["extrapolated"]["above_rows"].as_f64().unwrap();
     let warned = text(&output.stderr);
     assert!(
@@ -145,6 +145,6 @@ fn incomplete_or_contradictory_options_are_refused() {
         &["--table", "table.csv", "--im", "PGV", "--empirical", "--ci", "0.9"],
         &["--ci has no effect with --empirical"],
     );
-    let told = stdout(folder.path(), &["rate", "hazard.csv", "--median", "1", "--beta", "0.3"]);
-    assert!(told.starts_with("hazard        hazard.csv: PGV [m/s], 6 levels from 0.0500 to 2.0000"), "{told}");
+    let printed = stdout(folder.path(), &["rate", "hazard.csv", "--median", "1", "--beta", "0.3"]);
+    assert!(printed.starts_with("hazard        hazard.csv: PGV [m/s], 6 levels from 0.0500 to 2.0000"), "{printed}");
 }

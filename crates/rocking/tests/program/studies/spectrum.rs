@@ -97,23 +97,25 @@ fn rows_equal_single_runs() {
         if row >= 18 {
             block.extend(["--eta", "60", "--epsilon", "0.4"]);
         }
-        let told = stdout(folder.path(), &[&["simulate"], &PULSE[..], &block].concat());
+        let printed = stdout(folder.path(), &[&["simulate"], &PULSE[..], &block].concat());
         let word = table.get(row, "outcome");
         words.push(word.to_string());
         let peak = table.number(row, "peak.theta/alpha [1]");
         assert_eq!(peak, history.peaks.theta / 0.25);
         assert_eq!(table.number(row, "peak.N [N]"), history.peaks.reaction);
-        assert!(told.contains(&format!("|θ|/α = {peak:.4},")), "{peak} is not in: {told}");
+        assert!(printed.contains(&format!("|θ|/α = {peak:.4},")), "{peak} is not in: {printed}");
         let end_time = table.number(row, "end_time [s]");
         match history.ending {
             None => {
                 assert_eq!(end_time, history.rows[history.rows.len() - 1].time);
-                assert!(word == "completed" && told.contains(&format!("completed at t = {end_time:.4} s: the block ")));
+                assert!(
+                    word == "completed" && printed.contains(&format!("completed at t = {end_time:.4} s: the block "))
+                );
             }
             Some((ending, time)) => {
                 assert_eq!(end_time, time);
                 assert_eq!(word, if ending.is_overturning() { "overturned" } else { "separated" });
-                assert!(told.contains(&format!("{ending} at t = {time:.4} s")), "{told}");
+                assert!(printed.contains(&format!("{ending} at t = {time:.4} s")), "{printed}");
             }
         }
         let separated = history.ending.is_some_and(|(ending, _)| ending.is_separation());
@@ -152,15 +154,15 @@ fn blocks_that_separate_fly() {
             continue;
         }
         let block = ["--eta", "60", "--epsilon", "0.4", "--p", fly.get(row, "p [rad/s]")];
-        let told = stdout(
+        let printed = stdout(
             folder.path(),
             &[&["simulate"], &PULSE[..], &block, &["--on-separation", "fly", "--csv", "x.csv"]].concat(),
         );
         let peak = fly.number(row, "peak.theta/alpha [1]");
-        assert!(told.contains(&format!("|θ|/α = {peak:.4},")), "{peak}: {told}");
+        assert!(printed.contains(&format!("|θ|/α = {peak:.4},")), "{peak}: {printed}");
         if fly.get(row, "outcome") == "completed" {
             landed += 1;
-            assert!(told.contains("completed at"), "{told}");
+            assert!(printed.contains("completed at"), "{printed}");
         }
     }
     assert!(landed > 0 && at_once > 0, "{landed}, {at_once}");
@@ -222,9 +224,9 @@ fn the_restitution_factor_is_the_same_to_all_commands() {
         let e = 0.9 * (1.0 - 1.5 * 0.25_f64.sin().powi(2));
         let simulate = ["simulate", "--foundation", "rigid", "--restitution-factor", "0.9", "--on-separation", "fly"];
         let of_row = ["--csv", "x.csv", "--p", table.get(row, "p [rad/s]")];
-        let told = stdout(folder.path(), &[&simulate[..], &PULSE, &of_row].concat());
-        assert!(told.contains(&format!("e = {e:.4}, 0.9 × Housner's")), "{told}");
-        assert!(told.contains(&format!("|θ|/α = {:.4}", table.number(row, "peak.theta/alpha [1]"))), "{told}");
+        let printed = stdout(folder.path(), &[&simulate[..], &PULSE, &of_row].concat());
+        assert!(printed.contains(&format!("e = {e:.4}, 0.9 × Housner's")), "{printed}");
+        assert!(printed.contains(&format!("|θ|/α = {:.4}", table.number(row, "peak.theta/alpha [1]"))), "{printed}");
     }
     assert!(impacts > 2.0, "{impacts}");
 }

@@ -95,11 +95,11 @@ fn least_levels_and_islands_are_those_of_a_search() {
         let stretches = found.stretches();
         let ranges: Vec<_> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
         assert_eq!(table.number(row, "overturning_ranges [1]"), ranges.len() as f64);
-        let told = table.get(row, "overturning.PGV [m/s]").to_string();
+        let cell = table.get(row, "overturning.PGV [m/s]").to_string();
         let numbers: Vec<f64> =
-            told.split("; ").flat_map(|range| range.split(" to ")).map(|x| x.parse().unwrap()).collect();
+            cell.split("; ").flat_map(|range| range.split(" to ")).map(|x| x.parse().unwrap()).collect();
         let exact: Vec<f64> = ranges.iter().flat_map(|stretch| [stretch.0 * pgv, stretch.1 * pgv]).collect();
-        assert!(numbers.iter().zip(&exact).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{told}: {exact:?}");
+        assert!(numbers.iter().zip(&exact).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{cell}: {exact:?}");
         assert_eq!(numbers[0], level);
         assert_eq!(table.get(row, "least.bound"), "none");
         assert_eq!(table.number(row, "always_from.PGV [m/s]"), numbers[numbers.len() - 2]);

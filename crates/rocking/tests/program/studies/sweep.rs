@@ -202,9 +202,12 @@ fn the_example_runs() {
 fn failed_runs_are_reported_and_the_others_computed() {
     let folder = folder(&GRID.replace("scales = [1, -2.5]", "scales = [1, 1e300]"));
     let output = rocking(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"]);
-    let told = text(&output.stderr);
+    let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
-    assert!(told.starts_with("rocking: 12 of 24 runs failed, the first in row 1: the motion is not finite"), "{told}");
+    assert!(
+        message.starts_with("rocking: 12 of 24 runs failed, the first in row 1: the motion is not finite"),
+        "{message}"
+    );
     let table = Table::read(&folder.path().join("out.csv"));
     assert_eq!(table.rows.len(), 24);
     for row in 0..24 {
@@ -225,8 +228,8 @@ fn a_resumed_sweep_needs_the_same_records() {
     let folder = folder(GRID);
     let whole = sweep(folder.path()).rows.len();
     std::fs::write(folder.path().join("study.toml"), format!("# A comment\n{}", GRID.replace('\n', "\n  "))).unwrap();
-    let told = stdout(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"]);
-    assert!(told.contains(&format!("{whole} resumed")), "{told}");
+    let printed = stdout(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"]);
+    assert!(printed.contains(&format!("{whole} resumed")), "{printed}");
     let record = std::fs::read_to_string(folder.path().join("h.csv")).unwrap();
     std::fs::write(folder.path().join("h.csv"), record.replacen("0.39", "0.40", 1)).unwrap();
     refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv", "--resume"], &["out.csv:", "crc32"]);
