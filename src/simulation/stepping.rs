@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::block::Regime;
-use crate::block::{Block, Foundation};
+use crate::block::{Block, Foundation, Tie};
 use crate::excitation::Excitation;
 use crate::numerics::control::{
     LONGEST, ShortStepTo, eighth_root, is_resolved, near_a_peak, short_factor, shortest, size_factor,
@@ -449,11 +449,12 @@ impl Simulation {
         inside: &mut Inside<L, N>,
     ) {
         let duration = there.time - here.time;
-        for tie in 0..self.system.block.ties.all().len() {
+        for (tie, Tie { strength, .. }) in self.system.block.ties.all().iter().enumerate() {
             let most = self.peaks.tension[tie];
             let (start, end) = (here.tension(tie), there.tension(tie));
             let most = roots::greatest(most, start, end, duration, |elapsed| inside.at(elapsed).tension(tie));
-            self.peaks.tension[tie] = most;
+            // An impact may leave a dashpot with more, at which the tie breaks.
+            self.peaks.tension[tie] = if *strength > 0.0 { most.min(*strength) } else { most };
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector4};
 use rocking_block::block::ties::NO_TIES;
-use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Regime};
+use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, Settings, Simulation};
@@ -192,4 +192,41 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
         }
     }
     assert!(became.iter().all(|&count| count > 100), "{became:?} stayed, lifted");
+}
+
+/// Supports whose corners rise as fast as they creep bear nothing, and the weight presses the block back. Without a limit of friction it
+/// slides until it bears again; with one, or where the analysis ends, both corners have left.
+#[test]
+fn a_block_that_no_support_bears_slides_or_leaves() {
+    for [friction, flies, both, held] in std::array::from_fn::<_, 16, _>(|i| [1, 2, 4, 8].map(|bit| i & bit != 0)) {
+        if held && !both {
+            continue;
+        }
+        let block = squat(&Common { friction: if friction { 0.5 } else { 0.0 }, ..Common::default() });
+        let system = System { block, flies, slowest: System::SLOWEST };
+        let depth = 0.5 * block.static_deflection();
+        let (height, rate) = (block.static_deflection() - depth, block.creep_rate() * depth);
+        let mut contacts = Contacts::touching([both, true], 0.0);
+        if held {
+            contacts.set(Corner::Left, Contact::Held(Creep { depth, since: 0.0 }));
+        }
+        let state = State::from([0.0, 0.0, height, rate]);
+        let pose = Pose { time: 0.0, state, contacts, footing: Footing::AT_START, ties: NO_TIES };
+        let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
+        let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
+        let Transition { pose: after, event, counts, .. } =
+            system.transition(&pose, &now, Surface::Reaction(Corner::Right));
+        let case = format!("friction {friction}, flies {flies}, both {both}, held {held}: {event:?}, {after:?}");
+        let found = (event, after.contacts.regime(), after.footing.grips(), counts.liftoffs);
+        let regime = if both { Regime::FullContact } else { Regime::TiltingRight };
+        let expected = if both && !held {
+            (None, regime, true, 0)
+        } else if flies && !friction {
+            (Some(EventKind::Slip), regime, false, 0)
+        } else {
+            (Some(EventKind::LiftOff(Corner::Right)), Regime::Separated, false, if both { 2 } else { 1 })
+        };
+        assert_eq!(found, expected, "{case}");
+        assert_eq!(after.contacts.held(), (both && !held).then_some(Corner::Right), "{case}");
+    }
 }

@@ -274,24 +274,20 @@ where
             Surface::Speed => Some(change.slide_or_grip(None, now)),
             Surface::Shortness(tie) | Surface::Limpness(tie) => {
                 change.set_tie(tie.into(), TieState::Taut);
-                change.go_on_tied(now);
                 Some(EventKind::Taut(tie))
             }
             Surface::Tension(tie) => {
                 let stretch = tie::stretch(now, tie.into()).value.value();
                 let damped = self.block.ties.all()[usize::from(tie)].damping.value() > 0.0 && stretch > 0.0;
                 change.set_tie(tie.into(), if damped { TieState::Limp } else { TieState::Slack });
-                change.go_on_tied(now);
                 Some(EventKind::Slack(tie))
             }
             Surface::Stretch(tie) => {
                 change.set_tie(tie.into(), TieState::Slack);
-                change.go_on_tied(now);
                 None
             }
             Surface::Strength(tie) => {
                 change.set_tie(tie.into(), TieState::Broken);
-                change.go_on_tied(now);
                 Some(EventKind::Break(tie))
             }
             Surface::QuarterTurn => Some(EventKind::Overturning),

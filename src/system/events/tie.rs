@@ -1,15 +1,14 @@
 //! Ties: one is taut where its stretch rises through zero, goes slack where its tension falls through zero, and breaks where its
 //! tension reaches its strength.
 
-use crate::block::{Block, Foundation, Tie, TieState};
+use crate::block::{Block, Tie, TieState};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
-use crate::system::events::placement::Placement;
 use crate::system::forces::tie;
-use crate::system::instant::{Instant, Place};
+use crate::system::instant::Place;
 
 /// The stretch of a tie (m).
 #[inline(never)]
@@ -65,44 +64,21 @@ where
         self.pose.ties[tie] = state;
     }
 
-    /// Continues after the pull of a tie has changed.
-    pub(super) fn go_on_tied(&mut self, now: &Evaluation<T>) {
-        self.let_ties_follow(&now.instant);
-        match self.system.block.foundation {
-            Foundation::Rigid => {
-                self.settle_on_rigid_base();
-            }
-            Foundation::Viscoelastic => self.rub(&mut Placement::of(&now.instant)),
-        }
-    }
-
-    /// Updates ties with dashpots after an event has changed velocities; a tie beyond its strength breaks.
-    pub(super) fn let_ties_follow(&mut self, x: &Instant<T>) {
-        let block = &self.system.block;
-        for (i, tie) in block.ties.all().iter().enumerate() {
-            let state = &mut self.pose.ties[i];
-            if *state == TieState::Broken || *state == TieState::Slack {
-                continue;
-            }
-            let tension = tie::taut_tension(tie, &tie::stretch(block, tie, &Place::of(x))).value();
-            let rounding = rounding_of_tension(block, i);
-            if tie.damping.value() > 0.0 && tension.abs() > rounding {
-                *state = if tension > 0.0 { TieState::Taut } else { TieState::Limp };
-            }
-            if *state == TieState::Taut && tie.strength.value() > 0.0 && tension > tie.strength.value() + rounding {
-                *state = TieState::Broken;
-            }
-        }
-    }
-
-    /// Sets the states of the ties at the beginning.
+    /// Sets the states of the ties at the beginning; one beyond its strength is broken.
     pub(in crate::system) fn begin_ties(&mut self) {
         let (block, x) = (&self.system.block, &self.now().instant);
         for (i, tie) in block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness.value() > 0.0) {
             let stretch = tie::stretch(block, tie, &Place::of(x));
-            let stretched = stretch.length.value() > rounding_of_stretch(block, i);
-            self.pose.ties[i] = if stretched { TieState::Taut } else { TieState::Slack };
+            let (tension, strength) = (tie::taut_tension(tie, &stretch).value(), tie.strength.value());
+            self.pose.ties[i] = if stretch.length.value() <= rounding_of_stretch(block, i) {
+                TieState::Slack
+            } else if tension < 0.0 {
+                TieState::Limp
+            } else if strength > 0.0 && tension > strength + rounding_of_tension(block, i) {
+                TieState::Broken
+            } else {
+                TieState::Taut
+            };
         }
-        self.let_ties_follow(x);
     }
 }

@@ -173,12 +173,97 @@ fn an_impact_that_breaks_a_tendon() {
     for (strength, breaks) in [(0.45, true), (0.8, false)] {
         let block = plain.with_ties(&[Tie { strength: strength * weight, ..tendon }]).unwrap();
         let mut events = vec![];
-        released(block, 0.15).advance(1.5, &Inputs::default(), &mut |event| events.push(*event)).unwrap();
+        let mut simulation = released(block, 0.15);
+        simulation.advance(1.5, &Inputs::default(), &mut |event| events.push(*event)).unwrap();
         let impact = events.iter().find(|event| matches!(event.kind, EventKind::Landing(_))).unwrap().time;
         let broken: Vec<f64> =
             events.iter().filter(|event| event.kind == EventKind::Break(0)).map(|event| event.time).collect();
         assert_eq!(broken, if breaks { vec![impact] } else { vec![] }, "{events:?}");
+        let peak = simulation.peaks().tension[0] / weight;
+        assert!(if breaks { peak == strength } else { peak < strength && peak > 0.45 }, "{peak} M g");
     }
+}
+
+/// A tie whose dashpot exceeds its strength where it snaps taut breaks in that instant, and the block goes on as if it had no tie.
+#[test]
+fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+        let weight = plain.mass * plain.gravity;
+        let tie = Tie {
+            block: [-plain.b, plain.h],
+            ground: [-3.0 * plain.b, 0.0],
+            stiffness: weight,
+            slack: 0.01,
+            damping: weight,
+            ..Tie::default()
+        };
+        let run = |ties: &[Tie]| {
+            let (mut events, settings) = (vec![], Settings { tolerance: 1e-12, ..Settings::default() });
+            let initial = Initial { theta_dot: 0.25, ..Initial::default() };
+            let block = plain.with_ties(ties).unwrap();
+            let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+            simulation.advance(0.6, &Inputs::default(), &mut |event| events.push((event.kind, event.time))).unwrap();
+            events.retain(|(kind, _)| kind.tie().is_some());
+            (simulation.observe(&Inputs::default()).theta, events)
+        };
+        let (untied, _) = run(&[]);
+        let (theta, events) = run(&[Tie { strength: 0.01 * weight, ..tie }]);
+        let [(EventKind::Taut(0), taut), (EventKind::Break(0), broken)] = events[..] else { panic!("{events:?}") };
+        assert_eq!(taut, broken);
+        assert!((theta - untied).abs() < 1e-9, "{theta}, untied {untied}");
+        let (held, events) = run(&[Tie { strength: weight, ..tie }]);
+        assert!(matches!(events[..], [(EventKind::Taut(0), _), ..]) && held < 0.9 * untied, "{held}: {events:?}");
+    }
+}
+
+/// A stretched tie begins taut; limp if its dashpot would push; broken if its tension would exceed its strength.
+#[test]
+fn ties_begin_taut_limp_or_broken() {
+    let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation: Foundation::Rigid, ..Common::default() });
+    let Block { b, h, mass, gravity, .. } = plain;
+    let weight = mass * gravity;
+    let mut found = vec![];
+    for (theta_dot, damping, strength) in [
+        (0.0, 0.0, 0.0),
+        (0.3, 1.0, 0.0),
+        (-0.3, 1.0, 0.0),
+        (-2.0, 1.0, 0.0),
+        (0.3, 1.0, 0.5),
+        (0.3, 1.0, 20.0),
+        (-2.0, 1.0, 0.01),
+    ] {
+        let tie = Tie {
+            block: [-b, 2.0 * h],
+            ground: [-5.0 * b, 0.0],
+            stiffness: 20.0 * weight,
+            damping: damping * weight,
+            strength: strength * weight,
+            ..Tie::default()
+        };
+        // About R, to the right and up.
+        let (theta, x, z) = (0.05_f64, -2.0 * b, 2.0 * h);
+        let end = [x * theta.cos() + z * theta.sin(), z * theta.cos() - x * theta.sin()];
+        let along = [end[0] + 6.0 * b, end[1]];
+        let length = along[0].hypot(along[1]);
+        let stretch = length - (4.0 * b).hypot(2.0 * h);
+        let rate = theta_dot * (along[0] * end[1] - along[1] * end[0]) / length;
+        let tension = tie.stiffness * stretch + tie.damping * rate;
+        let expected = match tension {
+            t if t < 0.0 => (TieState::Limp, 0.0),
+            t if strength > 0.0 && t > tie.strength => (TieState::Broken, 0.0),
+            t => (TieState::Taut, t),
+        };
+        let initial = Initial { theta, theta_dot, ..Initial::default() };
+        let block = plain.with_ties(&[tie]).unwrap();
+        let run = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &Inputs::default());
+        let seen = run.observe(&Inputs::default()).tension[0];
+        assert_eq!(run.ties()[0], expected.0, "{theta_dot} rad/s, {strength}: {tension} N");
+        assert!((seen - expected.1).abs() < 1e-12 * weight, "{seen} N, expected {expected:?}");
+        found.push(expected.0);
+    }
+    use TieState::{Broken, Limp, Taut};
+    assert_eq!(found, [Taut, Taut, Taut, Limp, Broken, Taut, Limp]);
 }
 
 /// A block that is held down at rest sinks as far as its supports yield to weight and pretension, and stays.
