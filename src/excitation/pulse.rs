@@ -299,6 +299,22 @@ impl<T: Elementary> Wave<T> {
 }
 
 impl Wave {
+    /// Whether it is a sine.
+    pub(super) fn is_sine(&self) -> bool {
+        self.form == Form::Sine
+    }
+
+    /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
+    pub(super) fn add_series(&self, time: f64, series: &mut [f64]) {
+        let Wave { amplitude, omega, phase, origin, .. } = *self;
+        let (sin, cos) = libm::sincos(omega * (time - origin) + phase);
+        let (mut now, mut next) = (amplitude * sin, amplitude * omega * cos);
+        for (k, coefficient) in series.iter_mut().enumerate() {
+            *coefficient += now;
+            (now, next) = (next, -omega * omega * now / ((k + 1) * (k + 2)) as f64);
+        }
+    }
+
     /// Its greatest circular frequency (rad/s); that of Ricker wavelets is about twice ω_p, beyond which little of their spectrum lies.
     pub(super) fn frequency(&self) -> f64 {
         match self.form {

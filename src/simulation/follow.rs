@@ -9,7 +9,8 @@ use crate::system::System;
 use crate::system::events::Surface;
 use crate::system::instant::Pose;
 
-/// The way in which a run went on.
+/// The way in which a run went on. On a corner of the rigid base, where it moves by [swings](crate::system::swing), `Step` and `ShortStep`
+/// tell nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Course {
     /// It stayed where it was: an event happens at once.

@@ -6,8 +6,9 @@ use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::roots::{self, Sample};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Surface, watched, watched_beyond};
-use crate::system::instant::State;
+use crate::system::instant::{Powers, State};
 use crate::system::law::Law;
+use crate::system::swing::Swing;
 
 /// The largest rotation of a block in flight within a step (rad). Its rotation is a polynomial of time, which every step follows
 /// without error, so the error never limits the step; but the heights of its corners follow the sine of the angle.
@@ -143,6 +144,8 @@ pub(super) enum Between<'s, const N: usize = 4> {
     Known(DenseOutput<N>),
     /// The dense output of a step with this rate at its end, computed when it is first asked for.
     Within(&'s Step<f64, N>, Rate<f64, N>),
+    /// A swing about a corner of the rigid base, from this time (s) on.
+    Swing(f64, &'s Swing),
 }
 
 /// The motion inside a step.
@@ -155,7 +158,7 @@ pub(super) struct Inside<'s, 'a, L, const N: usize = 4> {
 
 impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
     #[inline]
-    pub(super) fn dense(&mut self) -> &DenseOutput<N> {
+    fn dense(&mut self) -> &DenseOutput<N> {
         if let Between::Within(step, end) = self.between {
             self.between = Between::Known(step.dense(end, &self.motion));
             self.evaluations = EVALUATIONS_OF_DENSE_OUTPUT;
@@ -163,14 +166,37 @@ impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
         match &self.between {
             Between::Known(dense) => dense,
             Between::Within(..) => unreachable!("it has been formed"),
+            Between::Swing(..) => unreachable!("a swing needs none"),
+        }
+    }
+
+    /// The state `elapsed` seconds after the beginning of the step.
+    pub(super) fn state(&mut self, elapsed: f64) -> State<f64, N> {
+        match self.between {
+            Between::Swing(_, swing) => {
+                let [theta, theta_dot] = swing.at(elapsed / swing.size);
+                State::from(std::array::from_fn(|i| [theta, theta_dot, 0.0, 0.0].get(i).copied().unwrap_or(0.0)))
+            }
+            Between::Known(_) | Between::Within(..) => self.dense().state(elapsed),
+        }
+    }
+
+    /// The works from the beginning of the step to `elapsed`.
+    pub(super) fn work(&mut self, elapsed: f64) -> Powers {
+        match self.between {
+            Between::Swing(_, swing) => [swing.work(elapsed / swing.size), 0.0].into(),
+            Between::Known(_) | Between::Within(..) => self.dense().work(elapsed),
         }
     }
 
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
     pub(super) fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
-        let dense = self.dense();
-        let (time, state) = (dense.time + elapsed, dense.state(elapsed));
-        self.motion.at(time, state)
+        let start = match self.between {
+            Between::Swing(start, _) => start,
+            Between::Known(_) | Between::Within(..) => self.dense().time,
+        };
+        let state = self.state(elapsed);
+        self.motion.at(start + elapsed, state)
     }
 }

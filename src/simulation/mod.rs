@@ -11,7 +11,9 @@ mod inside;
 pub mod lanes;
 pub mod outputs;
 pub mod peaks;
+mod rigid_base;
 mod settings;
+mod step_end;
 mod stepping;
 
 use std::sync::Arc;

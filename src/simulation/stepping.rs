@@ -4,18 +4,15 @@
 use std::sync::Arc;
 
 use crate::block::Regime;
-use crate::block::{Block, Foundation, Tie};
+use crate::block::{Block, Foundation};
 use crate::excitation::Excitation;
 use crate::numerics::control::{
     LONGEST, ShortStepTo, eighth_root, is_resolved, near_a_peak, short_factor, shortest, size_factor,
 };
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
-use crate::numerics::roots;
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
-use crate::simulation::inside::{
-    Between, Fall, Inside, MOST_TURN, SMALL_TURN, first_event, may_hold_event, turn_in_flight,
-};
-use crate::simulation::peaks::{Channels, Peaks, greater};
+use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, may_hold_event, turn_in_flight};
+use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, Surface};
@@ -24,18 +21,18 @@ use crate::system::instant::{Pose, Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 
 /// A piece of time in which the excitation is smooth, and the treatment of events in it.
-struct SmoothPiece<'a> {
-    block: &'a Block,
-    excitation: &'a Excitation,
+pub(super) struct SmoothPiece<'a> {
+    pub(super) block: &'a Block,
+    pub(super) excitation: &'a Excitation,
     /// Where it begins (s).
     since: f64,
     /// Where steps end (s).
-    stop: f64,
+    pub(super) stop: f64,
     /// Its end (s); if it is later than `stop`, only a block at rest reaches it.
     end: f64,
     at_event: AtEvent,
     /// Whether a single step is taken, or all steps to the end.
-    single: bool,
+    pub(super) single: bool,
 }
 
 /// The history of the instant at which steps begin.
@@ -66,15 +63,6 @@ pub(super) const MOST_STEPS: u64 = 2_000_000;
 /// A bound on the time that a call advances, relative to [`MOST_STEPS`] divided by the fastest circular frequency: far more than
 /// the longest step, and little enough that the clock resolves the motion.
 const OUT_OF_REACH: f64 = 1e3;
-
-/// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
-const SHORTENED: f64 = 0.125;
-
-/// The part of the longest step below which such a rise is taken for none: the fall is placed at the end of the step.
-const SHORTEST_RISE: f64 = 1e-10;
-
-/// The part of a step that the clock resolves where a shorter one is tried.
-const LEAST_SHORTENED: f64 = 1e-2;
 
 /// Frequent stops, as under a record, add up the errors of more steps than the motion needs. So a short step may make only a tenth
 /// of the error of others, in the motion and in the works, unless the tolerance is loose.
@@ -159,6 +147,11 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
+        if let Some(pivot) = law.pivot()
+            && excitation.has_series()
+        {
+            return self.swings(law, pivot, piece, start, budget, observer);
+        }
         // After an event the block is evaluated once more, which is not counted, rather than copied.
         let start_of = |pose: &Pose| Motion::<_, 4>::under(law, block, pose, excitation).at(pose.time, pose.state);
         let mut here = start_of(&self.pose);
@@ -168,6 +161,7 @@ impl Simulation {
             return self.apply_or_stop(surface, &here, piece, observer);
         }
         let steady = excitation.is_constant();
+        let is_upright = law.is_at_rest() && excitation.is_linear();
         let limits = self.limits(law, excitation.frequency());
         let mut short_failed = start.short_failed;
         loop {
@@ -179,71 +173,37 @@ impl Simulation {
             }
             self.spend(budget, piece, limits.longest)?;
             let motion = Motion::<_, N>::under(law, block, &self.pose, excitation);
+            if is_upright && self.stays_upright(stop, &motion, &here) {
+                return Ok(());
+            }
             if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
             }
             let step = self.accepted_step(stop, &motion, &here, &limits)?;
-            let (mut there, mut work) = (motion.at(step.end_time, step.end), step.work);
+            let there = motion.at(step.end_time, step.end);
             let end_rate = motion.rate_of(&there);
             if !step.end.0.iter().chain(&end_rate.state.0).all(|x| x.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
-            let mut inside = Inside { motion, between: Between::Within(&step, end_rate), evaluations: 0 };
-            let size = there.time - here.time;
-            let mut event = first_event(&here, &there, &mut inside);
-            if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
-                if size > SHORTEST_RISE * limits.longest && self.pose.time + LEAST_SHORTENED * size > self.pose.time {
-                    self.counts.evaluations += inside.evaluations;
-                    self.counts.steps -= 1;
-                    self.counts.rejected += 1;
-                    self.control.restart(SHORTENED * size);
+            let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
+            let inside = Inside { motion, between: Between::Within(&step, end_rate), evaluations: 0 };
+            match self.finish(piece, &here, there, &end, inside, observer)? {
+                Finished::TooLong(size) => {
+                    self.control.restart(size);
                     short_failed = true;
                     continue;
                 }
-                *elapsed = size;
-            }
-            let mut beyond = step.end;
-            if let Some(Fall { elapsed, .. }) = event
-                && elapsed < size
-            {
-                there = inside.at(elapsed);
-                work = inside.dense().work(elapsed);
-                if N > 4 {
-                    beyond = inside.dense().state(elapsed);
-                }
-            }
-            let elapsed = event.map_or(size, |fall| fall.elapsed);
-            self.update_peaks(&here, &there, near_a_peak(elapsed, limits.longest), &mut inside);
-            self.counts.evaluations += inside.evaluations;
-            if !law.grips() {
-                self.take_in_slip(&here, &there);
-            }
-            if N > 4 {
-                self.sums.add([beyond[6], beyond[7]]);
-                self.take_in_tensions(&here, &there, &mut inside);
-            } else {
-                work[0] += here.footing.free_work(&there.footing);
-            }
-            self.go_to(&there, work);
-            if law.held().is_some() {
-                // The corner lifts and lands so often that only the energy tells.
-                let ties = if N > 4 { beyond[7] } else { 0.0 };
-                let made = there.energy() - here.energy() - work[0] + work[1] + ties;
-                self.sums.constraint += made;
-                self.sums.impacts -= made;
-            }
-            if let Some(Fall { surface, .. }) = event {
-                return self.apply_or_stop(surface, &there, piece, observer);
+                Finished::Left => return Ok(()),
+                Finished::Lasts(there) => here = there,
             }
             if self.pose.time >= stop || piece.single {
                 return Ok(());
             }
-            here = there;
         }
     }
 
     /// Applies an event, or leaves it pending if the motion stops there.
-    fn apply_or_stop(
+    pub(super) fn apply_or_stop(
         &mut self,
         surface: Surface,
         now: &Evaluation,
@@ -266,7 +226,7 @@ impl Simulation {
     }
 
     /// Takes a step from the budget of a call, or fails if none is left or the clock does not resolve the motion.
-    fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
+    pub(super) fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
         let time = self.pose.time;
         if *budget == 0 || !is_resolved(piece.stop - time, longest) {
             return Err(SimulationError::TooManySteps { time, until: piece.end, steps: MOST_STEPS - *budget });
@@ -277,7 +237,7 @@ impl Simulation {
 
     /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.
     #[inline]
-    fn go_to(&mut self, there: &Evaluation, work: Powers) {
+    pub(super) fn go_to(&mut self, there: &Evaluation, work: Powers) {
         self.sums.input += work[0];
         self.sums.dashpots += work[1];
         if there.time > self.pose.time {
@@ -428,71 +388,6 @@ impl Simulation {
             work_weight,
             longest,
             short_share: if self.settings.tolerance >= LOOSE { 1.0 } else { SHORT_SHARE },
-        }
-    }
-
-    /// Includes the slip of the foot in a step.
-    pub(super) fn take_in_slip(&mut self, here: &Evaluation, there: &Evaluation) {
-        if self.slides() {
-            let way = there.foot_place() - here.foot_place();
-            self.slip.now += way;
-            self.slip.total += way.abs();
-            self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
-        }
-    }
-
-    /// Includes the tensions of a step in the peaks.
-    pub(super) fn take_in_tensions<L: Law, const N: usize>(
-        &mut self,
-        here: &Evaluation,
-        there: &Evaluation,
-        inside: &mut Inside<L, N>,
-    ) {
-        let duration = there.time - here.time;
-        for (tie, Tie { strength, .. }) in self.system.block.ties.all().iter().enumerate() {
-            let most = self.peaks.tension[tie];
-            let (start, end) = (here.tension(tie), there.tension(tie));
-            let most = roots::greatest(most, start, end, duration, |elapsed| inside.at(elapsed).tension(tie));
-            // An impact may leave a dashpot with more, at which the tie breaks.
-            self.peaks.tension[tie] = if *strength > 0.0 { most.min(*strength) } else { most };
-        }
-    }
-
-    /// Includes the peaks of a step.
-    #[inline(always)]
-    pub(super) fn update_peaks<L: Law, const N: usize>(
-        &mut self,
-        here: &Evaluation,
-        there: &Evaluation,
-        near: f64,
-        inside: &mut Inside<L, N>,
-    ) {
-        let duration = there.time - here.time;
-        if duration <= 0.0 {
-            return;
-        }
-        let [start, end] = self.channels_at_ends(here, there, near);
-        self.peaks.include_step(&start, &end, duration, |after| inside.at(after).channels());
-    }
-
-    /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
-    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
-    /// part of that, and are zero elsewhere.
-    #[inline(always)]
-    pub(super) fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
-        let Block { mass, foundation, .. } = self.system.block;
-        let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let close = |now: &Evaluation| {
-            let [left, right] = now.instant.reaction;
-            let shear = mass * now.instant.horizontal.abs();
-            shear > near * horizontal
-                || shear > near * friction_demand * mass * (left + right)
-                || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
-        };
-        if close(here) || close(there) {
-            [here.channels(), there.channels()]
-        } else {
-            [here.cheap_channels(), there.cheap_channels()]
         }
     }
 }

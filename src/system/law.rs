@@ -27,6 +27,21 @@ pub trait Law: Copy {
     /// friction, or ties pull.
     const EXTENDED: bool = false;
 
+    /// The corner of the rigid base about which the block turns under nothing but its weight and the excitation.
+    #[inline(always)]
+    fn pivot(self) -> Option<Corner> {
+        match (Self::KNOWN, self.foundation()) {
+            (true, Foundation::Rigid) => self.regime().pivot(),
+            _ => None,
+        }
+    }
+
+    /// Whether the block rests on the rigid base under nothing but its weight and the excitation.
+    #[inline(always)]
+    fn is_at_rest(self) -> bool {
+        Self::KNOWN && self.foundation() == Foundation::Rigid && self.regime() == Regime::FullContact
+    }
+
     /// [`Law::KNOWN`], as a value.
     #[inline(always)]
     fn is_known(self) -> bool {

@@ -6,6 +6,7 @@
 //! | [`forces`] | the forces on the block, a file each: value, rate, energy, power |
 //! | [`dynamics`] | state, regime, forcing → the sum of forces → accelerations, reactions, energy |
 //! | [`law`] | a pose → which of these equations hold |
+//! | [`swing`] | a block on one corner of the rigid base → its motion as a power series |
 //! | [`evaluation`] | a pose and an excitation → the block at any instant while the pose's contacts last |
 //! | [`events`] | an instant → the functions that are watched; a pose and an event, a file each → the pose right after |
 //! | [`impact`] | velocities before a landing → velocities after |
@@ -21,6 +22,7 @@ pub mod impact;
 pub mod initial_sensitivity;
 pub mod instant;
 pub mod law;
+pub mod swing;
 
 use serde::{Deserialize, Serialize};
 

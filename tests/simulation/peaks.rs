@@ -107,6 +107,28 @@ fn peaks_come_from_inside_the_longest_steps() {
     }
 }
 
+/// Under pulses faster than the block, long swings on the rigid base have the peaks of many short ones.
+#[test]
+fn peaks_come_from_inside_swings() {
+    for (alpha, p, shape, amplitude, period, tolerance) in [
+        (0.3066477904115929, 2.160311420563528, PulseShape::OneCosine, 18.314583954296598, 0.5541557294984868, 1e-8),
+        (0.3277136645014785, 4.447703736445783, PulseShape::C2, 18.9598916266903, 0.2570104893195696, 1e-6),
+    ] {
+        let pulse = Pulse { shape, amplitude, period, start: 0.0, ..Pulse::NONE };
+        let peaks = |stops: u32| {
+            let mut simulation = start(rigid(alpha, p, 0.0), pulse, Initial::default(), tolerance);
+            for stop in 1..=stops {
+                go(&mut simulation, 12.0 / p * f64::from(stop) / f64::from(stops));
+            }
+            let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = simulation.peaks();
+            [theta, reaction, horizontal, uplift, friction_demand]
+        };
+        for (i, (long, short)) in peaks(1).into_iter().zip(peaks(3000)).enumerate() {
+            assert!((long / short - 1.0).abs() < 10.0 * tolerance, "peak {i}: {long}, in short swings {short}");
+        }
+    }
+}
+
 /// Each peak is found independently of the others.
 ///
 /// A block that stands still on the rigid base under one sine has the peaks `M a_p` of H, `M g/2 + M a_p h/(2 b)` of the

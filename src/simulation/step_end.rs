@@ -1,0 +1,169 @@
+//! A step between two instants → the first event inside, peaks, works, and the present instant at its end.
+
+use crate::block::{Block, Foundation, Tie};
+use crate::numerics::control::near_a_peak;
+use crate::numerics::roots;
+use crate::simulation::inside::{Fall, Inside, first_event};
+use crate::simulation::peaks::{Channels, Peaks, greater};
+use crate::simulation::stepping::SmoothPiece;
+use crate::simulation::{Simulation, SimulationError};
+use crate::system::evaluation::Evaluation;
+use crate::system::events::Event;
+use crate::system::instant::{Powers, State};
+use crate::system::law::Law;
+
+/// The end of a step without events.
+pub(super) struct StepEnd<const N: usize> {
+    /// The state there.
+    pub(super) state: State<f64, N>,
+    /// The works on the way, per unit mass.
+    pub(super) work: Powers,
+    /// The longest step (s).
+    pub(super) longest: f64,
+}
+
+/// The result of a step.
+#[expect(clippy::large_enum_variant, reason = "a step allocates no memory")]
+pub(super) enum Finished<'a> {
+    /// Nothing: a function that begins at zero rises unseen within it. A step of this size (s) is to be tried.
+    TooLong(f64),
+    /// The block has come to an event.
+    Left,
+    /// The block has come to the end of the step.
+    Lasts(Evaluation<'a>),
+}
+
+/// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
+const SHORTENED: f64 = 0.125;
+
+/// The part of the longest step below which such a rise is taken for none: the fall is placed at the end of the step.
+const SHORTEST_RISE: f64 = 1e-10;
+
+/// The part of a step that the clock resolves where a shorter one is tried.
+const LEAST_SHORTENED: f64 = 1e-2;
+
+impl Simulation {
+    /// Goes to the end of a step, or to the first event inside, with the peaks on the way, and applies the event.
+    #[inline(always)]
+    pub(super) fn finish<'a, L: Law, const N: usize>(
+        &mut self,
+        piece: &SmoothPiece,
+        here: &Evaluation<'a>,
+        mut there: Evaluation<'a>,
+        end: &StepEnd<N>,
+        mut inside: Inside<'_, 'a, L, N>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Finished<'a>, SimulationError> {
+        let (law, size) = (inside.motion.law(), there.time - here.time);
+        let mut event = first_event(here, &there, &mut inside);
+        if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
+            if size > SHORTEST_RISE * end.longest && self.pose.time + LEAST_SHORTENED * size > self.pose.time {
+                self.counts.evaluations += inside.evaluations;
+                self.counts.steps -= 1;
+                self.counts.rejected += 1;
+                return Ok(Finished::TooLong(SHORTENED * size));
+            }
+            *elapsed = size;
+        }
+        let (mut beyond, mut work) = (end.state, end.work);
+        if let Some(Fall { elapsed, .. }) = event
+            && elapsed < size
+        {
+            there = inside.at(elapsed);
+            work = inside.work(elapsed);
+            if N > 4 {
+                beyond = inside.state(elapsed);
+            }
+        }
+        let elapsed = event.map_or(size, |fall| fall.elapsed);
+        self.update_peaks(here, &there, near_a_peak(elapsed, end.longest), &mut inside);
+        self.counts.evaluations += inside.evaluations;
+        if !law.grips() {
+            self.take_in_slip(here, &there);
+        }
+        if N > 4 {
+            self.sums.add([beyond[6], beyond[7]]);
+            self.take_in_tensions(here, &there, &mut inside);
+        } else {
+            work[0] += here.footing.free_work(&there.footing);
+        }
+        self.go_to(&there, work);
+        if law.held().is_some() {
+            // The corner lifts and lands so often that only the energy tells.
+            let ties = if N > 4 { beyond[7] } else { 0.0 };
+            let made = there.energy() - here.energy() - work[0] + work[1] + ties;
+            self.sums.constraint += made;
+            self.sums.impacts -= made;
+        }
+        if let Some(Fall { surface, .. }) = event {
+            self.apply_or_stop(surface, &there, piece, observer)?;
+            return Ok(Finished::Left);
+        }
+        Ok(Finished::Lasts(there))
+    }
+
+    /// Includes the slip of the foot in a step.
+    pub(super) fn take_in_slip(&mut self, here: &Evaluation, there: &Evaluation) {
+        if self.slides() {
+            let way = there.foot_place() - here.foot_place();
+            self.slip.now += way;
+            self.slip.total += way.abs();
+            self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
+        }
+    }
+
+    /// Includes the tensions of a step in the peaks.
+    pub(super) fn take_in_tensions<L: Law, const N: usize>(
+        &mut self,
+        here: &Evaluation,
+        there: &Evaluation,
+        inside: &mut Inside<L, N>,
+    ) {
+        let duration = there.time - here.time;
+        for (tie, Tie { strength, .. }) in self.system.block.ties.all().iter().enumerate() {
+            let most = self.peaks.tension[tie];
+            let (start, end) = (here.tension(tie), there.tension(tie));
+            let most = roots::greatest(most, start, end, duration, |elapsed| inside.at(elapsed).tension(tie));
+            // An impact may leave a dashpot with more, at which the tie breaks.
+            self.peaks.tension[tie] = if *strength > 0.0 { most.min(*strength) } else { most };
+        }
+    }
+
+    /// Includes the peaks of a step.
+    #[inline(always)]
+    pub(super) fn update_peaks<L: Law, const N: usize>(
+        &mut self,
+        here: &Evaluation,
+        there: &Evaluation,
+        near: f64,
+        inside: &mut Inside<L, N>,
+    ) {
+        let duration = there.time - here.time;
+        if duration <= 0.0 {
+            return;
+        }
+        let [start, end] = self.channels_at_ends(here, there, near);
+        self.peaks.include_step(&start, &end, duration, |after| inside.at(after).channels());
+    }
+
+    /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
+    /// reactions on the rigid base, take dual numbers; so they are formed only where one of these is `near` its peak, as a
+    /// part of that, and are zero elsewhere.
+    #[inline(always)]
+    pub(super) fn channels_at_ends(&self, here: &Evaluation, there: &Evaluation, near: f64) -> [Channels; 2] {
+        let Block { mass, foundation, .. } = self.system.block;
+        let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
+        let close = |now: &Evaluation| {
+            let [left, right] = now.instant.reaction;
+            let shear = mass * now.instant.horizontal.abs();
+            shear > near * horizontal
+                || shear > near * friction_demand * mass * (left + right)
+                || (foundation == Foundation::Rigid && mass * left.max(right) > near * reaction)
+        };
+        if close(here) || close(there) {
+            [here.channels(), there.channels()]
+        } else {
+            [here.cheap_channels(), there.cheap_channels()]
+        }
+    }
+}

@@ -1,0 +1,433 @@
+//! A block that turns about a corner of the rigid base → its motion as a power series of time.
+//!
+//! With the place X, Q of the centre of mass as seen from the corner, to the right and up, Housner's equation is
+//!
+//! ```text
+//! (I0/M + X² + Q²) θ̈ = X (g + a_z) − Q a_x + m        Ẋ = Q θ̇        Q̇ = −X θ̇
+//! ```
+//!
+//! where X² + Q² is constant. Let τ be the elapsed part of the swing, from 0 to 1, h its duration, and `θ = Σ θ_k τᵏ`; X, Q and the
+//! excitation likewise. Equal powers of τ on both sides give one coefficient after the other (Jorba and Zou, "A software package for the
+//! numerical integration of ODEs by means of high-order Taylor methods", Experimental Mathematics 14, 2005):
+//!
+//! ```text
+//! (I0/M + X² + Q²) (k+1) (k+2) θ_(k+2) = h² [ Σ X_(k−j) (g + a_z)_j − Σ Q_(k−j) (a_x)_j + m_k ],    j from 0 to k
+//!                                n X_n =  Σ j θ_j Q_(n−j),    n Q_n = −Σ j θ_j X_(n−j),            j from 1 to n
+//! ```
+//!
+//! The series ends where its last two terms of θ̇ are below the allowed error; a swing that would need more than [`ORDER`] terms is
+//! shortened. The displacements of the centre of mass are X and Q but for constants, so that `N/M = g + a_z + Q̈` and `H/M = a_x + Ẍ`.
+//!
+//! Since |τ| ≤ 1, the sum of the other terms' sizes bounds the distance of a series from its first term. [`Swing::bounds`] tells by such
+//! sums whether the block lands, and how large rotation and forces can be; [`Swing::landing`] finds the landing.
+
+use crate::block::{Block, Corner, Foot, Lever};
+use crate::excitation::{Excitation, ForcingSeries};
+use crate::numerics::roots::Sample;
+
+/// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
+pub const ORDER: usize = 16;
+
+type Series = [f64; ORDER + 1];
+
+/// The motion from an instant on, as series in powers of the elapsed part of `size`.
+#[derive(Clone, Copy, Debug)]
+pub struct Swing {
+    /// Its duration (s): over it the last terms are below the error that is allowed.
+    pub size: f64,
+    /// The highest power.
+    order: usize,
+    theta: Series,
+    x: Series,
+    q: Series,
+    forcing: ForcingSeries<{ ORDER + 1 }>,
+}
+
+/// Bounds of the motion over a swing.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Whether `last` alone tells if the block comes down within the swing: because it does not come near the base, or accelerates
+    /// towards it all the time.
+    pub is_certain: bool,
+    /// The rotation away from the base at the end (rad), negative beyond the base.
+    pub last: f64,
+    /// Whether |θ| only rises or only falls.
+    pub is_monotone: bool,
+    /// The greatest |θ| (rad).
+    pub theta: f64,
+    /// The least and the greatest N/M (m/s²).
+    pub reaction: [f64; 2],
+    /// The greatest |H|/M (m/s²).
+    pub horizontal: f64,
+}
+
+/// `1/k`.
+const fn reciprocals() -> Series {
+    let mut reciprocals = [0.0; ORDER + 1];
+    let mut k = 1;
+    while k < ORDER + 1 {
+        reciprocals[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    reciprocals
+}
+
+const RECIPROCAL: Series = reciprocals();
+
+impl Swing {
+    /// The swing from `[t, θ, θ̇]` on, at most `longest` (s), if the last terms of θ̇ may be `allowed` (rad/s per second of the swing).
+    ///
+    /// A swing that begins on the base is little longer than the block would stay up at its present acceleration.
+    #[inline]
+    pub fn of(
+        block: &Block,
+        corner: Corner,
+        excitation: &Excitation,
+        [time, theta, theta_dot]: [f64; 3],
+        longest: f64,
+        allowed: f64,
+    ) -> Swing {
+        /// Part of the flight at constant acceleration.
+        const OF_FLIGHT: f64 = 1.25;
+        let none = [0.0; ORDER + 1];
+        let (sin, cos) = libm::sincos(theta);
+        let lever = block.lever(Foot::Corner(corner), sin, cos);
+        let inertia = lever.x * lever.x + lever.q * lever.q + block.i0;
+        let forcing = excitation.series(time);
+        let turning = lever.x * (forcing.z[0] + block.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
+        let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
+        let size = if theta == 0.0 && flight > 0.0 { flight.min(longest) } else { longest };
+
+        let mut swing = Swing { size, order: 1, theta: none, x: none, q: none, forcing };
+        swing.forcing.scale(size);
+        (swing.theta[0], swing.theta[1]) = (theta, theta_dot * size);
+        Lever { x: swing.x[0], q: swing.q[0] } = lever;
+        let allowed = allowed * size * size;
+        let rest = swing.extend(block.gravity, size * size / inertia, allowed);
+        if rest >= allowed {
+            swing.shorten(allowed / rest);
+        }
+        swing
+    }
+
+    /// Adds powers until the last two terms of θ̇ together are below `allowed`, in units of the swing, and returns their sum.
+    #[inline]
+    fn extend(&mut self, gravity: f64, scale: f64, allowed: f64) -> f64 {
+        /// The least order, by which reactions and their changes are known.
+        const LEAST: usize = 4;
+        let Swing { order, theta, x, q, forcing, .. } = self;
+        let weight = [forcing.z[0] + gravity, forcing.z[1]];
+        let mut slope = [0.0; ORDER + 1];
+        slope[1] = theta[1];
+        (x[1], q[1]) = (slope[1] * q[0], -slope[1] * x[0]);
+        let mut rest = f64::INFINITY;
+        for k in 0..ORDER - 1 {
+            let mut turning = x[k] * weight[0] - q[k] * forcing.x[0];
+            if k > 0 {
+                turning += x[k - 1] * weight[1];
+            }
+            if k < 2 {
+                turning += forcing.moment[k];
+            }
+            for j in 1..forcing.terms.min(k + 1) {
+                turning -= q[k - j] * forcing.x[j];
+            }
+            let n = k + 2;
+            theta[n] = turning * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
+            slope[n] = theta[n] * n as f64;
+            let (mut across, mut up) = (0.0, 0.0);
+            for j in 1..n + 1 {
+                across += slope[j] * q[n - j];
+                up -= slope[j] * x[n - j];
+            }
+            (x[n], q[n]) = (across * RECIPROCAL[n], up * RECIPROCAL[n]);
+            *order = n;
+            if n >= LEAST {
+                rest = slope[n].abs() + slope[n - 1].abs();
+                if rest < allowed {
+                    break;
+                }
+            }
+        }
+        rest
+    }
+
+    /// Shortens the swing so that its last terms meet the allowed error, which is this part of them.
+    #[inline]
+    fn shorten(&mut self, part: f64) {
+        const SAFETY: f64 = 0.75;
+        // The root of order 16.
+        let factor = SAFETY * part.sqrt().sqrt().sqrt().sqrt();
+        self.size *= factor;
+        let mut power = 1.0;
+        for k in 0..self.order + 1 {
+            self.theta[k] *= power;
+            self.x[k] *= power;
+            self.q[k] *= power;
+            power *= factor;
+        }
+        self.forcing.scale(factor);
+    }
+
+    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
+    #[inline]
+    pub fn at(&self, part: f64) -> [f64; 2] {
+        let [theta, slope] = self.theta_at(part);
+        [theta, slope / self.size]
+    }
+
+    /// θ (rad) and its rate of change per swing.
+    #[inline]
+    pub fn theta_at(&self, part: f64) -> [f64; 2] {
+        let (mut theta, mut slope) = (0.0, 0.0);
+        for k in (0..self.order + 1).rev() {
+            slope = slope * part + theta;
+            theta = theta * part + self.theta[k];
+        }
+        [theta, slope]
+    }
+
+    /// N/M and H/M (m/s²) after a part of the swing, by the series: less accurate than by the equations of motion.
+    #[inline]
+    pub fn forces(&self, part: f64, gravity: f64) -> [Sample; 2] {
+        let Swing { size, order, ref x, ref q, ref forcing, .. } = *self;
+        let per_second = 1.0 / (size * size);
+        let mut forces = [Sample::default(); 2];
+        for k in (0..order - 1).rev() {
+            let squares = ((k + 1) * (k + 2)) as f64;
+            let mut terms = [q[k + 2] * per_second * squares, x[k + 2] * per_second * squares + forcing.x[k]];
+            if k < 2 {
+                terms[0] += forcing.z[k];
+            }
+            for (force, term) in forces.iter_mut().zip(terms) {
+                force.rate = force.rate * part + force.value;
+                force.value = force.value * part + term;
+            }
+        }
+        let [n, h] = forces;
+        [Sample { value: n.value + gravity, rate: n.rate / size }, Sample { value: h.value, rate: h.rate / size }]
+    }
+
+    /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
+    #[inline]
+    pub fn work(&self, part: f64) -> f64 {
+        let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
+        let mut work = 0.0;
+        for n in (1..order + 1).rev() {
+            let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * n as f64;
+            power += (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * (n - 1) as f64;
+            for j in 0..forcing.terms.min(n) {
+                power -= x[n - j] * forcing.x[j] * (n - j) as f64;
+            }
+            work = work * part + power * RECIPROCAL[n];
+        }
+        work * part
+    }
+
+    /// Bounds of the motion over the swing.
+    #[inline]
+    pub fn bounds(&self, block: &Block, corner: Corner) -> Bounds {
+        let Swing { size, order, ref theta, ref x, ref q, ref forcing } = *self;
+        let away = -corner.sign();
+        let per_second = 1.0 / (size * size);
+        let (mut spread, mut steepest, mut bend) = (0.0, 0.0, 0.0);
+        for k in (1..order + 1).rev() {
+            let term = theta[k].abs();
+            spread += term;
+            if k > 1 {
+                steepest += term * k as f64;
+            }
+            if k > 2 {
+                bend += term * (k * (k - 1)) as f64;
+            }
+        }
+        let [last, _] = self.theta_at(1.0);
+        let (first, last) = (theta[0] * away, last * away);
+        // If θ̈ points to the base all the time, a block that stands off the base or leaves it comes back at most once.
+        let turns_back = bend + theta[2] * (2.0 * away) < 0.0;
+        let leaves = first > 0.0 || (first == 0.0 && theta[1] * away > 0.0);
+        let (mut reaction, mut horizontal) = ([0.0; 2], [0.0; 2]);
+        for k in (0..order - 1).rev() {
+            let squares = ((k + 1) * (k + 2)) as f64;
+            let mut n = q[k + 2] * per_second * squares;
+            if k < 2 {
+                n += forcing.z[k];
+            }
+            let h = x[k + 2] * per_second * squares + forcing.x[k];
+            if k == 0 {
+                (reaction[0], horizontal[0]) = (n + block.gravity, h);
+            } else {
+                reaction[1] += n.abs();
+                horizontal[1] += h.abs();
+            }
+        }
+        Bounds {
+            is_certain: first > spread || (turns_back && leaves),
+            last,
+            is_monotone: theta[1].abs() > steepest,
+            theta: first.abs() + spread,
+            reaction: [reaction[0] - reaction[1], reaction[0] + reaction[1]],
+            horizontal: horizontal[0].abs() + horizontal[1],
+        }
+    }
+
+    /// The part of the swing after which the block comes down.
+    ///
+    /// Needs bounds that are certain, and a negative rotation at the end. θ̈ then points to the base all the time, so that Newton's
+    /// method approaches the zero from the end of the swing without passing it. The result is within 4 ulp.
+    #[inline]
+    pub fn landing(&self) -> f64 {
+        const MOST: u32 = 60;
+        const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
+        let mut part = 1.0;
+        for _ in 0..MOST {
+            let [theta, slope] = self.theta_at(part);
+            let next = part - theta / slope;
+            if next >= STILL * part {
+                break;
+            }
+            part = next;
+        }
+        part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::block::{Common, Contact, Contacts, Creep, Dimensionless, Foundation};
+    use crate::excitation::{Inputs, Pulse, PulseShape, Ramp};
+    use crate::numerics::control::LONGEST;
+    use crate::numerics::dop853::Step;
+    use crate::system::evaluation::Motion;
+    use crate::system::instant::{Footing, Pose, State};
+
+    #[derive(Clone, Debug)]
+    struct Case {
+        block: Block,
+        excitation: Excitation,
+        corner: Corner,
+        start: [f64; 2],
+        longest: f64,
+    }
+
+    impl Case {
+        fn swing(&self, allowed: f64) -> Swing {
+            let [theta, theta_dot] = self.start;
+            Swing::of(&self.block, self.corner, &self.excitation, [0.5, theta, theta_dot], self.longest, allowed)
+        }
+
+        /// The motion by the equations of motion and an integrator of another kind.
+        fn motion(&self) -> Motion<'_> {
+            let [theta, theta_dot] = self.start;
+            let mut contacts = Contacts::FULL;
+            contacts.set(self.corner.other(), Contact::Lifted(Creep::default()));
+            let state = State::from([theta, theta_dot, 0.0, 0.0]);
+            let pose =
+                Pose { time: 0.5, state, contacts, footing: Footing::AT_START, ties: crate::block::ties::NO_TIES };
+            Motion::from_pose(&self.block, &pose, &self.excitation)
+        }
+    }
+
+    prop_compose! {
+        /// A block that tilts about a corner, under ground motion in both directions, a moment, and maybe a pulse.
+        fn case()(
+            (alpha, p, gamma, uneven) in (0.05..0.6_f64, 0.5..5.0_f64, 1.0..4.0_f64, -0.8..0.8_f64),
+            (left, theta, theta_dot, size) in (any::<bool>(), 0.0..1.5_f64, -1.0..1.0_f64, 0.001..1.0_f64),
+            ramps in prop::array::uniform6(-1.0..1.0_f64),
+            (shape, period, amplitude) in (0..3_usize, 0.3..2.0_f64, -6.0..6.0_f64),
+        ) -> Case {
+            let numbers = Dimensionless { alpha, p, eta: 40.0, xi_v: 0.1 };
+            let common = Common { foundation: Foundation::Rigid, gamma, ..Common::default() };
+            let even = Block::from_dimensionless(&numbers, &common).unwrap();
+            let common = Common { eccentricity: uneven * even.b, ..common };
+            let block = Block::from_dimensionless(&numbers, &common).unwrap();
+            let ramp = |i: usize, scale: f64| Ramp { value: scale * ramps[i], rate: 10.0 * scale * ramps[i + 1] };
+            let inputs = Inputs {
+                time: 0.4,
+                a_gx: ramp(0, 5.0),
+                a_gz: ramp(2, 3.0),
+                m_y: ramp(4, 0.3 * block.mass * block.gravity * block.b),
+                ..Inputs::default()
+            };
+            let shape = [PulseShape::None, PulseShape::OneSine, PulseShape::C1][shape];
+            let pulse = Pulse { shape, amplitude, period, start: 0.2, ..Pulse::NONE };
+            let corner = if left { Corner::Left } else { Corner::Right };
+            let start = [-corner.sign() * theta * alpha, theta_dot * alpha * p];
+            let excitation = Excitation::from_time(0.5, &inputs, &pulse, &block);
+            let longest = size * LONGEST / p.max(excitation.frequency());
+            Case { block, excitation, corner, start, longest }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+
+        /// Rotation, its rate, the work of the excitation and the forces are those of Runge-Kutta steps, and reactions and rotations on
+        /// the way are within their bounds.
+        #[test]
+        fn a_swing_follows_the_equations_of_motion(case in case()) {
+            const STEPS: u32 = 40;
+            let Case { ref block, corner, .. } = case;
+            let (swing, motion) = (case.swing(1e-13), case.motion());
+            let bounds = swing.bounds(block, corner);
+            let (rate, height) = (block.alpha * block.p, block.gravity * block.r0 * block.alpha);
+            let (size, mut work) = (swing.size / f64::from(STEPS), 0.0);
+            let mut now = motion.at(0.5, State::from([case.start[0], case.start[1], 0.0, 0.0]));
+            for step in 0..=STEPS {
+                let part = f64::from(step) / f64::from(STEPS);
+                let ([theta, theta_dot], [n, h]) = (swing.at(part), swing.forces(part, block.gravity));
+                let off = [(theta - now.state[0]) / block.alpha, (theta_dot - now.state[1]) / rate, (swing.work(part) - work) / height];
+                prop_assert!(off.iter().all(|off| off.abs() < 1e-11), "{}: {:?}", part, off);
+                let (found, i) = (now.rates(), corner.index());
+                let reaction = found.reaction[i];
+                let off = [n.value - reaction.re, h.value - found.horizontal.re].map(|off| off / block.gravity);
+                prop_assert!(off.iter().all(|off| off.abs() < 1e-8), "{}: {:?}", part, off);
+                let [least, most] = bounds.reaction;
+                let slack = 1e-8 * block.gravity;
+                prop_assert!(least - slack <= n.value && n.value <= most + slack, "N {} beyond {:?}", n.value, bounds);
+                prop_assert!(h.value.abs() <= bounds.horizontal + slack, "H {} beyond {:?}", h.value, bounds);
+                prop_assert!(theta.abs() <= bounds.theta * (1.0 + 1e-14), "{} beyond {:?}", theta, bounds);
+                let next = Step::attempt(now.time, size, now.state, motion.rate_of(&now), &motion);
+                work += next.work[0];
+                now = motion.at(next.end_time, next.end);
+            }
+        }
+
+        /// A landing of which the bounds are certain is where θ first comes to zero.
+        #[test]
+        fn a_certain_landing_is_the_first(case in case()) {
+            let (swing, away) = (case.swing(1e-10), -case.corner.sign());
+            let bounds = swing.bounds(&case.block, case.corner);
+            prop_assume!(bounds.is_certain);
+            let part = if bounds.last < 0.0 { swing.landing() } else { 1.0 };
+            prop_assert_eq!(part < 1.0, bounds.last < 0.0);
+            let [before, after] = [part * (1.0 - 1e-13), part * (1.0 + 1e-13)].map(|part| away * swing.at(part)[0]);
+            prop_assert!(bounds.last >= 0.0 || (before >= 0.0 && after <= 0.0), "{} to {} at {}", before, after, part);
+            for i in 1..50 {
+                let on_the_way = away * swing.at(part * f64::from(i) / 50.0)[0];
+                prop_assert!(on_the_way > 0.0, "{} before {}", on_the_way, part);
+            }
+        }
+    }
+
+    /// A tolerance that low orders meet takes few terms, and one that none meets shortens the swing.
+    #[test]
+    fn the_order_follows_the_tolerance() {
+        let numbers = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+        let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+        let block = Block::from_dimensionless(&numbers, &common).unwrap();
+        let excitation = Excitation::none();
+        let of = |longest: f64, allowed: f64| {
+            let swing = Swing::of(&block, Corner::Right, &excitation, [0.0, 0.1, 0.2], longest, allowed);
+            (swing.order, swing.size)
+        };
+        assert_eq!(of(0.01, 1e-4), (4, 0.01));
+        let orders = [1e-4, 1e-7, 1e-10, 1e-13].map(|allowed| of(0.1, allowed).0);
+        assert!(orders.windows(2).all(|pair| pair[0] < pair[1]), "{orders:?}");
+        let (order, size) = of(2.0, 1e-12);
+        assert!(order == ORDER && size < 0.9, "{order}, {size} s");
+    }
+}
