@@ -18,12 +18,11 @@ esac
 cargo_test=(cargo test --workspace --exclude importer-tests --exclude rocking-block-python --locked)
 made=$PWD/${CARGO_TARGET_DIR:-target}/release
 
-# Runs a command under a heading, and prints its duration.
+# Runs a command under a heading, and prints its duration and its CPU time.
+TIMEFORMAT=$'== %0R s, %0U s of CPU'
 step() {
   printf '\n== %s\n' "$*"
-  local start=$SECONDS
-  "$@"
-  printf '== %d s\n' $((SECONDS - start))
+  time "$@"
 }
 
 # Installs requirement files into .venv.
