@@ -82,14 +82,7 @@ where
         Dual::new(w, x.w_dot),
         Dual::new(x.w_dot, x.w_ddot),
     ];
-    let footing = match footing {
-        Footing::Grips { offset } => Footing::Grips { offset: Dual::new(offset, R::default()) },
-        Footing::Free { u, u_dot } => Footing::Free { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot) },
-        Footing::Slides { u, u_dot, direction } => {
-            Footing::Slides { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot), direction }
-        }
-    };
-    instant_of(block, block.foundation, regime, state, footing, forcing, pick)
+    instant_of(block, block.foundation, regime, state, footing.with_rates(x), forcing, pick)
 }
 
 /// The same where a corner is held.
@@ -104,7 +97,7 @@ where
     Dual<R>: CombinesWith<R>,
 {
     let state = [Dual::new(x.theta, x.theta_dot), Dual::new(x.theta_dot, x.theta_ddot)];
-    instant_held(block, state, held.with_rates(block), footing.map(|x| Dual::new(x, R::default())), forcing)
+    instant_held(block, state, held.with_rates(block), footing.with_rates(x), forcing)
 }
 
 /// The state with its sine and cosine.
@@ -245,8 +238,8 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     }
 
     /// Both corners touch, and one of them is held on its support, whose motion is given. The reaction of the other one
-    /// accelerates the centre of mass; both motions together determine the rotation. The middle of the base holds the block
-    /// horizontally.
+    /// accelerates the centre of mass; both motions together determine the rotation. Horizontally the middle of the base holds the
+    /// block, or slides.
     fn held(mut self, Held { corner, top: [top, top_dot, top_ddot] }: Held<T>, forcing: Forcing<T>) -> Instant<T> {
         let Posture { block, theta_dot, sin, cos, .. } = self;
         let (offset, middle) = (block.half_base(corner), Foot::Middle);
@@ -260,10 +253,10 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         let theta_ddot = (top_ddot - v_ddot - lever.q * theta_dot2) / lever.x;
         let Lever { x, q } = block.lever(middle, sin, cos);
         let w_ddot = v_ddot + x * theta_ddot + q * theta_dot2;
-        let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], [n; 2], forcing);
+        let mut x = self.moving(middle, [theta_ddot, v_ddot, w_ddot], at_corner(other, n), forcing);
         let i = corner.index();
         // To the last bit, by which events are decided.
-        (x.corner[i], x.corner_dot[i], x.corner_ddot[i], x.reaction[i]) = (top, top_dot, top_ddot, T::from(0.0));
+        (x.corner[i], x.corner_dot[i], x.corner_ddot[i]) = (top, top_dot, top_ddot);
         x
     }
 

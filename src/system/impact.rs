@@ -50,20 +50,18 @@ pub fn corner_rate<T: Elementary>(block: &Block<T>, corner: Corner, theta: T, v_
     v_dot + lever(block, corner, theta).x * theta_dot
 }
 
-/// Velocities after the landing of `corner` with a horizontal impulse that stops the foot: the corner's vertical rate becomes
-/// `rate_after` (m/s).
+/// Velocities after the landing of `corner` while no other stands: the corner's horizontal velocity is stopped, its
+/// vertical one becomes `rate_after` (m/s), and the angular momentum about it is kept.
 ///
 /// If the rate is reduced, no energy is gained as long as the support pushes, that is, as long as v̇ grows.
 pub fn landing_with_grip<T: Elementary>(
     block: &Block<T>,
     corner: Corner,
-    foot: Foot,
     theta: T,
     before: Velocities<T>,
     rate_after: T,
 ) -> Velocities<T> {
-    let (sin, cos) = theta.sin_cos();
-    let (x, q) = (block.lever(Foot::Corner(corner), sin, cos).x, block.lever(foot, sin, cos).q);
+    let Lever { x, q } = lever(block, corner, theta);
     let Velocities { u_dot, v_dot, theta_dot } = before;
     let momentum = block.i0 * theta_dot + q * u_dot - x * v_dot;
     let theta_dot = (momentum + x * rate_after) / (block.i0 + q * q + x * x);

@@ -111,6 +111,20 @@ impl<T> Footing<T> {
         }
     }
 
+    /// The same with its rates of change along the motion in the dual parts.
+    pub fn with_rates(self, x: &Instant<T>) -> Footing<Dual<T>>
+    where
+        T: Scalar,
+    {
+        match self {
+            Footing::Grips { offset } => Footing::Grips { offset: Dual::new(offset, T::default()) },
+            Footing::Free { u, u_dot } => Footing::Free { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot) },
+            Footing::Slides { u, u_dot, direction } => {
+                Footing::Slides { u: Dual::new(u, u_dot), u_dot: Dual::new(u_dot, x.u_ddot), direction }
+            }
+        }
+    }
+
     /// Whether the foot does not slide.
     pub fn grips(&self) -> bool {
         matches!(self, Footing::Grips { .. })
@@ -190,6 +204,6 @@ impl<R: Scalar> Held<R> {
 
 /// The rate of change of a rate of a support that creeps back; without damping, which makes the creep infinitely fast, nothing
 /// moves.
-fn creeping<R: Scalar>(block: &Block<R>, rate: R) -> R {
+pub(super) fn creeping<R: Scalar>(block: &Block<R>, rate: R) -> R {
     R::select_less(R::Real::from(0.0), rate.value().abs(), -(block.creep_rate() * rate), R::from(0.0))
 }

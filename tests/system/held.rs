@@ -230,3 +230,48 @@ fn a_block_that_no_support_bears_slides_or_leaves() {
         assert_eq!(after.contacts.held(), (both && !held).then_some(Corner::Right), "{case}");
     }
 }
+
+/// The friction of a foot that slides acts at the middle of the base or at the corner that stands: so there, too, full contact may
+/// lift a corner that the other regime would press back. It is held, and friction follows from the other corner alone.
+#[test]
+fn a_corner_of_a_sliding_block_is_held() {
+    let friction = 0.6;
+    let block = squat(&Common { friction, ..Common::default() });
+    let system = System { block, flies: true, slowest: System::SLOWEST };
+    let free = block.static_deflection();
+    let mut became = [0; 2];
+    for (i, direction) in (-4000..4000).flat_map(|i| [(i, -1.0), (i, 1.0)]) {
+        // L is about to leave its support at the free height, where it stands still.
+        let (theta, theta_dot) = (libm::asin(free / block.b), -0.2);
+        let middle = [0.0, -corner_arm(&block, 0.0) * libm::cos(theta) * theta_dot];
+        let pose = Pose {
+            time: 0.0,
+            state: State::from([theta, theta_dot, middle[0], middle[1]]),
+            contacts: Contacts::touching([true, true], 0.0),
+            footing: Footing::Slides { u: 0.0, u_dot: direction, direction },
+            ties: NO_TIES,
+        };
+        let inputs =
+            Inputs { m_y: Ramp::held(1e-3 * f64::from(i) * block.mass * block.gravity * block.b), ..Inputs::default() };
+        let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, &block);
+        let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
+        if now.instant.corner_ddot[0] <= 0.0 {
+            continue;
+        }
+        let alone = instant(
+            &block,
+            Regime::TiltingRight,
+            [theta, theta_dot, now.instant.corner[1], now.instant.corner_dot[1]],
+            pose.footing,
+            now.forcing,
+        );
+        let opens = alone.corner_ddot[0] >= 0.0;
+        let Transition { pose: after, event, .. } = system.transition(&pose, &now, Surface::Reaction(Corner::Left));
+        assert_eq!(event, opens.then_some(EventKind::LiftOff(Corner::Left)), "{now:?}");
+        assert_eq!(after.contacts.held(), (!opens).then_some(Corner::Left));
+        let x = Motion::from_pose(&block, &after, &excitation).at(0.0, after.state).instant;
+        assert!((x.horizontal + direction * friction * x.reaction[1]).abs() < 1e-12 && x.reaction[0] == 0.0, "{x:?}");
+        became[usize::from(opens)] += 1;
+    }
+    assert!(became.iter().all(|&count| count > 10), "{became:?} held, lifted");
+}

@@ -66,15 +66,14 @@ where
         let mut after = self.rate_after_landing(rate, support);
         let flying = regime == Regime::Separated;
         if flying {
-            let foot = Foot::Corner(corner);
-            let mut velocities = impact::landing_with_grip(block, corner, foot, placement.theta, before, after);
+            let mut velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
             if rate.value() >= 0.0 || velocities.v_dot.value() < before.v_dot.value() {
                 // The support came up to the corner, or it would have to pull: the horizontal stop alone throws the corner
                 // up faster than that.
                 let thrown = impact::grip(block, Regime::on(corner), placement.theta, before);
                 let rate = impact::corner_rate(block, corner, placement.theta, thrown.v_dot, thrown.theta_dot);
                 after = self.or_rest(rate, support);
-                velocities = impact::landing_with_grip(block, corner, foot, placement.theta, before, after);
+                velocities = impact::landing_with_grip(block, corner, placement.theta, before, after);
             }
             placement.strike(block, velocities);
         } else {
@@ -121,10 +120,13 @@ where
     fn land_on_corner(&mut self, corner: Corner, placement: Placement<T>) {
         let block = &self.system.block;
         let before = placement.velocities;
-        let (zero, foot) = (T::from(0.0), Foot::Corner(corner));
+        let zero = T::from(0.0);
         let land = |rate: T| match block.friction.value() > 0.0 {
-            true => impact::landing_with_friction(block, corner, foot, placement.theta, before, rate),
-            false => impact::landing_with_grip(block, corner, foot, placement.theta, before, rate),
+            true => {
+                let foot = Foot::Corner(corner);
+                impact::landing_with_friction(block, corner, foot, placement.theta, before, rate)
+            }
+            false => impact::landing_with_grip(block, corner, placement.theta, before, rate),
         };
         let mut rate = self.rebound(placement.corners[corner.index()].1);
         // The energy after the landing grows with the square of the rate.

@@ -98,8 +98,8 @@ where
         let zero = T::from(0.0);
         let (velocities, rates) = match self.regime().pivot() {
             Some(corner) => {
-                let (block, foot, before) = (&self.system.block, Foot::Corner(corner), placement.velocities);
-                let held = impact::landing_with_grip(block, corner, foot, placement.theta, before, zero);
+                let held =
+                    impact::landing_with_grip(&self.system.block, corner, placement.theta, placement.velocities, zero);
                 (held, Corner::BOTH.map(|of| (of == corner).then_some(zero)))
             }
             None => (Velocities { u_dot: zero, v_dot: zero, theta_dot: zero }, [Some(zero); 2]),

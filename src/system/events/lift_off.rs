@@ -96,8 +96,7 @@ where
 
     fn leave_support(&mut self, corner: Corner, was_held: bool, now: &Evaluation<T>) -> Leaving {
         let x = &now.instant;
-        // A foot that slides lifts just when its gap opens; and the paper's analysis ends where the last reaction falls.
-        let opens = !self.pose.footing.grips() || self.lets_go(corner, x.corner_dot[corner.index()], now);
+        let opens = self.lets_go(corner, x.corner_dot[corner.index()], now);
         match self.regime() {
             Regime::FullContact => {
                 let other_is_held = self.pose.contacts.held() == Some(corner.other());
@@ -124,11 +123,12 @@ where
         Leaving::Lifts
     }
 
-    /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. The paper's analysis ends
-    /// when the last corner bears nothing.
+    /// Whether the gap under `corner`, which bears nothing any more, opens once it is let go. That of a foot without horizontal
+    /// force does, and the paper's analysis ends when the last corner bears nothing.
     pub(super) fn lets_go(&self, corner: Corner, corner_dot: T, now: &Evaluation<T>) -> bool {
         let last = !now.regime.touches(corner.other());
-        (last && !self.system.flies) || gap_opening(now, corner, corner_dot).value() >= 0.0
+        let is_free = matches!(self.pose.footing, Footing::Free { .. });
+        is_free || (last && !self.system.flies) || gap_opening(now, corner, corner_dot).value() >= 0.0
     }
 
     /// `corner` has left its support, which creeps back from here on.

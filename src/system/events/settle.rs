@@ -1,17 +1,18 @@
 //! The regime after an event: a corner leaves if its support, or the rigid base, would have to pull it.
 
-use crate::block::{Corner, Foot, Foundation, Regime};
+use crate::block::{Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, Leaving};
+use crate::system::events::friction;
 use crate::system::events::grip::{self, pressure_if_gripped};
 use crate::system::events::lift_off;
 use crate::system::events::placement::Placement;
 use crate::system::forces::support::{reaction, reaction_rate};
 use crate::system::impact;
-use crate::system::instant::Footing;
+use crate::system::instant::{Footing, creeping};
 
 impl<T: Elementary> Change<'_, T>
 where
@@ -28,9 +29,8 @@ where
             self.pose.contacts.let_bear();
             let regime = self.regime();
             if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
-                match self.landed && block.is_extended() {
-                    false => self.hold_pivot(pivot, &mut placement),
-                    true => self.keep_momentum(pivot, &mut placement),
+                if !(self.landed && block.is_extended() && self.keep_momentum(pivot, &mut placement)) {
+                    self.hold_pivot(pivot, &mut placement);
                 }
             }
             before = regime;
@@ -78,21 +78,30 @@ where
         self.counts.constraint += (placement.velocities.kinetic(block) - before.kinetic(block)).value();
     }
 
-    /// Stops the `pivot` by an impulse after the other corner has landed and lifted in the same instant; with friction it slides
-    /// instead. An impulse of its support keeps the other corner from being pressed down by that.
-    fn keep_momentum(&self, pivot: Corner, placement: &mut Placement<T>) {
-        let block = &self.system.block;
-        if block.friction.value() > 0.0 {
-            return;
+    /// After the other corner has landed and lifted in the same instant an impulse stops the `pivot`, or with friction it slides;
+    /// unless the gap of the other corner, which this changes too, would close again at once. Returns whether it opens.
+    fn keep_momentum(&mut self, pivot: Corner, placement: &mut Placement<T>) -> bool {
+        let (block, i) = (&self.system.block, pivot.other().index());
+        let mut after = *placement;
+        if block.friction.value() == 0.0 {
+            after.strike(block, impact::grip(block, Regime::on(pivot), after.theta, after.velocities));
         }
-        let (theta, before, other) = (placement.theta, placement.velocities, pivot.other());
-        let support = self.support(other).rate;
-        placement.strike(block, impact::grip(block, Regime::on(pivot), theta, before));
-        if placement.corners[other.index()].1.value() < support.value() {
-            let foot = Foot::Corner(pivot);
-            placement.strike(block, impact::landing_with_grip(block, other, foot, theta, before, support));
-            placement.corners[other.index()].1 = support;
+        let (pose, path) = (self.pose, self.path);
+        self.place(&after);
+        self.rub(&mut after);
+        self.place_foot(&after);
+        let now = self.now();
+        (self.pose, self.path) = (pose, path);
+        let support = self.support(pivot.other()).rate;
+        let rate = (after.corners[i].1 - support).value();
+        let opens = match rate.abs() > friction::rounding_of_speed(block) {
+            true => rate > 0.0,
+            false => (now.instant.corner_ddot[i] - creeping(block, support)).value() >= 0.0,
+        };
+        if opens {
+            *placement = after;
         }
+        opens
     }
 
     /// Whether and how a touching corner with the reaction `n` (per mass) and the vertical rate `corner_dot` leaves its
@@ -109,7 +118,7 @@ where
         };
         if !falling {
             None
-        } else if !self.pose.footing.grips() || self.lets_go(corner, corner_dot, now) {
+        } else if self.lets_go(corner, corner_dot, now) {
             Some(Leaving::Lifts)
         } else {
             match now.regime {

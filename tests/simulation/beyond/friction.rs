@@ -1,9 +1,10 @@
 //! Sliding blocks in closed form, and the modes in which a block leaves rest.
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Foundation, Regime};
+use rocking_block::block::{Block, Common, Corner, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::system::events::EventKind;
 
 use crate::blocks::block;
 use crate::cases::cases;
@@ -179,4 +180,24 @@ fn friction_that_jams() {
     assert!(on(1.33, Foundation::Rigid).is_ok() && on(1.34, Foundation::Viscoelastic).is_ok());
     let message = on(1.34, Foundation::Rigid).unwrap_err().to_string();
     assert!(message.contains("friction = 1.34") && message.contains("1.333"), "{message}");
+}
+
+/// Where a corner lifts right after its landing, the other one slides, whose friction may press the first one down again: then
+/// the other one grips, so that some regime lasts.
+#[test]
+fn a_corner_that_lands_and_lifts_at_once_leaves_a_regime_that_lasts() {
+    let block = block([0.2368, 2.8073, 34.13, 0.1252], &Common { friction: 0.44, mass: 250.0, ..Common::default() });
+    let initial = Initial { theta: -4.878e-3, theta_dot: -4.22e-3, vertical: Some((1.19e-5, -7.13e-3)) };
+    let mut at_once = 0;
+    for (i, j) in (0..20).flat_map(|i| (-10..10).map(move |j| (i, j))) {
+        let inputs =
+            Inputs { a_gx: Ramp::held(0.1 * f64::from(i)), m_y: Ramp::held(20.0 * f64::from(j)), ..Inputs::default() };
+        let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &inputs);
+        simulation
+            .advance(0.02, &inputs, &mut |event| {
+                at_once += u32::from(event.kind == EventKind::Landing(Corner::Right) && event.after == event.before);
+            })
+            .unwrap();
+    }
+    assert!(at_once > 20, "{at_once}");
 }

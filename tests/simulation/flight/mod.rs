@@ -6,7 +6,7 @@ mod independent;
 use nalgebra::{Matrix5, Vector5};
 use proptest::prelude::*;
 
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Foot, Regime};
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -128,7 +128,7 @@ fn landings_from_flight_keep_the_balance_of_momentum() {
         );
         let right = Vector5::new(before.u_dot, before.v_dot, block.i0 * before.theta_dot, 0.0, rate);
         let exact = matrix.lu().solve(&right).unwrap();
-        let found = impact::landing_with_grip(&block, corner, Foot::Corner(corner), theta, before, rate);
+        let found = impact::landing_with_grip(&block, corner, theta, before, rate);
         for (found, exact) in [found.u_dot, found.v_dot, found.theta_dot].into_iter().zip(exact.iter()) {
             assert!((found - exact).abs() < 1e-14, "{corner:?}: {found}, exact {exact}");
         }
