@@ -128,7 +128,7 @@ impl Block {
             return Err(BlockError::OutOfRange { name: "C", value: self.damping, expected: "a finite damping" });
         }
         let eccentricity = self.eccentricity;
-        let inside = eccentricity.abs() < self.b && self.share.iter().all(|&share| share > 0.0);
+        let inside = self.share.iter().all(|&share| share > 0.0);
         if !inside {
             return Err(BlockError::Eccentricity { eccentricity, half_width: self.b });
         }
@@ -143,9 +143,8 @@ impl Block {
             if factor * housner > 1.0 + ROUNDING {
                 return Err(BlockError::Restitution { factor, housner });
             }
-            // A factor 1/e that was rounded: the product is brought back to at most 1.
-            let inverse = 1.0 / housner;
-            self.restitution_factor = if inverse * housner > 1.0 { inverse.next_down() } else { inverse };
+            // A factor 1/e that was rounded: a number times its rounded inverse never exceeds 1.
+            self.restitution_factor = 1.0 / housner;
         }
         Ok(self)
     }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical};
+use rocking_block::block::ties::MOST_TIES;
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Tie};
 
 const PAPER: Dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 35.0, xi_v: 0.15 };
 const SIZES: Physical = Physical { width: 1.3, height: 3.1, stiffness: 2.0e4, damping: 150.0, inertia: None };
@@ -123,5 +124,95 @@ fn a_factor_of_one_over_e_is_elastic() {
         }
         let more = Common { restitution_factor: (1.0 + 1e-9) / e, ..rigid };
         assert!(Block::from_dimensionless(&d, &more).is_err());
+    }
+}
+
+/// The corner with the greater e decides whether a factor makes impacts gain energy, on either side.
+#[test]
+fn the_greater_restitution_limits_the_factor() {
+    for eccentricity in [-0.2, 0.2] {
+        let of = |restitution_factor: f64| {
+            let rigid = Common { eccentricity, restitution_factor, foundation: Foundation::Rigid, ..common() };
+            Block::from_dimensionless(&PAPER, &rigid)
+        };
+        let plain = of(1.0).unwrap();
+        let [left, right] = [Corner::Left, Corner::Right].map(|corner| plain.housner_restitution(corner));
+        assert!((left > right) == (eccentricity < 0.0) && (left / right - 1.0).abs() > 1e-3, "{left} {right}");
+        let greater = left.max(right);
+        assert!(of(0.999 / greater).is_ok() && of(1.001 / greater).is_err(), "{left} {right}");
+    }
+}
+
+/// A corner may jam where the inertia that a sliding block shows at it vanishes, at any tilt: I0/M + X (X + μ Q), with the centre of mass Q
+/// above and X beside the corner.
+#[test]
+fn friction_below_the_least_that_jams_is_accepted() {
+    for eccentricity in [-0.2, 0.0, 0.2] {
+        let of = |friction: f64| {
+            let rigid = Common { eccentricity, friction, foundation: Foundation::Rigid, ..common() };
+            Block::from_dimensionless(&PAPER, &rigid)
+        };
+        let block = of(0.0).unwrap();
+        let radius = [block.b + eccentricity, block.b - eccentricity].map(|across| across.hypot(block.h));
+        let jams = |radius: f64, phi: f64| {
+            let (x, q) = (radius * phi.sin(), radius * phi.cos());
+            (block.i0 + x * x) / (x * q)
+        };
+        let angles = (1..200_000).map(|i| FRAC_PI_2 * f64::from(i) / 200_000.0);
+        let least = angles.flat_map(|phi| radius.map(|radius| jams(radius, phi))).fold(f64::INFINITY, f64::min);
+        assert!((block.jamming_friction() / least - 1.0).abs() < 1e-8, "{} {least}", block.jamming_friction());
+        assert!(of(0.999 * least).is_ok());
+        assert_eq!(of(1.001 * least).expect_err("a corner that jams").name(), "friction");
+    }
+}
+
+/// A block on supports whose centre of mass is not between its corners is refused.
+#[test]
+fn the_centre_of_mass_is_between_the_corners() {
+    let b = Block::from_dimensionless(&PAPER, &common()).unwrap().b;
+    for side in [-1.0, 1.0] {
+        let of = |part: f64| Block::from_dimensionless(&PAPER, &Common { eccentricity: side * part * b, ..common() });
+        assert!(of(0.999).is_ok());
+        for part in [1.0, 1.001, 10.0] {
+            assert_eq!(of(part).expect_err("it falls over").name(), "eccentricity");
+        }
+    }
+}
+
+/// A block has at most [`MOST_TIES`] ties, each between two different places.
+#[test]
+fn ties_are_counted_and_have_a_length() {
+    let block = Block::from_dimensionless(&PAPER, &common()).unwrap();
+    let tie = Tie { block: [0.5, 1.5], ground: [-2.0, 0.0], stiffness: 1e3, ..Tie::default() };
+    assert_eq!(block.with_ties(&[tie; MOST_TIES]).unwrap().ties.all(), [tie; MOST_TIES]);
+    assert!(block.with_ties(&[tie; MOST_TIES + 1]).is_err());
+    assert!(block.with_ties(&[Tie { ground: tie.block, ..tie }]).is_err());
+    for place in [[tie.block[0], 0.0], [0.0, tie.block[1]]] {
+        assert!(block.with_ties(&[Tie { ground: place, ..tie }]).is_ok(), "{place:?}");
+    }
+}
+
+/// A rectangle on supports falls over by itself for η² ≤ 4/3 cos α / sin² α, unless a tie or a rigid base holds it.
+#[test]
+fn soft_supports_draw_a_warning() {
+    let homogeneous = Common { mass: 7.0, ..Common::default() };
+    for alpha in [0.1, 0.25, 0.6_f64] {
+        let least = (4.0 / 3.0 * alpha.cos()).sqrt() / alpha.sin();
+        let of = |part: f64, foundation: Foundation| {
+            let dimensionless = Dimensionless { alpha, p: 1.7, eta: part * least, xi_v: 0.1 };
+            Block::from_dimensionless(&dimensionless, &Common { foundation, ..homogeneous }).unwrap()
+        };
+        assert_eq!(of(1.0001, Foundation::Viscoelastic).soft_supports(), None);
+        assert_eq!(of(0.5, Foundation::Rigid).soft_supports(), None);
+        let soft = of(0.5, Foundation::Viscoelastic);
+        let warning = soft.soft_supports().expect("a warning");
+        for part in [
+            format!("eta = {:.4}, K = {:.4e} N/m", 0.5 * least, soft.stiffness),
+            format!("eta > {least:.4}, K > {:.4e} N/m", 4.0 * soft.stiffness),
+        ] {
+            assert!(warning.contains(&part), "{part} is not in: {warning}");
+        }
+        let tie = Tie { block: [0.0, 1.0], ground: [-2.0, 0.0], stiffness: 1.0, ..Tie::default() };
+        assert_eq!(soft.with_ties(&[tie]).unwrap().soft_supports(), None);
     }
 }

@@ -1,5 +1,6 @@
 //! Friction, ties and an eccentric centre of mass, compared with independent trajectories.
 
+mod beginning;
 mod friction;
 mod random;
 mod ties;

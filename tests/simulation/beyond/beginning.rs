@@ -1,0 +1,133 @@
+//! The first instant of uneven and tied blocks.
+
+use rocking_block::block::{Block, Common, Foundation, Regime, Tie, TieState};
+use rocking_block::excitation::{Inputs, Pulse};
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+
+use crate::blocks::block;
+
+fn first_instant(block: Block, initial: Initial) -> (Simulation, Observation<f64>) {
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+    let seen = simulation.observe(&Inputs::default());
+    (simulation, seen)
+}
+
+/// A settled start balances supports, weight and the springs of the ties vertically, at any tilt, whether ties press the block down or
+/// almost carry it, and whether they are taut only beyond the position that the weight alone would have.
+#[test]
+fn a_settled_start_is_in_vertical_balance() {
+    let mut regimes = vec![];
+    for eccentricity in [-0.2, 0.0, 0.3] {
+        let plain = block([0.3, 1.5, 20.0, 0.2], &Common { eccentricity, ..Common::default() });
+        let Block { mass, gravity, b, h, .. } = plain;
+        let (weight, sunk) = (mass * gravity, plain.static_deflection());
+        for theta in [-0.2, -0.02, 0.0, 0.02, 0.2] {
+            for (end, ground, pretension, slack) in [
+                ([0.5 * b, h], [0.6 * b, -h], 0.3, 0.0),
+                ([-b, 2.0 * h], [-3.0 * b, 0.0], 0.5, 0.0),
+                ([b, h], [2.0 * b, 4.0 * h], 0.9, 0.0),
+                ([b, 0.5 * h], [1.5 * b, 2.0 * h], 0.0, 0.5 * sunk),
+                ([-b, 2.0 * h], [-1.2 * b, 0.0], 8.0, 0.0),
+            ] {
+                let tie = Tie {
+                    block: end,
+                    ground,
+                    stiffness: 0.5 * plain.stiffness,
+                    pretension: pretension * weight,
+                    slack,
+                    ..Tie::default()
+                };
+                let (_, seen) =
+                    first_instant(plain.with_ties(&[tie]).unwrap(), Initial { theta, ..Initial::default() });
+                let case = format!("{eccentricity} m, {theta} rad, {tie:?}: {seen:?}");
+                assert!(seen.v_ddot.abs() < 1e-9 * gravity && seen.v_dot.abs() < 1e-12, "{case}");
+                regimes.push(seen.regime);
+            }
+        }
+    }
+    for regime in [Regime::TiltingLeft, Regime::FullContact, Regime::TiltingRight] {
+        assert!(regimes.iter().filter(|&&found| found == regime).count() > 5, "{regimes:?}");
+    }
+}
+
+/// The initial height and its rate are those of the centre of mass; the foot stands at its place. In flight the middle of the base is
+/// where it was.
+#[test]
+fn an_uneven_block_begins_at_its_height() {
+    for eccentricity in [-0.2, 0.3] {
+        let block = block([0.3, 1.5, 20.0, 0.2], &Common { eccentricity, ..Common::default() });
+        let h = block.h;
+        for (theta, theta_dot, v, v_dot, regime) in [
+            (0.01, 0.1, -0.02, 0.03, Regime::FullContact),
+            (-0.2, -0.3, 0.1, -0.2, Regime::TiltingLeft),
+            (0.25, 0.2, 0.6, 0.4, Regime::Separated),
+        ] {
+            let initial = Initial { theta, theta_dot, vertical: Some((v, v_dot)) };
+            let (_, seen) = first_instant(block, initial);
+            assert_eq!(seen.regime, regime, "{seen:?}");
+            let (sin, cos) = theta.sin_cos();
+            let near = |found: f64, exact: f64| (found - exact).abs() < 1e-13;
+            assert!(near(seen.v, v) && near(seen.v_dot, v_dot) && seen.theta == theta, "{seen:?}");
+            // The centre of mass is (e, h) from the middle of the base, at rest and turned.
+            let (u, u_dot) = (eccentricity * cos + h * sin - eccentricity, (h * cos - eccentricity * sin) * theta_dot);
+            if regime != Regime::TiltingLeft {
+                assert!(near(seen.u, u) && near(seen.u_dot, u_dot), "{seen:?}, expected {u} m, {u_dot} m/s");
+            }
+        }
+    }
+}
+
+/// A stretched tie begins taut; limp if its dashpot would push; broken if its tension would exceed its strength.
+#[test]
+fn ties_begin_taut_limp_or_broken() {
+    use TieState::{Broken, Limp, Slack, Taut};
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = block([0.2, 1.5, 60.0, 0.1], &Common { foundation, ..Common::default() });
+        let Block { b, h, mass, gravity, .. } = plain;
+        let weight = mass * gravity;
+        let mut found = vec![];
+        for (theta_dot, slack, damping, strength) in [
+            (0.0, 0.0, 0.0, 0.0),
+            (0.3, 0.0, 1.0, 0.0),
+            (-0.3, 0.0, 1.0, 0.0),
+            (-2.0, 0.0, 1.0, 0.0),
+            (0.3, 0.0, 1.0, 0.5),
+            (0.3, 0.0, 1.0, 20.0),
+            (-2.0, 0.0, 1.0, 0.01),
+            (2.0, 1.0, 1.0, 0.01),
+        ] {
+            let tie = Tie {
+                block: [-b, 2.0 * h],
+                ground: [-5.0 * b, 0.0],
+                stiffness: 20.0 * weight,
+                slack,
+                damping: damping * weight,
+                strength: strength * weight,
+                ..Tie::default()
+            };
+            let initial = Initial { theta: 0.05, theta_dot, ..Initial::default() };
+            let (run, seen) = first_instant(plain.with_ties(&[tie]).unwrap(), initial);
+            // The end at the block from the centre of mass, turned, and from the end at the ground.
+            let (sin, cos) = seen.theta.sin_cos();
+            let [x, z] = [h * sin - b * cos, h * cos + b * sin];
+            let [across, up] = [seen.u + x + 5.0 * b, seen.v + h + z];
+            let length = across.hypot(up);
+            let stretch = length - (4.0 * b).hypot(2.0 * h) - slack;
+            let rate = (across * (seen.u_dot + z * theta_dot) + up * (seen.v_dot - x * theta_dot)) / length;
+            let tension = tie.stiffness * stretch + tie.damping * rate;
+            let expected = match (stretch, tension) {
+                (s, _) if s < 0.0 => (Slack, 0.0),
+                (_, t) if t < 0.0 => (Limp, 0.0),
+                (_, t) if strength > 0.0 && t > tie.strength => (Broken, 0.0),
+                (_, t) => (Taut, t),
+            };
+            assert_eq!(run.ties()[0], expected.0, "{theta_dot} rad/s, {strength}: {tension} N");
+            let shown = seen.tension[0];
+            assert!((shown - expected.1).abs() < 1e-11 * weight, "{shown} N, expected {expected:?}");
+            found.push(expected.0);
+        }
+        assert_eq!(found, [Taut, Taut, Taut, Limp, Broken, Taut, Limp, Slack]);
+    }
+}
