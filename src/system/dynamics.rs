@@ -197,9 +197,9 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// case for `|a_gx| > (g + a_gz) tan α`.
     #[inline(always)]
     fn at_rest(&self, forcing: Forcing<T>) -> Instant<T> {
-        let &Posture { block, footing, .. } = self;
+        let block = self.block;
         let (zero, one) = (T::from(0.0), T::from(1.0));
-        let upright = Posture { theta_dot: zero, w: zero, w_dot: zero, sin: zero, cos: one, footing, ..*self };
+        let upright = Posture { theta_dot: zero, w: zero, w_dot: zero, sin: zero, cos: one, ..*self };
         let weight = forcing.z + block.gravity;
         let x = upright.moving(Foot::Middle, [zero; 3], [weight, zero], forcing);
         let couple = (x.horizontal * block.h - forcing.moment) * (P::from(0.5) / block.b);

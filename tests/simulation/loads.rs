@@ -119,3 +119,26 @@ fn inputs_add_up_at_any_time() {
         }
     }
 }
+
+/// A line from inputs to others, as an importer sets them at the ends of a step, has the values of both; inputs that are held keep theirs.
+#[test]
+fn a_line_joins_two_sets_of_inputs() {
+    let inputs = |time: f64, values: [f64; 5]| {
+        let [a_gx, a_gz, f_x, f_z, m_y] = values.map(|value| Ramp { value, rate: 7.0 });
+        Inputs { time, a_gx, a_gz, f_x, f_z, m_y }
+    };
+    let values = |inputs: Inputs| [inputs.a_gx, inputs.a_gz, inputs.f_x, inputs.f_z, inputs.m_y].map(|ramp| ramp.value);
+    let (first, last) = ([1.0, -2.0, 3.0, 5.0, -8.0], [0.5, 4.0, -1.5, 6.5, 2.0]);
+    let (start, end) = (inputs(0.75, first), inputs(1.25, last));
+    let line = start.line_to(&end);
+    assert_eq!((values(line), values(line.moved_to(1.25))), (first, last));
+    assert_eq!(values(line.moved_to(1.0)), std::array::from_fn(|i| 0.5 * (first[i] + last[i])));
+    assert_eq!(values(start.held().moved_to(3.0)), first);
+    assert!(start.is_finite());
+    for i in 0..5 {
+        let mut broken = first;
+        broken[i] = f64::NAN;
+        assert!(!inputs(0.0, broken).is_finite() && !inputs(f64::INFINITY, first).is_finite());
+    }
+    assert!(!Inputs { f_x: Ramp { value: 0.0, rate: f64::INFINITY }, ..start }.is_finite());
+}

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use rocking_block::block::ties::NO_TIES;
-use rocking_block::block::{Block, Contact, Contacts, Corner, Creep, Foundation, Regime};
+use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime, Tie, TieState};
 use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::{Equations, State};
 use rocking_block::system::evaluation::{Evaluation, Motion};
@@ -15,6 +15,7 @@ use rocking_block::system::events::{Surface, gap_opening};
 use rocking_block::system::instant::Pose;
 use rocking_block::system::instant::{Footing, Instant};
 
+use crate::blocks;
 use crate::blocks::uneven as block;
 
 /// Time of all checks: within the pulse, away from zeros of its sine and cosine.
@@ -35,13 +36,17 @@ fn excitation(block: &Block) -> Excitation {
     Excitation::from_time(TIME, &inputs, &pulse, block)
 }
 
-/// Returns a plausible pose for every combination of contacts and grips.
+/// Returns a plausible pose for every combination of contacts and grips, of blocks with the centre of mass in the middle and beside it.
 fn situations() -> Vec<(Block, Pose)> {
     let mut all = Vec::new();
-    for (foundation, xi_v) in
-        [(Foundation::Viscoelastic, 0.23), (Foundation::Viscoelastic, 0.0), (Foundation::Rigid, 0.1)]
-    {
-        let block = block(foundation, xi_v);
+    for (foundation, xi_v, eccentricity) in [
+        (Foundation::Viscoelastic, 0.23, 0.0),
+        (Foundation::Viscoelastic, 0.0, 0.0),
+        (Foundation::Rigid, 0.1, 0.0),
+        (Foundation::Viscoelastic, 0.23, 0.3),
+        (Foundation::Rigid, 0.1, -0.2),
+    ] {
+        let block = eccentric(foundation, xi_v, eccentricity);
         let free = Footing::Free { u: 0.31, u_dot: -0.42 };
         for touching in [[true, true], [true, false], [false, true], [false, false]] {
             for footing in [Footing::Grips { offset: 0.17 }, free] {
@@ -72,6 +77,35 @@ fn situations() -> Vec<(Block, Pose)> {
     all
 }
 
+/// Returns [`blocks::uneven`] with its centre of mass beside the middle (m).
+fn eccentric(foundation: Foundation, xi_v: f64, eccentricity: f64) -> Block {
+    let Block { mass, gamma, epsilon, .. } = block(foundation, xi_v);
+    let common = Common { mass, gamma, epsilon, foundation, eccentricity, ..Common::default() };
+    blocks::block([0.42, 1.7, 11.0, xi_v], &common)
+}
+
+/// Returns poses in which one of both corners is held on its support.
+fn held() -> Vec<(Block, Pose)> {
+    let mut all = Vec::new();
+    for (eccentricity, corner) in [(0.0, Corner::Left), (0.3, Corner::Left), (0.3, Corner::Right)] {
+        let block = eccentric(Foundation::Viscoelastic, 0.23, eccentricity);
+        let mut contacts = Contacts::FULL;
+        contacts.set(corner, Contact::Held(Creep { depth: 0.4 * block.static_deflection(), since: 0.35 }));
+        let state = State::from([0.02, 0.3, 0.0, 0.0]);
+        all.push((
+            block,
+            Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 }, ties: NO_TIES },
+        ));
+    }
+    all
+}
+
+/// Returns the height of a support without load above that under the block at rest (m): its share of the weight over its stiffness.
+fn free_height(block: &Block, corner: Corner) -> f64 {
+    let share = 0.5 * (1.0 - corner.sign() * block.eccentricity / block.b);
+    share * block.mass * block.gravity / block.stiffness
+}
+
 /// Returns an upper bound of the circular frequencies.
 fn fastest(block: &Block) -> f64 {
     block.omega_v * (1.0 + 2.0 * block.xi_v) * 2.0 + if block.xi_v > 0.0 { block.creep_rate() } else { 0.0 } + TAU / 0.9
@@ -100,7 +134,7 @@ fn check(what: &str, (block, pose): (&Block, &Pose), rate: f64, size: f64, funct
 
 #[test]
 fn rates_are_derivatives_along_the_motion() {
-    for (block, pose) in situations() {
+    for (block, pose) in situations().into_iter().chain(held()) {
         let excitation = excitation(&block);
         let x = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state).instant;
         let at = (&block, &pose);
@@ -143,7 +177,7 @@ fn dual_numbers_give_the_rates_of_everything() {
         ("N_R", |x| x.reaction[1], |x| x.reaction[1]),
         ("H", |x| x.horizontal, |x| x.horizontal),
     ];
-    for (block, pose) in situations() {
+    for (block, pose) in situations().into_iter().chain(held()) {
         let excitation = excitation(&block);
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state);
         let dual = now.with_rates(now.forcing_rate());
@@ -158,7 +192,10 @@ fn dual_numbers_give_the_rates_of_everything() {
 /// Returns the positions of the corners relative to the centre of mass: to the right, and up.
 fn arms(block: &Block, theta: f64) -> [[f64; 2]; 2] {
     let (sin, cos) = theta.sin_cos();
-    [-block.b, block.b].map(|x| [x * cos - block.h * sin, -x * sin - block.h * cos])
+    [-block.b, block.b].map(|x| {
+        let x = x - block.eccentricity;
+        [x * cos - block.h * sin, -x * sin - block.h * cos]
+    })
 }
 
 /// The reactions satisfy Newton's and Euler's equations and the law of the supports in all situations.
@@ -183,12 +220,15 @@ fn forces_balance() {
         if !pose.footing.grips() {
             assert_eq!(x.horizontal, 0.0);
         }
+        if pose.contacts.regime() == Regime::Separated {
+            assert_eq!(x.slip_rate, 0.0);
+        }
         for (i, corner) in Corner::BOTH.into_iter().enumerate() {
             let height = x.v + block.h + [left, right][i][1];
             assert!((height - x.corner[i]).abs() < 1e-14, "{pose:?} {x:?}");
             match (pose.contacts.touches(corner), block.foundation) {
                 (true, Foundation::Viscoelastic) => {
-                    let spring = block.stiffness * (block.static_deflection() - x.corner[i]);
+                    let spring = block.stiffness * (free_height(&block, corner) - x.corner[i]);
                     let n = (spring - block.damping * x.corner_dot[i]) / block.mass;
                     assert!(close(x.reaction[i], n), "{pose:?} {x:?}");
                 }
@@ -202,10 +242,12 @@ fn forces_balance() {
         }
         // A gripping point does not move.
         if let Footing::Grips { offset } = pose.footing {
+            let at_rest = arms(&block, 0.0);
+            let [left, right] = [0, 1].map(|i| x.u + [left, right][i][0] - at_rest[i][0]);
             let at = match pose.contacts.regime() {
-                Regime::TiltingLeft => x.u + left[0] + block.b,
-                Regime::TiltingRight => x.u + right[0] - block.b,
-                Regime::FullContact | Regime::Separated => x.u + 0.5 * (left[0] + right[0]),
+                Regime::TiltingLeft => left,
+                Regime::TiltingRight => right,
+                Regime::FullContact | Regime::Separated => 0.5 * (left + right),
             };
             assert!((at - offset).abs() < 1e-14, "{pose:?} {x:?}");
         }
@@ -231,16 +273,39 @@ fn the_rate_of_energy_is_the_sum_of_the_powers() {
         check("power", (&block, &pose), work - dashpots, 1e-3 * block.gravity * block.r0, |now| now.energy());
         let kinetic = 0.5 * (block.i0 * x.theta_dot.powi(2) + x.u_dot.powi(2) + x.v_dot.powi(2));
         let springs = Corner::BOTH.into_iter().filter(|&corner| pose.contacts.touches(corner)).map(|corner| {
-            let depth = block.static_deflection() - x.corner[corner.index()];
+            let depth = free_height(&block, corner) - x.corner[corner.index()];
             0.5 * block.stiffness / block.mass * depth * depth
         });
+        let at_rest =
+            Corner::BOTH.map(|corner| 0.5 * block.stiffness / block.mass * free_height(&block, corner).powi(2));
         let potential = block.gravity * x.v
             + match block.foundation {
-                Foundation::Viscoelastic => springs.sum::<f64>() - 0.5 * block.gravity * block.static_deflection(),
+                Foundation::Viscoelastic => springs.sum::<f64>() - at_rest.iter().sum::<f64>(),
                 Foundation::Rigid => 0.0,
             };
         let unit = block.gravity * block.r0;
         assert!((now.energy() - kinetic - potential).abs() < 1e-13 * unit, "{} {kinetic} {potential}", now.energy());
+    }
+}
+
+/// A taut tie below the middle pulls the centre of mass of a block down while one of its corners is held.
+#[test]
+fn ties_pull_a_block_whose_corner_is_held() {
+    for (plain, pose) in held() {
+        let excitation = excitation(&plain);
+        let stiffness = 20.0 * plain.mass * plain.gravity;
+        let block = plain.with_ties(&[Tie { ground: [0.0, -1e6], stiffness, ..Tie::default() }]).unwrap();
+        let mut tied = pose;
+        tied.ties[0] = TieState::Taut;
+        let [free, pulled] = [(&plain, pose), (&block, tied)]
+            .map(|(of, pose)| Motion::from_pose(of, &pose, &excitation).at(TIME, pose.state));
+        // The end at the block has sunk with the middle of the base, or risen.
+        let tension = stiffness * (free.instant.corner[0] + free.instant.corner[1]) * 0.5;
+        let change = pulled.instant.v_ddot - free.instant.v_ddot;
+        assert!(
+            tension.abs() > 0.1 && (change + tension / plain.mass).abs() < 1e-5 * change.abs(),
+            "{change} {tension}"
+        );
     }
 }
 
@@ -260,7 +325,7 @@ fn event_functions_have_their_rates() {
                     let sunk = match block.foundation {
                         Foundation::Viscoelastic => {
                             let depth = creep.depth * (-(TIME - creep.since) * block.creep_rate()).exp();
-                            block.static_deflection() - if block.xi_v > 0.0 { depth } else { 0.0 }
+                            free_height(&block, corner) - if block.xi_v > 0.0 { depth } else { 0.0 }
                         }
                         Foundation::Rigid => 0.0,
                     };
@@ -307,7 +372,7 @@ fn the_pressure_if_gripped_is_that_after_the_impulse() {
         let theta_dot = x.theta_dot + foot * impulse / block.i0;
         let pressed = |i: usize| {
             let rate = x.v_dot - [left, right][i][0] * theta_dot;
-            let n = block.stiffness * (block.static_deflection() - x.corner[i]) - block.damping * rate;
+            let n = block.stiffness * (free_height(&block, Corner::BOTH[i]) - x.corner[i]) - block.damping * rate;
             (n - (block.stiffness * block.mass).sqrt() * rate.max(0.0)) / block.mass
         };
         let least = [0, 1].into_iter().filter(|&i| pose.contacts.touches(Corner::BOTH[i])).map(pressed);

@@ -2,7 +2,7 @@
 
 use rocking_block::block::{Block, Common, Corner, Foundation, Tie, TieState};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::simulation::{Initial, Settings, Simulation};
+use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 
 use crate::blocks::block;
@@ -214,6 +214,40 @@ fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
         assert!((theta - untied).abs() < 1e-9, "{theta}, untied {untied}");
         let (held, events) = run(&[Tie { strength: weight, ..tie }]);
         assert!(matches!(events[..], [(EventKind::Taut(0), _), ..]) && held < 0.9 * untied, "{held}: {events:?}");
+    }
+}
+
+/// A tie at the centre of mass whose pretension is `k L` pulls with `k` times its length: in flight the centre of mass moves
+/// harmonically, and the rotation is uniform.
+#[test]
+fn a_tied_flight_is_harmonic() {
+    let plain = block([0.2, 1.5, 60.0, 0.1], &Common::default());
+    let Block { mass, gravity, h, .. } = plain;
+    let (omega, reach): (f64, [f64; 2]) = (1.3, [1.1, -0.4]);
+    let stiffness = mass * omega * omega;
+    let tie = Tie {
+        block: [0.0, h],
+        ground: [reach[0], h + reach[1]],
+        stiffness,
+        pretension: stiffness * reach[0].hypot(reach[1]),
+        ..Tie::default()
+    };
+    let (theta, theta_dot, v, v_dot) = (0.03, -0.12, 0.9, 2.0);
+    let settings = Settings { tolerance: 1e-12, on_separation: OnSeparation::Fly, ..Settings::default() };
+    let initial = Initial { theta, theta_dot, vertical: Some((v, v_dot)) };
+    let block = plain.with_ties(&[tie]).unwrap();
+    let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
+    let (u, u_dot) = (h * libm::sin(theta), h * libm::cos(theta) * theta_dot);
+    let balance = [reach[0], reach[1] - gravity / (omega * omega)];
+    for i in 1..=10 {
+        let time = 0.05 * f64::from(i);
+        simulation.advance(time, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();
+        let seen = simulation.observe(&Inputs::default());
+        let (sin, cos) = libm::sincos(omega * time);
+        let at = |from: f64, rate: f64, middle: f64| middle + (from - middle) * cos + rate / omega * sin;
+        let exact = [at(u, u_dot, balance[0]), at(v, v_dot, balance[1]), theta + theta_dot * time];
+        let found = [seen.u, seen.v, seen.theta];
+        assert!(found.iter().zip(exact).all(|(found, exact)| (found - exact).abs() < 1e-9), "{found:?}, not {exact:?}");
     }
 }
 
