@@ -299,6 +299,13 @@ fn a_corner_that_lands_and_lifts_at_once_is_not_pressed_down() {
         8.755,
         &inputs,
     );
+    let mut landed = simulation.clone();
+    assert!(landed.advance_to_event(8.76, 8.755, &inputs, &mut |_| ()).unwrap().is_none());
+    landed.settle(&inputs, &mut |_| ()).unwrap();
+    let seen = landed.observe(&inputs);
+    let arm = 0.5 * (width * libm::cos(seen.theta) + height * libm::sin(seen.theta));
+    let rate = seen.v_dot + arm * seen.theta_dot;
+    assert!(rate.abs() < 1e-12, "L moves with {rate} m/s");
     let mut events = Vec::new();
     simulation.advance(8.76, &inputs, &mut |event| events.push(event.kind)).unwrap();
     assert_eq!(events, [EventKind::Landing(Corner::Left)]);
