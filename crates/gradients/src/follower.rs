@@ -1,9 +1,9 @@
 //! A run, step by step → the derivatives of its state, of its outputs, and of the times of its events.
 
-use rocking_block::block::{Contact, Corner, Creep, Foundation};
+use rocking_block::block::{Contact, Corner, Creep};
 use rocking_block::excitation::{Excitation, Inputs};
-use rocking_block::numerics::{Equations, State, dop853, short};
-use rocking_block::simulation::follow::{Course, Steps};
+use rocking_block::numerics::State;
+use rocking_block::simulation::follow::{Course, Steps, repeat_step};
 use rocking_block::simulation::outputs::{Observation, observe};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Simulation, SimulationError};
@@ -12,17 +12,10 @@ use rocking_block::system::evaluation::{Evaluation, Motion};
 use rocking_block::system::events::{Event, EventKind, Surface};
 use rocking_block::system::forces::energy;
 use rocking_block::system::instant::{Footing, Pose};
-use rocking_block::system::law::{AnyLaw, Law};
 
 use crate::peaks::{Raised, Stretch};
 use crate::varied::Varied;
 use crate::{BATCH, Number};
-
-/// The numbers of states under laws that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
-const EXTENDED: usize = 6;
-
-/// Steps of order 8 in place of a swing on the rigid base, which has up to twice as many terms: per 1/p, or under a pulse.
-const SWING_PARTS: f64 = 8.0;
 
 /// An event with the derivatives of its time.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +87,7 @@ impl Follower {
         inputs: &Inputs,
     ) {
         let mut stretch = self.stretch(before, inputs, simulation);
-        self.go(course, before, simulation, &stretch.excitation);
+        self.go(course, simulation, &stretch.excitation);
         stretch.end = simulation.time();
         if let Some(surface) = surface {
             stretch.end_shift = self.event_time(surface, course, &stretch.excitation);
@@ -127,8 +120,8 @@ impl Follower {
         self.shift = shift;
     }
 
-    /// Goes with a step of the run that began at `start` (s).
-    fn go(&mut self, course: Course, start: f64, simulation: &Simulation, excitation: &Excitation<Number>) {
+    /// Goes with a step of the run.
+    fn go(&mut self, course: Course, simulation: &Simulation, excitation: &Excitation<Number>) {
         let slides = !self.pose.footing.grips() && self.pose.contacts.regime().foot().is_some();
         let end = simulation.time();
         let place = slides.then(|| self.at(&self.pose, excitation).foot_place());
@@ -141,11 +134,7 @@ impl Follower {
                 self.pose.time = Number::from(end);
             }
             Course::Step | Course::ShortStep => {
-                let law = AnyLaw::of(&self.system.block, &self.pose);
-                self.pose = match law.extended() {
-                    Some(law) => self.step::<EXTENDED>(law, &self.pose, course, start, end, excitation),
-                    None => self.step::<4>(law, &self.pose, course, start, end, excitation),
-                };
+                self.pose = repeat_step(&self.system.block, &self.pose, excitation, course, end);
             }
         }
         self.meet(simulation.pose());
@@ -153,36 +142,6 @@ impl Follower {
             self.slip = self.slip + self.at(&self.pose, excitation).foot_place() - place;
         }
         self.shift = [0.0; BATCH];
-    }
-
-    fn step<const M: usize>(
-        &self,
-        law: impl Law,
-        pose: &Pose<Number>,
-        course: Course,
-        start: f64,
-        end: f64,
-        excitation: &Excitation<Number>,
-    ) -> Pose<Number> {
-        let motion = Motion::<_, M, _>::under(law, &self.system.block, pose, excitation);
-        let rate = |time: f64, state: State<Number, M>| motion.rate(Number::from(time), &state).state;
-        let (mut state, size) = (motion.state_at(pose), end - start);
-        let swing_parts = match (self.system.block.foundation, pose.contacts.regime().pivot()) {
-            (Foundation::Rigid, Some(_)) if !excitation.is_linear() => Some(SWING_PARTS),
-            (Foundation::Rigid, Some(_)) => Some((SWING_PARTS * self.system.block.p.re * size).ceil().max(1.0)),
-            (Foundation::Rigid, None) | (Foundation::Viscoelastic, _) => None,
-        };
-        match (course, swing_parts) {
-            (_, Some(parts)) => {
-                for part in 0..parts as u32 {
-                    state = dop853::follow(start + f64::from(part) * size / parts, size / parts, state, rate);
-                }
-            }
-            (Course::ShortStep, None) => state = short::follow(start, size, state, rate),
-            (Course::Stayed | Course::Step | Course::Rested, None) => state = dop853::follow(start, size, state, rate),
-        }
-        let there = motion.at(Number::from(end), state);
-        Pose { time: there.time, state: there.state, footing: there.footing, ..*pose }
     }
 
     /// Derivatives of the time at which the motion falls through a surface.
@@ -304,11 +263,8 @@ impl Follower {
         if elapsed == 0.0 {
             return self.at(start, excitation);
         }
-        let (time, law) = (start.time.re, AnyLaw::of(&self.system.block, start));
-        let pose = match law.extended() {
-            Some(law) => self.step::<EXTENDED>(law, start, Course::Step, time, time + elapsed, excitation),
-            None => self.step::<4>(law, start, Course::Step, time, time + elapsed, excitation),
-        };
+        let end = start.time.re + elapsed;
+        let pose = repeat_step(&self.system.block, start, excitation, Course::Step, end);
         self.at(&pose, excitation)
     }
 
