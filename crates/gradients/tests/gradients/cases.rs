@@ -8,6 +8,7 @@ use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::Initial;
 use rocking_gradients::{Given, Parameters};
+use rocking_records::{ReadOptions, Unit};
 use serde_json::Value;
 
 use crate::run::Run;
@@ -20,15 +21,19 @@ fn root() -> std::path::PathBuf {
 fn record() -> Ground {
     let path = root().join("crates/rocking/records/np01002p_4225a_a.smc");
     let bytes = std::fs::read(path).unwrap();
-    let record = rocking_records::parse("record", &bytes, &rocking_records::ReadOptions::default()).unwrap();
+    let record = rocking_records::parse("record", &bytes, &ReadOptions::default()).unwrap();
     Ground { horizontal: Some(rocking_records::Record { start_time: 0.0, ..record }), vertical: None }
+}
+
+fn case(folder: &str, name: &str) -> Value {
+    let text = std::fs::read_to_string(root().join("tests").join(folder).join("cases.json")).unwrap();
+    let cases: Value = serde_json::from_str(&text).unwrap();
+    cases.as_array().unwrap().iter().find(|case| case["name"] == name).unwrap().clone()
 }
 
 /// A reference case that is driven by a pulse or starts from an initial state.
 pub fn reference(folder: &str, name: &str) -> Run {
-    let text = std::fs::read_to_string(root().join("tests").join(folder).join("cases.json")).unwrap();
-    let cases: Value = serde_json::from_str(&text).unwrap();
-    let case = cases.as_array().unwrap().iter().find(|case| case["name"] == name).unwrap();
+    let case = case(folder, name);
     let or = |value: &Value, default: f64| value.as_f64().unwrap_or(default);
     let of = |key: &str, default: f64| or(&case[key], default);
     let motion = &case["a_gx"];
@@ -99,4 +104,25 @@ pub fn under_record(folder: &str, name: &str, scale: f64) -> Run {
     run.parameters.pulse = Pulse::NONE;
     run.parameters.scale = Some(scale);
     Run { name: format!("{name} under a record"), ground: record(), ..run }
+}
+
+/// A reference case under its own records; none where they are not at hand.
+pub fn under_its_records(folder: &str, name: &str) -> Option<Run> {
+    let case = case(folder, name);
+    let record = |motion: &Value| {
+        let (file, dt) = match motion["record"].as_str()? {
+            "rinaldi" => ("paper/NGA_no_1063_RRS228.AT2", None),
+            "erzincan" => ("paper_derived/ERZ-NS_unrotated.AT2", None),
+            "sylmar052" => ("paper/SCS052.AT2", Some(0.005)),
+            "sylmar_up" => ("paper/SCSUP.AT2", Some(0.005)),
+            other => panic!("unknown record {other}"),
+        };
+        let options = ReadOptions { unit: dt.map(|_| Unit::G), time_step: dt, gravity: 9.81, ..ReadOptions::default() };
+        let record = rocking_records::read(&root().join("../shared/records").join(file), &options).ok()?;
+        Some(rocking_records::Record { start_time: 0.0, ..record })
+    };
+    let ground = Ground { horizontal: Some(record(&case["a_gx"])?), vertical: record(&case["a_gz"]) };
+    let mut run = Run { ground, ..reference(folder, name) };
+    run.parameters.scale = case["a_gx"]["scale"].as_f64();
+    Some(run)
 }

@@ -7,8 +7,9 @@ use rocking_block::system::events::EventKind;
 
 use rocking_gradients::{BATCH, Number};
 
-use crate::cases::{reference, under_record};
+use crate::cases::{reference, under_its_records, under_record};
 use crate::run::{Results, Run};
+use crate::skipped::skip;
 
 /// Allowed difference, as a part of the greatest derivative of its kind.
 const TOLERANCE: f64 = 1e-6;
@@ -220,6 +221,30 @@ fn under_records() {
         (run.rows, run.difference) = (100, 2e-5);
         let more = if name == "sine_rigid" { "restitution_factor" } else { "eta" };
         check(&run, ["alpha", "p", "gamma", more, "scale"]);
+    }
+}
+
+/// The reference cases under the paper's records, on supports. On the rigid base small changes alter the number of impacts in the
+/// first ring-down, some 130, so that differences fail.
+#[test]
+fn reference_cases_under_their_records() {
+    const NAMES: [&str; 5] = ["alpha", "p", "eta", "xi_v", "scale"];
+    for (folder, name, more, rows) in [
+        ("reference", "rinaldi", "gamma", 60),
+        ("reference", "sylmar_two_components", "gamma", 60),
+        ("reference", "bridge_erzincan_eta100", "gamma", 60),
+        ("reference", "bridge_rinaldi_pad_S10", "gamma", 60),
+        // Under small changes the landing at 4.3 s slips or grips.
+        ("reference_more", "slip_rinaldi", "friction", 42),
+        ("reference_more", "eccentric_rinaldi", "eccentricity", 60),
+    ] {
+        let Some(run) = under_its_records(folder, name) else {
+            skip(&format!("derivatives of {name}: its record may not be redistributed and is not at hand"));
+            continue;
+        };
+        let run = Run { rows, difference: 2e-5, ..run };
+        check(&run, NAMES);
+        check(&run, [more]);
     }
 }
 

@@ -6,3 +6,5 @@ mod cases;
 mod closed_form;
 mod differences;
 mod run;
+#[path = "../../../../tests/common/skipped.rs"]
+mod skipped;
