@@ -28,10 +28,10 @@ where
         loop {
             self.pose.contacts.let_bear();
             let regime = self.regime();
-            if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips()) {
-                if !(self.landed && block.is_extended() && self.keep_momentum(pivot, &mut placement)) {
-                    self.hold_pivot(pivot, &mut placement);
-                }
+            if let (Regime::FullContact, Some(pivot), true) = (before, regime.pivot(), self.pose.footing.grips())
+                && !(self.landed && block.is_extended() && self.keep_momentum(pivot, &mut placement))
+            {
+                self.hold_pivot(pivot, &mut placement);
             }
             before = regime;
             if regime == Regime::Separated && !matches!(self.pose.footing, Footing::Free { .. }) {
