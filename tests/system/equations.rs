@@ -136,8 +136,8 @@ fn check(what: &str, (block, pose): (&Block, &Pose), rate: f64, size: f64, funct
 fn rates_are_derivatives_along_the_motion() {
     for (block, pose) in situations().into_iter().chain(held()) {
         let excitation = excitation(&block);
-        let x = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state).instant;
-        let at = (&block, &pose);
+        let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, pose.state);
+        let (x, at) = (now.instant, (&block, &pose));
         let unit = block.r0;
         check("theta_dot", at, x.theta_dot, 1e-3, |now| now.instant.theta);
         check("theta_ddot", at, x.theta_ddot, 1e-3, |now| now.instant.theta_dot);
@@ -147,6 +147,10 @@ fn rates_are_derivatives_along_the_motion() {
         check("u_ddot", at, x.u_ddot, 1e-3 * unit, |now| now.instant.u_dot);
         check("v_dot", at, x.v_dot, 1e-3 * unit, |now| now.instant.v);
         check("v_ddot", at, x.v_ddot, 1e-3 * unit, |now| now.instant.v_dot);
+        if pose.contacts.regime() != Regime::Separated {
+            check("slip_rate", at, x.slip_rate, 1e-3 * unit, |now| now.foot_place());
+            check("foot_acceleration", at, now.foot_acceleration(), 1e-3 * unit, |now| now.instant.slip_rate);
+        }
         for corner in [0, 1] {
             check("corner_dot", at, x.corner_dot[corner], 1e-3 * unit, |now| now.instant.corner[corner]);
             check("corner_ddot", at, x.corner_ddot[corner], 1e-3 * unit, |now| now.instant.corner_dot[corner]);
@@ -241,14 +245,15 @@ fn forces_balance() {
             }
         }
         // A gripping point does not move.
+        let at_rest = arms(&block, 0.0);
+        let [left, right] = [0, 1].map(|i| x.u + [left, right][i][0] - at_rest[i][0]);
+        let at = match pose.contacts.regime() {
+            Regime::TiltingLeft => left,
+            Regime::TiltingRight => right,
+            Regime::FullContact | Regime::Separated => 0.5 * (left + right),
+        };
+        assert!((at - now.foot_place()).abs() < 1e-14, "{pose:?} {x:?}");
         if let Footing::Grips { offset } = pose.footing {
-            let at_rest = arms(&block, 0.0);
-            let [left, right] = [0, 1].map(|i| x.u + [left, right][i][0] - at_rest[i][0]);
-            let at = match pose.contacts.regime() {
-                Regime::TiltingLeft => left,
-                Regime::TiltingRight => right,
-                Regime::FullContact | Regime::Separated => 0.5 * (left + right),
-            };
             assert!((at - offset).abs() < 1e-14, "{pose:?} {x:?}");
         }
     }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Common, Contacts, Corner, Foundation};
-use rocking_block::excitation::{Excitation, Inputs, Pulse};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::Motion;
 use rocking_block::system::events::{EventKind, Surface, Transition};
@@ -20,7 +20,13 @@ fn block(foundation: Foundation, friction: f64) -> Block {
 
 /// The change of a pose that falls through a surface, with the velocities right after.
 fn transition(block: &Block, pose: &Pose, surface: Surface) -> (Transition, Velocities) {
-    let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, block);
+    transition_under(Ramp::default(), block, pose, surface)
+}
+
+/// The same under a ground acceleration.
+fn transition_under(a_gx: Ramp, block: &Block, pose: &Pose, surface: Surface) -> (Transition, Velocities) {
+    let inputs = Inputs { a_gx, ..Inputs::default() };
+    let excitation = Excitation::from_time(0.0, &inputs, &Pulse::NONE, block);
     let now = Motion::from_pose(block, pose, &excitation).at(pose.time, pose.state);
     let system = System { block: *block, flies: true, slowest: System::SLOWEST };
     let after = system.transition(pose, &now, surface);
@@ -167,6 +173,51 @@ fn a_level_landing_takes_what_friction_allows() {
             };
             near(&block, found, exact, &format!("μ = {friction}, {u_dot} m/s"));
             assert!(matches!(after.pose.footing, Footing::Slides { direction, .. } if direction == u_dot.signum()));
+        }
+    }
+}
+
+/// A foot that stops grips if `|H| ≤ μ M g` holds it; at exactly that, if H does not grow. Otherwise the foot turns, against the ground.
+/// On supports the block gives way to H by a rotation.
+#[test]
+fn a_foot_that_stops_grips_or_turns() {
+    for foundation in [Foundation::Rigid, Foundation::Viscoelastic] {
+        let block = block(foundation, 0.25);
+        let gives_way = match foundation {
+            Foundation::Rigid => 0.0,
+            Foundation::Viscoelastic => block.h * block.h / block.i0,
+        };
+        let limit = block.friction * block.gravity * (1.0 + gives_way);
+        // The rotation makes H grow by itself.
+        let at_limit = if foundation == Foundation::Rigid { 1.0 } else { 0.999 };
+        for (part, growth, turns) in [
+            (0.0, 0.0, false),
+            (0.9, 5.0, false),
+            (at_limit, -5.0, false),
+            (at_limit, 0.0, false),
+            (at_limit, 5.0, at_limit == 1.0),
+            (1.1, 5.0, true),
+            (1.1, 0.0, true),
+            (1.1, -5.0, true),
+        ] {
+            for side in [-1.0, 1.0] {
+                let a_gx = Ramp { value: side * part * limit, rate: side * growth };
+                let pose = Pose {
+                    time: 0.0,
+                    state: State::zeros(),
+                    contacts: Contacts::FULL,
+                    footing: Footing::Slides { u: 0.2, u_dot: 0.0, direction: side },
+                    ties: NO_TIES,
+                };
+                let (after, _) = transition_under(a_gx, &block, &pose, Surface::Speed);
+                let case = format!("{foundation:?}, {a_gx:?}: {after:?}");
+                assert_eq!(after.event, Some(if turns { EventKind::Slip } else { EventKind::Grip }), "{case}");
+                match after.pose.footing {
+                    Footing::Slides { direction, .. } => assert!(turns && direction == -side, "{case}"),
+                    Footing::Grips { offset } => assert!(!turns && (offset - 0.2).abs() < 1e-15, "{case}"),
+                    Footing::Free { .. } => panic!("{case}"),
+                }
+            }
         }
     }
 }
