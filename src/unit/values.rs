@@ -57,8 +57,10 @@ impl std::ops::IndexMut<Variable> for Values {
 }
 
 /// The group of block parameters that `parameterization` selects.
-pub(super) enum GivenBlock<T> {
+pub enum GivenBlock<T> {
+    /// The paper's parameters.
     Dimensionless(Dimensionless<T>),
+    /// Sizes, stiffness and damping.
     Physical(Physical<T>),
 }
 
@@ -137,7 +139,7 @@ impl Values {
     }
 
     /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.
-    pub(super) fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
+    pub fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
         let count = TIE_VARIABLES.iter().rposition(|tie| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
         TIE_VARIABLES[..count]
             .iter()
@@ -154,7 +156,7 @@ impl Values {
     }
 
     /// Returns the parameters of the block, with the numbers of `of`.
-    pub(super) fn given_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
+    pub fn given_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),

@@ -14,6 +14,7 @@
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`rate`] | annual rates → pages |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
+//! | [`mod@fit`] | tests and their fits → a page |
 //! | [`tornado`] | a result at both ends of several ranges → pages |
 //! | [`spectrum`], [`record_spectra`] | spectra under one and under several records → pages |
 //! | [`figures`] | parameters and records → the figures of Palmeri and Makris (2008) |
@@ -42,6 +43,8 @@ pub mod fragility;
 pub mod rate;
 
 pub mod pulse_fit;
+
+pub mod fit;
 
 pub mod tornado;
 

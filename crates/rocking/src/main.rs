@@ -26,6 +26,7 @@
 //! | [`relative_measure`] | options of a block → the measure of records behind a measure relative to the block |
 //! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
 //! | [`search`] | range → the values at which the outcome changes |
+//! | [`mod@fit`] | study file with tests of a block → estimates with intervals |
 //! | [`assess`] | study file with an object → a page on it, with pictures and tables |
 //! | [`record`] | accelerograms → their contents and intensity measures |
 //! | [`pulse`] | an accelerogram → the pulse that fits it best |
@@ -90,6 +91,8 @@ mod rate;
 
 mod search;
 
+mod fit;
+
 mod assess;
 
 mod record;
@@ -140,6 +143,8 @@ enum Command {
     Rate(Box<rate::Options>),
     /// Find the values at which a block begins to overturn or to leave the ground
     Search(Box<search::Options>),
+    /// Fit the parameters of a block to measured tests, with intervals
+    Fit(Box<fit::Options>),
     /// Assess one object: a page with its fragility, annual rates, variants and sensitivity
     Assess(Box<assess::Options>),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
@@ -234,6 +239,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Fragility(options)) => fragility::run(&options, &explicit),
         Some(Command::Rate(options)) => rate::run(&options, &explicit),
         Some(Command::Search(options)) => search::run(&options, &explicit),
+        Some(Command::Fit(options)) => fit::run(&options, &explicit),
         Some(Command::Assess(options)) => assess::run(&options),
         Some(Command::Record(options)) => record::run(&options),
         Some(Command::Pulse(options)) => pulse::run(&options, &explicit),

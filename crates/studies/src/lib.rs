@@ -16,6 +16,7 @@
 //! | [`sweep`] | parameters × ground motions × strengths → a table of outcomes; samples of an ensemble |
 //! | [`fragility`] | the table of a sweep → fragility curves |
 //! | [`risk`] | a hazard curve, a fragility curve → the annual rate of exceeding a limit |
+//! | [`fit`] | measured tests of a block, free parameters → estimates with their intervals |
 //! | [`assess`] | a study file with an object → the numbers of a report on it |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
@@ -47,5 +48,7 @@ pub mod sweep;
 pub mod fragility;
 
 pub mod risk;
+
+pub mod fit;
 
 pub mod assess;

@@ -102,7 +102,7 @@ impl Run {
 }
 
 /// Adds the derivatives of a row to those of each parameter.
-fn add_rows(
+pub(crate) fn add_rows(
     of_parameters: &mut [Vec<Row>],
     followers: &[Follower],
     simulation: &Simulation,

@@ -183,7 +183,7 @@ impl Run {
         sliding.longest
     }
 
-    pub(super) fn begin(&self) -> Simulation {
+    pub(crate) fn begin(&self) -> Simulation {
         let start = self.ground.start();
         let (inputs, _) = self.ground.inputs_from(start);
         Simulation::new(self.block, self.settings, self.pulse, &self.initial, start, &inputs)
@@ -251,7 +251,8 @@ impl Run {
         }
     }
 
-    fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {
+    /// The state of the block now, under these inputs.
+    pub(crate) fn row(&self, simulation: &Simulation, inputs: &Inputs) -> Row {
         let time = simulation.time();
         let now = inputs.moved_to(time);
         let observation = simulation.observe(inputs);

@@ -170,7 +170,7 @@ fn parameters<'a>(
 }
 
 /// Reads the values of a parameter: one, a list, or a range.
-fn values(
+pub(crate) fn values(
     source: StudyText,
     parameter: &Parameter,
     value: SpannedValue,

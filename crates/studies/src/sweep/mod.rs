@@ -15,7 +15,7 @@ pub mod ensemble;
 pub mod file;
 pub mod ground_motion;
 pub mod parameters;
-mod records;
+pub(crate) mod records;
 pub mod strength;
 
 use std::ops::Range;

@@ -1,5 +1,6 @@
 //! `[[records]]` of a study file → ground motions.
 
+use std::ops::Range;
 use std::path::Path;
 
 use toml::de::DeValue;
@@ -12,7 +13,7 @@ use rocking_block::ground::Ground;
 use rocking_records::{Column, Processing, ReadOptions, Record, Setting};
 
 /// The keys of `[[records]]`.
-const KEYS: [&str; 17] = [
+pub(crate) const KEYS: [&str; 17] = [
     "horizontal",
     "vertical",
     "unit",
@@ -52,17 +53,29 @@ pub(super) fn read(
     for value in list {
         let table = value.get_ref().as_table().ok_or_else(|| root.wrong("records", value, "tables"))?;
         let section = Section::new(source, "[[records]]", value.span(), table, &KEYS)?;
-        let options = options(&section, gravity)?;
-        let found = grounds(&section, source, folder, &options)?;
-        let grounds: Vec<Ground> = found.iter().map(|(_, ground)| ground.clone()).collect();
-        if let Some((option, needed)) = options.unread(&grounds) {
-            let key = option.key();
-            let place = section.get(&key).map_or(value.span(), |value| value.span());
-            return Err(source.wrong(&place, format!("{key} has no effect without {needed}")));
-        }
+        let found = in_table(&section, value.span(), source, folder, gravity)?;
         motions.extend(found.into_iter().map(|(names, ground)| GroundMotion::new(names, ground, measures, gravity)));
     }
     Ok(motions)
+}
+
+/// Reads the ground motions of one table, at these bytes of the text, with the names of their files.
+pub(crate) fn in_table(
+    section: &Section,
+    range: Range<usize>,
+    source: StudyText,
+    folder: &Path,
+    gravity: f64,
+) -> Result<Vec<([String; 2], Ground)>, StudyFileError> {
+    let options = options(section, gravity)?;
+    let found = grounds(section, source, folder, &options)?;
+    let grounds: Vec<Ground> = found.iter().map(|(_, ground)| ground.clone()).collect();
+    if let Some((option, needed)) = options.unread(&grounds) {
+        let key = option.key();
+        let place = section.get(&key).map_or(range, |value| value.span());
+        return Err(source.wrong(&place, format!("{key} has no effect without {needed}")));
+    }
+    Ok(found)
 }
 
 /// Reads the ground motions of one table with the names of their files: one, or one per match of a pattern.
@@ -163,7 +176,7 @@ fn processing(section: &Section) -> Result<Processing, StudyFileError> {
 }
 
 /// Reads a column by its name or its number.
-fn column(section: &Section, key: &str) -> Result<Option<Column>, StudyFileError> {
+pub(crate) fn column(section: &Section, key: &str) -> Result<Option<Column>, StudyFileError> {
     match section.get(key).map(|value| value.get_ref()) {
         Some(DeValue::Integer(_)) => {
             Ok(section.integer(key, 1..100_001)?.map(|number| Column::Number(number as usize)))

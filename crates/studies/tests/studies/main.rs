@@ -3,5 +3,6 @@
 #[path = "../../../../tests/common/cases.rs"]
 mod cases;
 
+mod fit;
 mod lanes;
 mod published;

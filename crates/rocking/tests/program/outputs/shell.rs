@@ -7,7 +7,7 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "simulate",
     "sketch",
     "frame",
@@ -20,6 +20,7 @@ const COMMANDS: [&str; 15] = [
     "foundations",
     "fragility",
     "rate",
+    "fit",
     "assess",
     "completions",
     "man",

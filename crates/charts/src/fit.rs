@@ -1,0 +1,64 @@
+//! A fit to tests → measured and fitted values and their residuals over time.
+
+use crate::chart::{Chart, Curve, range};
+use crate::formula::formula;
+use crate::history::{block_line, thinned};
+use crate::line_style::LineStyle;
+use crate::page::{Symbol, page};
+use crate::picture::PictureError;
+use rocking_studies::fit::{Fit, TestFit};
+
+/// Heights of the charts of a test: values, residuals.
+const HEIGHTS: [u32; 2] = [5200, 3000];
+
+/// Draws each test with its fit, and the residuals under it.
+pub fn fit(fit: &Fit, title: &str) -> Result<String, PictureError> {
+    let heading = [title.into(), formula(&block_line(&fit.block))];
+    let legend = [
+        (Symbol::Curve(LineStyle::WIDE_GREY), "measured".to_string()),
+        (Symbol::Curve(LineStyle::THIN), "fitted".to_string()),
+    ];
+    let charts: Vec<[Chart; 2]> =
+        fit.tests.iter().enumerate().map(|(number, test)| charts(number, test, fit)).collect();
+    page(&heading, &legend, fit.tests.len() as u32 * HEIGHTS.iter().sum::<u32>(), |root, body| {
+        let mut rest = body.clone();
+        for (chart, height) in charts.iter().flat_map(|pair| pair.iter().zip(HEIGHTS)) {
+            let (area, below) = rest.split_vertically(height);
+            chart.draw(root, &area)?;
+            rest = below;
+        }
+        Ok(())
+    })
+}
+
+fn charts<'a>(number: usize, test: &TestFit, fit: &Fit) -> [Chart<'a>; 2] {
+    let TestFit { output, unit, times, measured, fitted, residuals, durbin_watson, .. } = test;
+    let start = times.first().copied().unwrap_or(0.0);
+    let end = times.last().copied().unwrap_or(1.0);
+    let rows: Vec<[f64; 4]> = (0..times.len()).map(|i| [times[i], measured[i], fitted[i], residuals[i]]).collect();
+    let line = |value: usize| thinned(&rows, |row| row[0], |row| row[value]);
+    let of_test = if fit.tests.len() > 1 { format!("test_{}: ", number + 1) } else { String::new() };
+    let ends = |lines: &[Vec<(f64, f64)>]| range(lines.iter().flatten().map(|point| point.1));
+    let values = [line(1), line(2)];
+    let y = ends(&values);
+    let styles = [LineStyle::WIDE_GREY, LineStyle::THIN];
+    let curves = values.into_iter().zip(styles).map(|(points, style)| Curve::new(style, vec![points])).collect();
+    let residual = line(3);
+    let below = ends(std::slice::from_ref(&residual));
+    [
+        Chart {
+            title: format!("{of_test}{output} ({unit})"),
+            x: ("", start..end),
+            y: ("", y),
+            curves,
+            ..Chart::default()
+        },
+        Chart {
+            title: format!("measured less fitted; Durbin–Watson {durbin_watson:.2}, white noise 2"),
+            x: ("time (s)", start..end),
+            y: ("", below),
+            curves: vec![Curve::new(LineStyle::THIN, vec![residual])],
+            ..Chart::default()
+        },
+    ]
+}

@@ -1,0 +1,147 @@
+//! A point of the box → residuals of all tests, with their Jacobian.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::fit::least_squares::Linearization;
+use crate::fit::model::{Course, course};
+use crate::fit::problem::{FitError, Problem, Test};
+use crate::fit::unknowns::{OF_MEASUREMENT, Unknown, set};
+
+/// Numbers of runs of a fit.
+#[derive(Debug, Default)]
+pub struct Runs {
+    /// Runs without derivatives.
+    pub plain: AtomicU64,
+    /// Runs with derivatives.
+    pub with_gradients: AtomicU64,
+}
+
+/// A problem with its unknowns.
+pub struct Evaluator<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Its unknowns, the coordinates of a point.
+    pub unknowns: &'a [Unknown],
+    /// Runs so far.
+    pub runs: Runs,
+}
+
+impl Evaluator<'_> {
+    /// The values of the unknowns at a point.
+    pub fn values(&self, point: &DVector<f64>) -> Vec<f64> {
+        self.unknowns.iter().zip(point).map(|(unknown, &coordinate)| unknown.value(coordinate)).collect()
+    }
+
+    /// The number of unknowns that a test has, and their places.
+    fn of_test(&self, number: usize) -> impl Iterator<Item = (usize, &Unknown)> {
+        self.unknowns.iter().enumerate().filter(move |(_, unknown)| unknown.test.is_none_or(|test| test == number))
+    }
+
+    /// Zero and delay of a test.
+    fn zero_and_delay(&self, number: usize, values: &[f64]) -> [f64; 2] {
+        let test = &self.problem.tests[number];
+        let own = |name: &str, given: f64| {
+            let found = self.of_test(number).find(|(_, unknown)| unknown.name == name);
+            found.map_or(given, |(i, _)| values[i])
+        };
+        [own("zero", test.zero), own("delay", test.delay)]
+    }
+
+    /// The course of the first `count` values of a test, with derivatives with respect to these unknowns.
+    ///
+    /// None if the block is not valid or its run fails.
+    pub fn course(
+        &self,
+        number: usize,
+        values: &[f64],
+        count: usize,
+        with_gradients: bool,
+    ) -> Result<Course, Option<FitError>> {
+        let test = &self.problem.tests[number];
+        let mut parameters = self.problem.parameters(test);
+        for (i, unknown) in self.of_test(number) {
+            set(&mut parameters, &unknown.name, values[i]);
+        }
+        let is_of_run = |(_, unknown): &(usize, &Unknown)| !OF_MEASUREMENT.contains(&unknown.name.as_str());
+        let names: Vec<String> = match with_gradients {
+            true => self.of_test(number).filter(is_of_run).map(|(_, unknown)| unknown.name.clone()).collect(),
+            false => Vec::new(),
+        };
+        let [_, delay] = self.zero_and_delay(number, values);
+        let times: Vec<f64> = test.times[..count].iter().map(|time| time - delay).collect();
+        let run = self.problem.run(test, &parameters).map_err(|_| None)?;
+        let counter = if with_gradients { &self.runs.with_gradients } else { &self.runs.plain };
+        counter.fetch_add(1, Ordering::Relaxed);
+        course(&run, &parameters, &names, &test.output, &times).map_err(|error| Some(FitError::Runs(error)))
+    }
+
+    /// The residuals of the first `counts` values of the tests, and of the priors; without derivatives the Jacobian is zero.
+    pub fn linearize(
+        &self,
+        point: &DVector<f64>,
+        counts: &[usize],
+        with_gradients: bool,
+    ) -> Result<Linearization, Option<FitError>> {
+        let values = self.values(point);
+        let slopes: Vec<f64> = self.unknowns.iter().zip(point).map(|(unknown, &at)| unknown.slope(at)).collect();
+        let tests: Vec<Course> = (0..self.problem.tests.len())
+            .into_par_iter()
+            .map(|number| self.course(number, &values, counts[number], with_gradients))
+            .collect::<Result<_, _>>()?;
+        let priors: Vec<_> = (0..).zip(self.unknowns).filter_map(|(i, unknown)| Some((i, unknown.prior?))).collect();
+        let rows = counts.iter().sum::<usize>() + priors.len();
+        let mut residuals = DVector::zeros(rows);
+        let mut jacobian = DMatrix::zeros(rows, self.unknowns.len());
+        let mut row = 0;
+        for (number, (test, course)) in self.problem.tests.iter().zip(&tests).enumerate() {
+            let weight = 1.0 / test.noise.unwrap_or(1.0);
+            let [zero, _] = self.zero_and_delay(number, &values);
+            for (measured, found) in test.values.iter().zip(&course.points) {
+                residuals[row] = weight * (found.value + zero - measured);
+                let mut derivatives = found.derivatives.iter();
+                for (i, unknown) in self.of_test(number).filter(|_| with_gradients) {
+                    let derivative = match unknown.name.as_str() {
+                        "zero" => 1.0,
+                        "delay" => -found.rate,
+                        _ => derivatives.next().copied().unwrap_or_default(),
+                    };
+                    jacobian[(row, i)] = weight * derivative * slopes[i];
+                }
+                row += 1;
+            }
+        }
+        for (i, [mean, deviation]) in priors {
+            residuals[row] = (values[i] - mean) / deviation;
+            jacobian[(row, i)] = slopes[i] / deviation;
+            row += 1;
+        }
+        let found = Linearization { residuals, jacobian };
+        if found.cost().is_finite() { Ok(found) } else { Err(None) }
+    }
+
+    /// The variance of a residual: 1 where the noise is given, else the mean square over the degrees of freedom.
+    pub fn variance(&self, cost: f64, counts: &[usize]) -> f64 {
+        match self.problem.tests[0].noise {
+            Some(_) => 1.0,
+            None => cost / (counts.iter().sum::<usize>().saturating_sub(self.unknowns.len())).max(1) as f64,
+        }
+    }
+
+    /// Numbers of values up to which a test has shown each of these parts of its sum of squares about the mean.
+    pub fn windows(&self, parts: &[f64]) -> Vec<Vec<usize>> {
+        let of = |test: &Test, part: f64| {
+            let mean = test.values.iter().sum::<f64>() / test.values.len() as f64;
+            let total: f64 = test.values.iter().map(|value| (value - mean) * (value - mean)).sum();
+            let mut sum = 0.0;
+            let reached = test.values.iter().position(|value| {
+                sum += (value - mean) * (value - mean);
+                sum >= part * total
+            });
+            if part < 1.0 { reached.map_or(test.values.len(), |last| last + 1) } else { test.values.len() }
+        };
+        parts.iter().map(|&part| self.problem.tests.iter().map(|test| of(test, part)).collect()).collect()
+    }
+}

@@ -1,0 +1,268 @@
+//! A study file with `[fit]` → a problem.
+
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use crate::fit::problem::{FitError, Free, Options, Problem, Test};
+use crate::input::parameters::{Parameter, flatten};
+use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText};
+use crate::run::table::columns;
+use crate::sweep::file::values;
+use crate::sweep::parameters::ParameterValues;
+use crate::sweep::records;
+use rocking_block::ground::Ground;
+use rocking_block::simulation::Settings;
+use rocking_block::unit::values::{GivenBlock, Values};
+use rocking_block::unit::variables::Variable;
+use rocking_gradients::Given;
+use rocking_records::Column;
+
+/// The tables of the file.
+const SECTIONS: [&str; 3] = ["fit", "parameters", "tests"];
+
+/// The keys of `[fit]`.
+const KEYS: [&str; 7] = ["free", "bounds", "prior", "starts", "seed", "level", "tolerance"];
+
+/// The keys of `[[tests]]` that are no parameters of the block.
+const OF_TEST: [&str; 12] =
+    ["data", "time", "column", "factor", "output", "noise", "record", "scale", "zero", "delay", "free", "bounds"];
+
+/// Reads a problem from the text of its file; its paths are relative to `folder`. Returns it with the names of the files read.
+pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<String>), StudyFileError> {
+    let source = StudyText { file, text };
+    let document = source.parse()?;
+    let root = Section::new(source, "the file", document.span(), document.get_ref(), &SECTIONS)?;
+    let fit = root.section("fit", &KEYS)?.ok_or_else(|| root.lacks("[fit]", "free = [\"alpha\"] at least"))?;
+    let shared = given(source, &root, "parameters")?;
+    let list = root.get("tests").ok_or_else(|| root.lacks("[[tests]]", "a table for each test"))?;
+    let tables = list.get_ref().as_array().filter(|list| !list.is_empty());
+    let tables = tables.ok_or_else(|| root.wrong("tests", list, "[[tests]], a table for each test"))?;
+    let (mut tests, mut files, mut values) = (Vec::new(), Vec::new(), Values::default());
+    for value in tables {
+        let table = value.get_ref().as_table().ok_or_else(|| root.wrong("tests", value, "tables"))?;
+        let keys = [&OF_TEST[..], &["prior", "initial", "pulse"]].concat();
+        let section = Section::new(source, "[[tests]]", value.span(), table, &keys)?;
+        let own = own(source, table)?;
+        values = set(source, shared.iter().chain(&own))?;
+        tests.push(test(source, &section, value, folder, &values, &mut files)?);
+    }
+    let (given, common) = values.given_block(|variable| values[variable]);
+    let given = match given {
+        GivenBlock::Dimensionless(dimensionless) => Given::Dimensionless(dimensionless),
+        GivenBlock::Physical(physical) => Given::Physical(physical),
+    };
+    let default = Options::default();
+    let level = fit.number("level", |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
+    let tolerance = fit.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
+    let options = Options {
+        starts: fit.integer("starts", 1..100_001)?.map_or(default.starts, |starts| starts as u32),
+        seed: fit.integer("seed", 0..1 << 63)?.unwrap_or(default.seed),
+        level: level.unwrap_or(default.level),
+        tolerance: tolerance.unwrap_or(default.tolerance),
+    };
+    let ties = values.ties(|variable| values[variable]);
+    let problem = Problem { given, common, ties, free: free(source, &fit)?, tests, options };
+    let place = |error: &FitError| match error {
+        FitError::Test { number, .. } => tables.get(number - 1).map_or(list.span(), |table| table.span()),
+        _ => root.get("fit").map_or(0..0, |fit| fit.span()),
+    };
+    let checked = problem.check().and_then(|()| crate::fit::unknowns::unknowns(&problem).map(|_| ()));
+    checked.map_err(|error| source.wrong(&place(&error), error.to_string()))?;
+    Ok((problem, files))
+}
+
+/// A parameter with its value in the text.
+type GivenParameter<'a> = (Parameter, SpannedValue<'a>);
+
+/// Reads the parameters of a table of the file.
+fn given<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+    let Some(value) = root.get(key) else { return Ok(Vec::new()) };
+    let table = value.get_ref().as_table().ok_or_else(|| root.wrong(key, value, "a table"))?;
+    named(source, table, &[])
+}
+
+/// Reads the parameters of a test: its initial state and its pulse.
+fn own<'a>(source: StudyText, table: &'a DeTable<'a>) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+    named(source, table, &[&OF_TEST[..], &["prior"]].concat())
+}
+
+fn named<'a>(
+    source: StudyText,
+    table: &'a DeTable<'a>,
+    others: &[&str],
+) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+    let mut found = Vec::new();
+    flatten(source, "", table, others, &mut found)?;
+    let parameter = |(name, value): (String, SpannedValue<'a>)| {
+        Ok((Parameter::named(&name).map_err(|message| source.wrong(&value.span(), message))?, value))
+    };
+    found.into_iter().map(parameter).collect()
+}
+
+/// The variables with these parameters set, each to one value that the block reads.
+fn set<'a>(
+    source: StudyText,
+    given: impl Iterator<Item = &'a GivenParameter<'a>> + Clone,
+) -> Result<Values, StudyFileError> {
+    let mut set = Values::default();
+    for (parameter, value) in given.clone() {
+        match values(source, parameter, value, false)? {
+            ParameterValues::List(list) if list.len() == 1 => set[parameter.metadata.variable] = list[0],
+            _ => {
+                let message = format!("{} has several values; expected one, the first start", parameter.name());
+                return Err(source.wrong(&value.span(), message));
+            }
+        }
+    }
+    for (parameter, value) in given.clone() {
+        let name = parameter.metadata.name;
+        if let Some((_, needed)) = set.unread_by_motion().find(|(unread, _)| *unread == name) {
+            return Err(source.wrong(&value.span(), format!("{name} is not read; expected {needed}")));
+        }
+    }
+    set.block().map_err(|error| {
+        let place = given.clone().find(|(parameter, _)| parameter.name() == error.name());
+        source.wrong(&place.map_or(0..0, |(_, value)| value.span()), error.to_string())
+    })?;
+    Ok(set)
+}
+
+/// Reads a test.
+fn test(
+    source: StudyText,
+    section: &Section,
+    place: SpannedValue,
+    folder: &Path,
+    values: &Values,
+    files: &mut Vec<String>,
+) -> Result<Test, StudyFileError> {
+    let finite = |key: &str| section.number(key, |_| true, "a finite number");
+    let block = values.block().map_err(|error| source.wrong(&place.span(), error.to_string()))?;
+    let output = section.text("output")?.unwrap_or("theta");
+    let unit = columns(&block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit);
+    let name = section.text("data")?.ok_or_else(|| section.lacks("data", "a CSV file of times and measured values"))?;
+    let time = records::column(section, "time")?.unwrap_or(Column::Name("t".into()));
+    let column = records::column(section, "column")?.unwrap_or(Column::Name(output.into()));
+    let factor = section.number("factor", |x| x != 0.0, "a number other than 0")?;
+    let data = section.get("data").unwrap_or(place);
+    let read = table(&folder.join(name), [&time, &column], unit, factor);
+    let (times, values_over_time) = read.map_err(|message| section.refused(data, format!("{name}: {message}")))?;
+    files.push(name.into());
+    let mut ground = Ground::default();
+    if let (Some(record), Some(value)) = (section.section("record", &records::KEYS)?, section.get("record")) {
+        let found = records::in_table(&record, value.span(), source, folder, values[Variable::G])?;
+        let [(names, of_record)] = &found[..] else {
+            let message = format!("record has {} files; expected one for each direction", found.len());
+            return Err(section.refused(value, message));
+        };
+        ground = of_record.clone();
+        files.extend(names.iter().filter(|name| !name.is_empty()).cloned());
+    }
+    if let (true, Some(value)) = (ground.is_empty(), section.get("scale")) {
+        return Err(section.wrong("scale", value, "a record; it has no effect without one"));
+    }
+    Ok(Test {
+        output: output.into(),
+        times,
+        values: values_over_time,
+        noise: section.number("noise", |x| x > 0.0, "a standard deviation > 0")?,
+        initial: values.initial(),
+        pulse: values.pulse(),
+        ground,
+        scale: finite("scale")?.unwrap_or(1.0),
+        zero: finite("zero")?.unwrap_or(0.0),
+        delay: finite("delay")?.unwrap_or(0.0),
+        free: free(source, section)?,
+    })
+}
+
+/// Reads `free`, `bounds` and `prior` of a table.
+fn free(source: StudyText, section: &Section) -> Result<Vec<Free>, StudyFileError> {
+    let mut found = Vec::new();
+    if let Some(value) = section.get("free") {
+        let expected = "a list of names, as in [\"alpha\", \"p\"]";
+        let list = value.get_ref().as_array().ok_or_else(|| section.wrong("free", value, expected))?;
+        for value in list {
+            let name = value.get_ref().as_str().ok_or_else(|| section.wrong("free", value, expected))?;
+            found.push(Free::named(name));
+        }
+    }
+    for (key, expected) in [("bounds", "both ends, as in [0.1, 0.3]"), ("prior", "mean and standard deviation")] {
+        let Some(value) = section.get(key) else { continue };
+        let table = value.get_ref().as_table().ok_or_else(|| section.wrong(key, value, "a table of parameters"))?;
+        let mut pairs = Vec::new();
+        leaves("", table, &mut pairs);
+        for (name, value) in pairs {
+            let numbers = value.get_ref().as_array().filter(|list| list.len() == 2);
+            let number = |value: SpannedValue| crate::input::study_file::number(value);
+            let both = numbers.and_then(|list| Some([number(&list[0])?, number(&list[1])?]));
+            let both = both.ok_or_else(|| section.wrong(&name, value, expected))?;
+            let Some(free) = found.iter_mut().find(|free| free.name == name) else {
+                let names: Vec<&str> = found.iter().map(|free| free.name.as_str()).collect();
+                let message = format!("{key} of {name}, which is not free; expected one of {}", names.join(", "));
+                return Err(source.wrong(&value.span(), message));
+            };
+            *(if key == "bounds" { &mut free.bounds } else { &mut free.prior }) = Some(both);
+        }
+    }
+    Ok(found)
+}
+
+/// The values of a table and its tables, by their names with dots.
+fn leaves<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<(String, SpannedValue<'a>)>) {
+    for (key, value) in table {
+        let name = format!("{prefix}{}", key.get_ref());
+        match value.get_ref().as_table() {
+            Some(group) => leaves(&format!("{name}."), group, found),
+            None => found.push((name, value)),
+        }
+    }
+}
+
+/// Reads two columns of a CSV file: times (s), and values times a factor, in this unit.
+fn table(path: &Path, wanted: [&Column; 2], unit: &str, factor: Option<f64>) -> Result<(Vec<f64>, Vec<f64>), String> {
+    let reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_path(path);
+    let rows: Vec<csv::StringRecord> = reader
+        .map_err(|error| error.to_string())?
+        .into_records()
+        .collect::<Result<_, _>>()
+        .map_err(|e| e.to_string())?;
+    let first = rows.first().ok_or("no rows; expected a table of times and values")?;
+    let has_header = first.iter().any(|field| field.parse::<f64>().is_err());
+    let headings: Vec<&str> = if has_header { first.iter().collect() } else { Vec::new() };
+    let position = |column: &Column| match column {
+        Column::Number(number) => Ok(number - 1),
+        Column::Name(name) => headings
+            .iter()
+            .position(|heading| heading == name || heading.split(" [").next() == Some(name))
+            .ok_or_else(|| match has_header {
+                true => format!("there is no column {name}; expected one of {}", headings.join(", ")),
+                false => format!("the table has no headings; expected the number of the column, not {name}"),
+            }),
+    };
+    let [time, value] = [position(wanted[0])?, position(wanted[1])?];
+    let heading = headings.get(value).copied().unwrap_or_default();
+    if let (None, Some(found)) = (factor, heading.split_once('[').and_then(|(_, rest)| rest.strip_suffix(']')))
+        && found != unit
+    {
+        return Err(format!("column {heading} is in {found}; expected {unit}, or the factor that converts it"));
+    }
+    let number = |row: &csv::StringRecord, column: usize| {
+        let field = row.get(column).unwrap_or_default();
+        let line = row.position().map_or(0, |position| position.line());
+        field.parse::<f64>().map_err(|_| format!("line {line}: column {} = \"{field}\"; expected a number", column + 1))
+    };
+    let factor = factor.unwrap_or(1.0);
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for row in rows.iter().skip(usize::from(has_header)) {
+        times.push(number(row, time)?);
+        values.push(factor * number(row, value)?);
+    }
+    Ok((times, values))
+}

@@ -1,0 +1,121 @@
+//! The least sum of squares → intervals of the profile likelihood.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::fit::evaluation::Evaluator;
+use crate::fit::least_squares::{Linearization, Minimum, Triangle};
+
+/// An end of the interval of a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// The coordinate there.
+    At(f64),
+    /// The data admit the bound.
+    Open,
+}
+
+/// On the way to an end of an interval the sum of squares is below the least: at this point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lower(pub DVector<f64>);
+
+/// The profile of the sum of squares: one coordinate fixed, the others minimized.
+///
+/// An interval holds the values whose sum of squares exceeds the least by at most `deviate²` variances of a residual: for given noise
+/// the likelihood ratio, with χ² of one degree of freedom (D. M. Bates, D. G. Watts, Nonlinear regression analysis and its
+/// applications, Wiley 1988, section 6.1).
+pub struct Profile<'a> {
+    /// The problem.
+    pub evaluator: &'a Evaluator<'a>,
+    /// The minimum from which the ends are sought.
+    pub from: &'a Minimum,
+    /// The least sum of squares.
+    pub least: f64,
+    /// Covariance of the coordinates for residuals of variance 1.
+    pub covariance: &'a DMatrix<f64>,
+    /// Variance of a residual.
+    pub variance: f64,
+    /// Normal deviate of the level.
+    pub deviate: f64,
+}
+
+impl Profile<'_> {
+    /// The end of the interval of coordinate `i` to a side, −1 or 1.
+    ///
+    /// From the quadratic end, each evaluation gives the sum of squares, its decrease over the other coordinates by the linear model
+    /// there, and with both the next distance.
+    pub fn end(&self, i: usize, side: f64) -> Result<End, Lower> {
+        /// Greatest number of evaluations.
+        const EVALUATIONS: usize = 12;
+        /// Relative error of the deviate at which its secant gives the end, and greatest part that the others may gain there.
+        const NEAR: [f64; 2] = [0.1, 0.02];
+        /// Part of the variance by which a lower minimum must lie below.
+        const LOWER: f64 = 0.1;
+        let Profile { from: minimum, least, deviate, variance, .. } = *self;
+        let center = minimum.point[i];
+        let room = if side < 0.0 { center } else { 1.0 - center };
+        if room <= 0.0 {
+            return Ok(End::Open);
+        }
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut distance = (deviate * (variance * self.covariance[(i, i)]).sqrt()).min(room);
+        let mut ridge: DVector<f64> = self.covariance.column(i) / self.covariance[(i, i)];
+        let mut from = minimum.point.clone();
+        for _ in 0..EVALUATIONS {
+            let moved = &from + &ridge * (center + side * distance - from[i]);
+            let mut point = moved.map(|coordinate| coordinate.clamp(0.0, 1.0));
+            point[i] = if distance >= room { 0.5 + 0.5 * side } else { center + side * distance };
+            let Some((at, triangle)) = self.linearize(&point) else {
+                // No block there: the end is nearer.
+                (high, distance) = (distance, 0.5 * (low + distance));
+                continue;
+            };
+            let mut fixed = vec![false; point.len()];
+            fixed[i] = true;
+            let step = triangle.step(&point, &fixed, 0.0);
+            let gain = triangle.decrease(&step).max(0.0);
+            let rise = at.cost() - gain - least;
+            if at.cost() < least - LOWER * variance {
+                return Err(Lower(point));
+            }
+            (from, ridge) = (&point + step, tangent(&triangle, i));
+            let found = (rise.max(0.0) / variance).sqrt();
+            if gain > NEAR[1] * deviate * deviate * variance {
+                // The linear model reaches far; repeat at the better point.
+                continue;
+            }
+            if distance >= room && found <= deviate {
+                return Ok(End::Open);
+            }
+            let ratio = deviate / found.max(1e-3 * deviate);
+            if (ratio - 1.0).abs() <= NEAR[0] {
+                return Ok(End::At((center + side * distance * ratio).clamp(0.0, 1.0)));
+            }
+            if found < deviate {
+                low = distance
+            } else {
+                high = distance
+            }
+            let next = (distance * ratio.clamp(0.2, 5.0)).min(room);
+            distance = if next > low && next < high { next } else { 0.5 * (low + high.min(room)) };
+        }
+        Ok(End::At(from[i]))
+    }
+
+    fn linearize(&self, point: &DVector<f64>) -> Option<(Linearization, Triangle)> {
+        let counts: Vec<usize> = self.evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
+        let at = self.evaluator.linearize(point, &counts, true).ok()?;
+        let triangle = at.triangle();
+        Some((at, triangle))
+    }
+}
+
+/// The direction of the other coordinates along the profile of one, per unit of it.
+fn tangent(triangle: &Triangle, i: usize) -> DVector<f64> {
+    let others: Vec<usize> = (0..triangle.r.ncols()).filter(|&other| other != i).collect();
+    let mut direction = DVector::zeros(triangle.r.ncols());
+    direction[i] = 1.0;
+    if let Some(found) = triangle.solve(&others, &triangle.r.column(i).into(), 0.0).filter(|_| !others.is_empty()) {
+        others.iter().zip(&found).for_each(|(&other, &change)| direction[other] = change);
+    }
+    direction
+}

@@ -1,0 +1,277 @@
+//! A block, measured tests of it, free parameters → estimates with their intervals, by least squares.
+//!
+//! The derivatives of the runs are exact ([`rocking_gradients`]), through all impacts.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`problem`] | a block, tests of it, names of free parameters → a checked problem |
+//! | [`unknowns`] | names of free parameters → their ranges, and a box of coordinates from 0 to 1 |
+//! | [`model`] | a run, times → a measured quantity at these times, with its derivatives |
+//! | [`evaluation`] | a point of the box → residuals of all tests, with their Jacobian |
+//! | [`least_squares`] | residuals and their Jacobian → the least sum of squares in the box |
+//! | [`search`] | starts within the bounds → the least of several minima |
+//! | [`intervals`] | a minimum → intervals of the profile likelihood |
+//! | [`combinations`] | the Jacobian → combinations that the data determine, and those that they do not |
+//! | [`notes`] | a fit → its weaknesses in sentences |
+//! | [`file`] | a study file with `[fit]` → a problem |
+
+pub mod combinations;
+pub mod evaluation;
+pub mod file;
+pub mod intervals;
+pub mod least_squares;
+pub mod model;
+pub mod notes;
+pub mod problem;
+pub mod search;
+pub mod unknowns;
+
+use std::sync::atomic::Ordering;
+
+use nalgebra::DMatrix;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use rocking_block::block::Block;
+use serde::Serialize;
+
+use crate::fit::combinations::{Combination, combinations};
+use crate::fit::evaluation::{Evaluator, Runs};
+use crate::fit::intervals::{End, Lower, Profile};
+use crate::fit::least_squares::{Minimum, minimize};
+use crate::fit::unknowns::{set, unknowns};
+use crate::statistics::normal;
+
+pub use problem::{FitError, Free, Options, Problem, Test};
+
+/// An estimated parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Its name; `test_2.zero` for a test's own parameter.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error, to first order.
+    pub standard_error: f64,
+    /// Interval of the profile likelihood; an end is missing where the data admit the bound. None for a test's own parameter.
+    pub interval: Option<[Option<f64>; 2]>,
+    /// Interval of the quadratic approximation, symmetric in the logarithm where that is fitted.
+    pub quadratic_interval: [f64; 2],
+    /// Its bounds.
+    pub bounds: [f64; 2],
+    /// The bound at which the estimate lies, if it does.
+    pub at_bound: Option<f64>,
+}
+
+/// A test and its fit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TestFit {
+    /// Name of the measured column.
+    pub output: String,
+    /// Its unit.
+    pub unit: String,
+    /// Times (s).
+    #[serde(skip)]
+    pub times: Vec<f64>,
+    /// Measured values.
+    #[serde(skip)]
+    pub measured: Vec<f64>,
+    /// Fitted values, with the zero and the delay of the test.
+    #[serde(skip)]
+    pub fitted: Vec<f64>,
+    /// Measured less fitted values.
+    #[serde(skip)]
+    pub residuals: Vec<f64>,
+    /// Their root mean square.
+    pub rms: f64,
+    /// Durbin's and Watson's statistic of the residuals (1): 2 for white noise, less for correlated ones.
+    pub durbin_watson: f64,
+    /// Correlation of each residual with the next (1).
+    pub autocorrelation: f64,
+    /// Time from which on the fitted run has no derivatives, because an event grazes (s).
+    pub grazing: Option<f64>,
+    /// Time at which the fitted block has overturned (s).
+    pub overturned: Option<f64>,
+}
+
+/// A fit.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fit {
+    /// The estimates: of the block, then of each test.
+    pub estimates: Vec<Estimate>,
+    /// Covariance of the estimates, to first order.
+    pub covariance: Vec<Vec<f64>>,
+    /// Combinations of the parameters, the best determined first.
+    pub combinations: Vec<Combination>,
+    /// The tests with their fits.
+    pub tests: Vec<TestFit>,
+    /// Weighted sum of squares over its degrees of freedom (1), where the noise is given: about 1 if model and noise are right.
+    pub reduced_chi_squared: Option<f64>,
+    /// Standard deviation of the errors by the residuals, where the noise is not given.
+    pub noise: Option<f64>,
+    /// Confidence level of the intervals.
+    pub level: f64,
+    /// Values of the parameters at other minima that the level admits.
+    pub other_minima: Vec<Vec<f64>>,
+    /// Whether the search has ended at a minimum.
+    pub is_converged: bool,
+    /// Weaknesses of the fit, in sentences.
+    pub notes: Vec<String>,
+    /// Numbers of runs without and with derivatives.
+    pub runs: [u64; 2],
+    /// The fitted block.
+    #[serde(skip)]
+    pub block: Block,
+}
+
+/// Fits a problem; `progress` receives the parts done and their number. The result does not depend on the number of threads.
+pub fn fit(problem: &Problem, pool: &ThreadPool, progress: &(impl Fn(u64, u64) + Sync)) -> Result<Fit, FitError> {
+    problem.check()?;
+    let unknowns = unknowns(problem)?;
+    let evaluator = Evaluator { problem, unknowns: &unknowns, runs: Runs::default() };
+    pool.install(|| {
+        let minima = search::search(&evaluator, progress)?;
+        let (best, others, ends) = with_intervals(&evaluator, minima);
+        finish(&evaluator, &best, &others, &ends)
+    })
+}
+
+/// Ends of the intervals of the shared parameters, as coordinates.
+type Ends = Vec<[End; 2]>;
+
+/// The best of several minima and its intervals; a lower minimum on the way to an end replaces it.
+///
+/// An interval also covers those of the other minima that the level admits.
+fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, Vec<Minimum>, Ends) {
+    /// Greatest number of lower minima.
+    const RESTARTS: usize = 4;
+    let counts: Vec<usize> = evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
+    let shared = evaluator.problem.free.len();
+    let deviate = normal::quantile(0.5 + 0.5 * evaluator.problem.options.level);
+    let mut best = minima.remove(0);
+    for restart in 0.. {
+        let (least, variance) = (best.at.cost(), evaluator.variance(best.at.cost(), &counts));
+        let others = minima.iter().filter(|other| other.at.cost() - least <= deviate * deviate * variance);
+        let found: Vec<Result<Ends, Lower>> = std::iter::once(&best)
+            .chain(others.clone())
+            .map(|from| {
+                let covariance = from.at.triangle().covariance();
+                let profile = Profile { evaluator, from, least, covariance: &covariance, variance, deviate };
+                let end = |k: usize| profile.end(k / 2, [-1.0, 1.0][k % 2]);
+                let ends = (0..2 * shared).into_par_iter().map(end).collect::<Vec<_>>();
+                let ends = ends.into_iter().collect::<Result<Vec<End>, Lower>>()?;
+                Ok(ends.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
+            })
+            .collect();
+        let lower = found.iter().find_map(|ends| ends.as_ref().err().cloned()).filter(|_| restart < RESTARTS);
+        let Some(Lower(point)) = lower else {
+            let ends = found.into_iter().flatten().reduce(hull).unwrap_or(vec![[End::Open; 2]; shared]);
+            let others = others.cloned().collect();
+            return (best, others, ends);
+        };
+        let linearize = |at: &_| evaluator.linearize(at, &counts, true).ok();
+        if let Some(at) = linearize(&point) {
+            let variance = |cost| evaluator.variance(cost, &counts);
+            minima.push(std::mem::replace(&mut best, minimize(linearize, point, at, variance, search::TOLERANCE[0])));
+        }
+    }
+    unreachable!("the last restart returns")
+}
+
+/// The intervals that cover two sets of them.
+fn hull(one: Ends, other: Ends) -> Ends {
+    let end = |one: End, other: End, of: fn(f64, f64) -> f64| match (one, other) {
+        (End::At(one), End::At(other)) => End::At(of(one, other)),
+        (End::Open, _) | (_, End::Open) => End::Open,
+    };
+    let both = one.into_iter().zip(other);
+    both.map(|([low, high], [lower, higher])| [end(low, lower, f64::min), end(high, higher, f64::max)]).collect()
+}
+
+fn finish(evaluator: &Evaluator, best: &Minimum, others: &[Minimum], ends: &Ends) -> Result<Fit, FitError> {
+    let Evaluator { problem, unknowns, .. } = evaluator;
+    let counts: Vec<usize> = problem.tests.iter().map(|test| test.values.len()).collect();
+    let values = evaluator.values(&best.point);
+    let variance = evaluator.variance(best.at.cost(), &counts);
+    let covariance = best.at.triangle().covariance() * variance;
+    let level = problem.options.level;
+    let deviate = normal::quantile(0.5 + 0.5 * level);
+    let estimate = |i: usize| {
+        let unknown = &unknowns[i];
+        let at = |end: &End| match end {
+            End::At(coordinate) => Some(unknown.value(*coordinate)),
+            End::Open => None,
+        };
+        let deviation = covariance[(i, i)].sqrt();
+        let standard_error = deviation * unknown.slope(best.point[i]);
+        let quadratic_interval = [-deviate, deviate].map(|side| match unknown.is_logarithmic {
+            true => values[i] * libm::exp(side * standard_error / values[i]),
+            false => values[i] + side * standard_error,
+        });
+        Estimate {
+            name: unknown.full_name(),
+            unit: unknown.unit.clone(),
+            value: values[i],
+            standard_error,
+            interval: ends.get(i).map(|[low, high]| [at(low), at(high)]),
+            quadratic_interval,
+            bounds: unknown.bounds,
+            at_bound: unknown.bounds.into_iter().find(|&bound| bound == values[i]),
+        }
+    };
+    let estimates: Vec<Estimate> = (0..unknowns.len()).map(estimate).collect();
+    let slopes: Vec<f64> = unknowns.iter().zip(&best.point).map(|(unknown, &at)| unknown.slope(at)).collect();
+    let of_values = DMatrix::from_fn(slopes.len(), slopes.len(), |i, j| covariance[(i, j)] * slopes[i] * slopes[j]);
+    let tests = (0..problem.tests.len()).map(|number| test_fit(evaluator, number, &values, best));
+    let tests = tests.collect::<Result<Vec<_>, _>>()?;
+    let data = counts.iter().sum::<usize>();
+    let freedom = data.saturating_sub(unknowns.len()).max(1) as f64;
+    let data_cost = best.at.residuals.rows(0, data).norm_squared();
+    let has_noise = problem.tests[0].noise.is_some();
+    let mut parameters = problem.parameters(&problem.tests[0]);
+    for (unknown, value) in unknowns.iter().zip(&values).filter(|(unknown, _)| unknown.test.is_none()) {
+        set(&mut parameters, &unknown.name, *value);
+    }
+    let runs = [&evaluator.runs.plain, &evaluator.runs.with_gradients].map(|count| count.load(Ordering::Relaxed));
+    let mut fit = Fit {
+        estimates,
+        covariance: of_values.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        combinations: combinations(&best.at.triangle_of(data), unknowns, variance),
+        tests,
+        reduced_chi_squared: has_noise.then_some(data_cost / freedom),
+        noise: (!has_noise).then_some((data_cost / freedom).sqrt()),
+        level,
+        other_minima: others.iter().map(|other| evaluator.values(&other.point)).collect(),
+        is_converged: best.is_converged,
+        notes: Vec::new(),
+        runs,
+        block: problem.block(&parameters).map_err(FitError::Block)?,
+    };
+    fit.notes = notes::notes(&fit);
+    Ok(fit)
+}
+
+fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum) -> Result<TestFit, FitError> {
+    let test = &evaluator.problem.tests[number];
+    let before: usize = evaluator.problem.tests[..number].iter().map(|test| test.values.len()).sum();
+    let weighted = best.at.residuals.rows(before, test.values.len());
+    let residuals: Vec<f64> = weighted.iter().map(|residual| -residual * test.noise.unwrap_or(1.0)).collect();
+    let course =
+        evaluator.course(number, values, test.values.len(), true).map_err(|e| e.unwrap_or(FitError::Starts))?;
+    let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
+    let over = |of: fn(f64, f64) -> f64| residuals.windows(2).map(|pair| of(pair[0], pair[1])).sum::<f64>() / squares;
+    Ok(TestFit {
+        output: test.output.clone(),
+        unit: evaluator.problem.unit(test)?.into(),
+        times: test.times.clone(),
+        measured: test.values.clone(),
+        fitted: test.values.iter().zip(&residuals).map(|(measured, residual)| measured - residual).collect(),
+        rms: (squares / residuals.len() as f64).sqrt(),
+        durbin_watson: over(|a, b| (b - a) * (b - a)),
+        autocorrelation: over(|a, b| a * b),
+        residuals,
+        grazing: course.grazing,
+        overturned: course.ended,
+    })
+}

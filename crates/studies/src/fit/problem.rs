@@ -1,0 +1,265 @@
+//! A block, tests of it and the names of free parameters → a checked problem.
+
+use rocking_block::block::{Block, BlockError, Common, Tie};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::ground::Ground;
+use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
+use rocking_gradients::{Given, Parameters};
+
+use crate::run::Run;
+use crate::run::table::columns;
+
+/// A free parameter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Free {
+    /// Its name: that of a derivative of a run, or `zero` or `delay` of a test.
+    pub name: String,
+    /// Its bounds; by default a range about its value.
+    pub bounds: Option<[f64; 2]>,
+    /// Mean and standard deviation of what is known about it beside the tests.
+    pub prior: Option<[f64; 2]>,
+}
+
+impl Free {
+    /// A free parameter with the usual bounds.
+    pub fn named(name: &str) -> Free {
+        Free { name: name.into(), ..Free::default() }
+    }
+}
+
+/// A test of a block: one quantity over time, in a free motion or under a ground motion.
+#[derive(Clone, Debug)]
+pub struct Test {
+    /// Name of the measured column, as in the table of a run: `theta`.
+    pub output: String,
+    /// Times (s), increasing.
+    pub times: Vec<f64>,
+    /// Measured values, in the unit of the column.
+    pub values: Vec<f64>,
+    /// Standard deviation of their errors; unknown if none.
+    pub noise: Option<f64>,
+    /// State of the block at the start of the run.
+    pub initial: Initial,
+    /// A pulse of the ground.
+    pub pulse: Pulse,
+    /// Records of the ground, without the scale.
+    pub ground: Ground,
+    /// Factor on the records (1).
+    pub scale: f64,
+    /// Measured value of a quantity that is zero: the drift of its sensor, in the unit of the column.
+    pub zero: f64,
+    /// Measured time at time 0 of the run (s).
+    pub delay: f64,
+    /// The test's own free parameters.
+    pub free: Vec<Free>,
+}
+
+impl Test {
+    /// A release: the rotation (rad) over time (s) of a block let go at rest with this tilt (rad).
+    pub fn release(theta: f64, times: Vec<f64>, values: Vec<f64>) -> Test {
+        Test {
+            output: "theta".into(),
+            times,
+            values,
+            noise: None,
+            initial: Initial { theta, ..Initial::default() },
+            pulse: Pulse::NONE,
+            ground: Ground::default(),
+            scale: 1.0,
+            zero: 0.0,
+            delay: 0.0,
+            free: Vec::new(),
+        }
+    }
+}
+
+/// Numbers of a fit that do not belong to a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Number of starts: the given values, and points of a Latin hypercube within the bounds.
+    pub starts: u32,
+    /// Seed of that hypercube.
+    pub seed: u64,
+    /// Confidence level of intervals.
+    pub level: f64,
+    /// Relative tolerance of the runs.
+    pub tolerance: f64,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { starts: 16, seed: 1, level: 0.95, tolerance: Settings::default().tolerance }
+    }
+}
+
+/// A fit to be made.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The block, in the way in which it is given.
+    pub given: Given,
+    /// Its other parameters.
+    pub common: Common,
+    /// Its ties.
+    pub ties: Vec<Tie>,
+    /// Free parameters of the block, which all tests share.
+    pub free: Vec<Free>,
+    /// The tests.
+    pub tests: Vec<Test>,
+    /// Starts, seed, level, tolerance.
+    pub options: Options,
+}
+
+/// A fit that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// A free parameter that is unknown, or whose bounds or prior are not valid.
+    #[error("{0}")]
+    Free(String),
+    /// A test that is not valid.
+    #[error("test_{number}: {message}")]
+    Test {
+        /// Number of the test, from 1.
+        number: usize,
+        /// The fault and the expected content.
+        message: String,
+    },
+    /// An option that is not valid.
+    #[error("{0}")]
+    Options(String),
+    /// A block that is not valid.
+    #[error(transparent)]
+    Block(BlockError),
+    /// A run that fails at every start.
+    #[error("no start has a run of each test; the first failed: {0}")]
+    Runs(SimulationError),
+    /// Starts whose blocks are not valid.
+    #[error("no start has a valid block; expected narrower bounds")]
+    Starts,
+}
+
+impl Problem {
+    /// The parameters of the block in a test.
+    pub fn parameters(&self, test: &Test) -> Parameters {
+        Parameters {
+            given: self.given,
+            common: self.common,
+            ties: self.ties.clone(),
+            initial: test.initial,
+            pulse: test.pulse,
+            scale: (!test.ground.is_empty()).then_some(test.scale),
+        }
+    }
+
+    /// The block with these parameters.
+    pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
+        let block = match &parameters.given {
+            Given::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, &parameters.common),
+            Given::Physical(physical) => Block::from_physical(physical, &parameters.common),
+        };
+        block?.with_ties(&parameters.ties)
+    }
+
+    /// The run of a test with these parameters.
+    pub fn run(&self, test: &Test, parameters: &Parameters) -> Result<Run, BlockError> {
+        let block = self.block(parameters)?;
+        let ground = test.ground.clone().scaled(parameters.scale.unwrap_or(1.0));
+        let settings =
+            Settings { tolerance: self.options.tolerance, on_separation: OnSeparation::Fly, ..Settings::default() };
+        Ok(Run { initial: parameters.initial, pulse: parameters.pulse, ground, ..Run::at_rest(block, settings) })
+    }
+
+    /// The unit of the quantity that a test measures.
+    pub fn unit(&self, test: &Test) -> Result<&'static str, FitError> {
+        let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;
+        let columns = columns(&block);
+        let column = columns.iter().find(|column| column.name == test.output);
+        Ok(column.map_or("1", |column| column.unit))
+    }
+
+    /// Number of measured values.
+    pub fn values(&self) -> usize {
+        self.tests.iter().map(|test| test.values.len()).sum()
+    }
+
+    /// Refuses a problem that is not valid.
+    pub fn check(&self) -> Result<(), FitError> {
+        let Options { starts, level, tolerance, .. } = self.options;
+        let options = [
+            ((1..=100_000).contains(&starts), format!("starts = {starts}; expected a whole number from 1 to 100000")),
+            (level > 0.0 && level < 1.0, format!("level = {level}; expected a number above 0 and below 1")),
+            (
+                Settings::admits_tolerance(tolerance),
+                format!("tolerance = {tolerance}; expected {}", Settings::EXPECTED_TOLERANCE),
+            ),
+            (!self.tests.is_empty(), "there is no test; expected one at least".into()),
+        ];
+        if let Some((_, message)) = options.into_iter().find(|(is_valid, _)| !is_valid) {
+            return Err(FitError::Options(message));
+        }
+        for (number, test) in (1..).zip(&self.tests) {
+            self.check_test(test)?.map_err(|message| FitError::Test { number, message })?;
+        }
+        let with_noise = self.tests.iter().filter(|test| test.noise.is_some()).count();
+        if with_noise != 0 && with_noise != self.tests.len() {
+            let without = self.tests.iter().position(|test| test.noise.is_none()).unwrap_or(0);
+            let message = "noise is missing, and another test has it; expected it for all tests or for none".into();
+            return Err(FitError::Test { number: without + 1, message });
+        }
+        if with_noise == 0 {
+            if let Some(other) = self.tests.iter().position(|test| test.output != self.tests[0].output) {
+                let [one, two] = [&self.tests[0].output, &self.tests[other].output];
+                let message = format!("it measures {two}, and test_1 {one}; expected the noise of each test");
+                return Err(FitError::Test { number: other + 1, message });
+            }
+            let all = self.free.iter().chain(self.tests.iter().flat_map(|test| &test.free));
+            if let Some(free) = all.into_iter().find(|free| free.prior.is_some()) {
+                let name = &free.name;
+                return Err(FitError::Free(format!(
+                    "prior of {name} without noise; expected both, since one weighs the other"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The fault of a test, if it has one.
+    fn check_test(&self, test: &Test) -> Result<Result<(), String>, FitError> {
+        let Test { output, times, values, noise, initial, pulse, ground, scale, zero, delay, .. } = test;
+        let block = self.block(&self.parameters(test)).map_err(FitError::Block)?;
+        let known: Vec<String> =
+            columns(&block).into_iter().map(|column| column.name).filter(|name| is_measured(name)).collect();
+        let finite = |numbers: &[f64]| numbers.iter().position(|number| !number.is_finite());
+        let moves = !ground.is_empty()
+            || pulse.shape != PulseShape::None && pulse.amplitude != 0.0
+            || initial.theta != 0.0
+            || initial.theta_dot != 0.0
+            || initial.vertical.is_some();
+        let fault = if !known.contains(output) {
+            format!("there is no measured quantity {output}; expected one of {}", known.join(", "))
+        } else if times.len() != values.len() {
+            format!("{} times and {} values; expected equal numbers", times.len(), values.len())
+        } else if times.len() < 2 {
+            format!("{} values; expected two at least", times.len())
+        } else if let Some(i) = finite(times).or(finite(values)) {
+            format!("value {} at t = {} s is {}; expected finite numbers", i + 1, times[i], values[i])
+        } else if let Some(i) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
+            format!("time {} is {} s, after {} s; expected increasing times", i + 2, times[i + 1], times[i])
+        } else if let Some(noise) = noise.filter(|noise| !(*noise > 0.0 && noise.is_finite())) {
+            format!("noise = {noise}; expected a standard deviation > 0")
+        } else if !moves {
+            "nothing moves the block; expected a record, a pulse or an initial state".into()
+        } else if let Some(number) =
+            [*scale, *zero, *delay, initial.theta, initial.theta_dot].iter().find(|x| !x.is_finite())
+        {
+            format!("{number} among scale, zero, delay and the initial state; expected finite numbers")
+        } else {
+            return Ok(Ok(()));
+        };
+        Ok(Err(fault))
+    }
+}
+
+/// Whether a column is a quantity that a test may measure: a motion, a reaction, or a height.
+fn is_measured(name: &str) -> bool {
+    !matches!(name, "t" | "regime" | "a_gx" | "a_gz") && !name.starts_with("energy.")
+}

@@ -1,0 +1,208 @@
+//! Names of free parameters → their ranges, and a box of coordinates from 0 to 1.
+
+use nalgebra::DVector;
+use rocking_gradients::{Parameters, unit};
+
+use crate::fit::problem::{FitError, Free, Problem, Test};
+
+/// A parameter to be estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// Its name, for a test's own parameter without the test.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The test to which it belongs; none for a parameter of the block, which all tests share.
+    pub test: Option<usize>,
+    /// Its value at the first start.
+    pub start: f64,
+    /// Its bounds.
+    pub bounds: [f64; 2],
+    /// Whether its logarithm is the coordinate.
+    pub is_logarithmic: bool,
+    /// Mean and standard deviation of its prior.
+    pub prior: Option<[f64; 2]>,
+}
+
+/// A test's own parameters that the block does not have: its zero and its delay.
+pub const OF_MEASUREMENT: [&str; 2] = ["zero", "delay"];
+
+impl Unknown {
+    /// The name with the test: `test_2.zero`.
+    pub fn full_name(&self) -> String {
+        self.test.map_or(self.name.clone(), |test| format!("test_{}.{}", test + 1, self.name))
+    }
+
+    /// The value at a coordinate.
+    pub fn value(&self, coordinate: f64) -> f64 {
+        let [low, high] = self.bounds;
+        match self.is_logarithmic {
+            // The ends are exact.
+            _ if coordinate <= 0.0 => low,
+            _ if coordinate >= 1.0 => high,
+            true => low * libm::exp(coordinate * libm::log(high / low)),
+            false => low + coordinate * (high - low),
+        }
+    }
+
+    /// The coordinate of a value.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        let [low, high] = self.bounds;
+        let found = match self.is_logarithmic {
+            true => libm::log(value / low) / libm::log(high / low),
+            false => (value - low) / (high - low),
+        };
+        found.clamp(0.0, 1.0)
+    }
+
+    /// The derivative of the value with respect to the coordinate.
+    pub fn slope(&self, coordinate: f64) -> f64 {
+        let [low, high] = self.bounds;
+        if self.is_logarithmic { self.value(coordinate) * libm::log(high / low) } else { high - low }
+    }
+
+    /// The derivative of the coordinate with respect to the logarithm of the value, or to the value over half its range.
+    pub fn relative(&self) -> f64 {
+        let [low, high] = self.bounds;
+        if self.is_logarithmic { 1.0 / libm::log(high / low) } else { 0.5 }
+    }
+}
+
+/// Half of a range as a factor, for a parameter whose logarithm is fitted.
+fn factor(name: &str) -> Option<f64> {
+    let of_tie = name.split_once('.').and_then(|(of, name)| of.starts_with("tie_").then_some(name));
+    match of_tie.unwrap_or(name) {
+        "eta" | "xi_v" | "K" | "C" | "stiffness" | "damping" | "strength" => Some(10.0),
+        "alpha" | "p" | "width" | "height" | "inertia" | "mass" | "gamma" | "friction" | "scale" | "pulse.period"
+        | "pulse.cycles" | "pretension" => Some(3.0),
+        "restitution_factor" | "g" => Some(1.5),
+        _ => None,
+    }
+}
+
+/// The usual bounds of a parameter of a value whose logarithm is not fitted, in a test.
+fn usual_bounds(name: &str, value: f64, test: &Test, [alpha, p, half_width, height]: [f64; 4]) -> [f64; 2] {
+    let half = match name {
+        "epsilon" => return [0.0, 1.0],
+        "eccentricity" => 0.5 * half_width,
+        "initial.theta" => 0.5 * alpha,
+        "initial.theta_dot" => 0.5 * alpha * p,
+        "initial.v" => 0.1 * half_width,
+        "initial.v_dot" => 0.1 * half_width * p,
+        "pulse.amplitude" => 0.7 * value.abs(),
+        "pulse.start" => 0.5 * test.pulse.period,
+        "pulse.phase" => std::f64::consts::FRAC_PI_2,
+        "zero" => 0.5 * test.values.iter().fold(0.0, |most: f64, value| most.max(value.abs())),
+        "delay" => 0.5 / p,
+        _ => height,
+    };
+    [value - half, value + half]
+}
+
+/// The unknowns of a problem: those of the block, then those of each test.
+pub fn unknowns(problem: &Problem) -> Result<Vec<Unknown>, FitError> {
+    let mut found = problem.free.iter().map(|free| unknown(problem, free, None)).collect::<Result<Vec<_>, _>>()?;
+    for (number, test) in problem.tests.iter().enumerate() {
+        for free in &test.free {
+            found.push(unknown(problem, free, Some(number))?);
+        }
+    }
+    for (i, unknown) in found.iter().enumerate() {
+        if found[..i].iter().any(|other| other.full_name() == unknown.full_name()) {
+            return Err(FitError::Free(format!("{} is given twice", unknown.full_name())));
+        }
+    }
+    if found.is_empty() {
+        return Err(FitError::Free("nothing is free; expected one parameter at least, as in alpha".into()));
+    }
+    Ok(found)
+}
+
+fn is_of_test(name: &str) -> bool {
+    name == "scale" || name.starts_with("initial.") || name.starts_with("pulse.") || OF_MEASUREMENT.contains(&name)
+}
+
+fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unknown, FitError> {
+    let name = &free.name;
+    let shown = number.map_or(name.clone(), |number| format!("test_{}: {name}", number + 1));
+    // A parameter of the block is the same in every test.
+    let test = &problem.tests[number.unwrap_or(0)];
+    let mut parameters = problem.parameters(test);
+    let mut known: Vec<String> =
+        parameters.names().into_iter().filter(|name| is_of_test(name) == number.is_some()).collect();
+    if number.is_some() {
+        known.extend(OF_MEASUREMENT.map(String::from));
+    }
+    if !known.contains(name) {
+        let hint = match (number, is_of_test(name)) {
+            (None, true) => format!("{name} belongs to a test; expected it among the free parameters of one, and here"),
+            _ => format!(
+                "{shown} is no real parameter of this {}; expected",
+                if number.is_some() { "test" } else { "block" }
+            ),
+        };
+        return Err(FitError::Free(format!("{hint} one of {}", known.join(", "))));
+    }
+    let start = match name.as_str() {
+        "zero" => test.zero,
+        "delay" => test.delay,
+        _ => parameters.number(name).map_or(f64::NAN, |number| *number),
+    };
+    let (bounds, is_logarithmic) = bounds(problem, test, name, start, free.bounds, &shown)?;
+    if let Some([mean, deviation]) = free.prior
+        && !(mean.is_finite() && deviation > 0.0 && deviation.is_finite())
+    {
+        let message = format!("prior of {shown} = [{mean}, {deviation}]; expected a mean and a standard deviation > 0");
+        return Err(FitError::Free(message));
+    }
+    let unit = match name.as_str() {
+        "zero" => problem.unit(test)?,
+        "delay" => "s",
+        _ => unit(name),
+    };
+    let unit = unit.to_string();
+    Ok(Unknown { name: name.clone(), unit, test: number, start, bounds, is_logarithmic, prior: free.prior })
+}
+
+/// The bounds of a parameter, and whether its logarithm is fitted.
+fn bounds(
+    problem: &Problem,
+    test: &Test,
+    name: &str,
+    start: f64,
+    given: Option<[f64; 2]>,
+    shown: &str,
+) -> Result<([f64; 2], bool), FitError> {
+    let positive = factor(name).filter(|_| start > 0.0);
+    let usual = match positive {
+        Some(factor) => [start / factor, start * factor],
+        None => {
+            let block = problem.block(&problem.parameters(test)).map_err(FitError::Block)?;
+            usual_bounds(name, start, test, [block.alpha, block.p, block.b, block.h])
+        }
+    };
+    let bounds = given.unwrap_or(usual);
+    let [low, high] = bounds;
+    if !(low.is_finite() && high.is_finite() && low < high) {
+        let message = format!("bounds of {shown} = [{low}, {high}]; expected two different numbers, the lower first");
+        return Err(FitError::Free(message));
+    }
+    if !(low..=high).contains(&start) {
+        return Err(FitError::Free(format!(
+            "{shown} = {start} is not within its bounds [{low}, {high}]; expected a value inside"
+        )));
+    }
+    Ok((bounds, factor(name).is_some() && low > 0.0))
+}
+
+/// The point of the values at the first start.
+pub fn first_start(unknowns: &[Unknown]) -> DVector<f64> {
+    DVector::from_iterator(unknowns.len(), unknowns.iter().map(|unknown| unknown.coordinate(unknown.start)))
+}
+
+/// Sets a parameter of a test that the block has.
+pub fn set(parameters: &mut Parameters, name: &str, value: f64) {
+    if let Some(number) = parameters.number(name) {
+        *number = value;
+    }
+}

@@ -1,0 +1,313 @@
+//! Fits to synthetic tests with planted parameters: intervals must contain them as often as they promise.
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::excitation::{Pulse, PulseShape};
+use rocking_block::simulation::{Initial, OnSeparation, Settings};
+use rocking_gradients::Given;
+use rocking_studies::fit::{Estimate, Fit, Free, Options, Problem, Test, fit};
+use rocking_studies::output::runner::pool;
+use rocking_studies::run::{Row, Run};
+use rocking_studies::statistics::normal::quantile;
+
+/// Standard deviation of the errors over the tilt.
+const NOISE: f64 = 0.01;
+
+/// A block, its parameters, and the release that is measured.
+struct Planted {
+    truth: Dimensionless,
+    common: Common,
+    /// Initial tilts (rad) and durations (s) of the releases.
+    releases: &'static [[f64; 2]],
+    step: f64,
+    free: &'static [&'static str],
+}
+
+/// A block on the rigid base with restitution below Housner's.
+fn rigid() -> Planted {
+    Planted {
+        truth: Dimensionless { alpha: 0.22, p: 3.1, eta: 40.0, xi_v: 0.1 },
+        common: Common { foundation: Foundation::Rigid, restitution_factor: 0.96, ..Common::default() },
+        releases: &[[0.17, 5.0]],
+        step: 0.02,
+        free: &["p", "alpha", "restitution_factor"],
+    }
+}
+
+/// A block on supports that bounce.
+fn supports() -> Planted {
+    Planted {
+        truth: Dimensionless { alpha: 0.25, p: 2.0, eta: 25.0, xi_v: 0.15 },
+        common: Common { epsilon: 0.3, ..Common::default() },
+        releases: &[[0.15, 3.0], [0.02, 1.5]],
+        step: 0.005,
+        free: &["eta", "xi_v", "epsilon"],
+    }
+}
+
+impl Planted {
+    /// The rotations over time, with errors of 1 % of the tilt; none with seed 0.
+    fn measured(&self, seed: u64) -> Vec<Test> {
+        let block = Block::from_dimensionless(&self.truth, &self.common).unwrap();
+        let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut error = || quantile((random.next_u64() >> 11) as f64 * 0.5_f64.powi(53) + 0.5_f64.powi(54));
+        let mut test = |[theta, duration]: [f64; 2]| {
+            let run = Run {
+                initial: Initial { theta, ..Initial::default() },
+                duration: Some(duration),
+                output_step: self.step,
+                ..Run::at_rest(block, settings)
+            };
+            let rows = run.history(|_| ()).unwrap().rows;
+            let noise = if seed == 0 { 0.0 } else { NOISE * theta };
+            let measured = |row: &Row| (row.time, row.observation.theta + noise * error());
+            let (times, values) = rows.iter().map(measured).unzip();
+            Test { noise: Some(NOISE * theta), ..Test::release(theta, times, values) }
+        };
+        self.releases.iter().map(|&release| test(release)).collect()
+    }
+
+    /// The fit of a test whose parameters are first taken to be wrong by up to 20 %, each on its own.
+    fn problem(&self, tests: Vec<Test>) -> Problem {
+        let Dimensionless { alpha, p, eta, xi_v } = self.truth;
+        let mut given = Given::Dimensionless(self.truth);
+        let mut common = self.common;
+        if self.common.foundation == Foundation::Rigid {
+            given = Given::Dimensionless(Dimensionless { alpha: 1.15 * alpha, p: 0.85 * p, eta, xi_v });
+            common.restitution_factor = 1.0;
+        } else {
+            given = match given {
+                Given::Dimensionless(_) => {
+                    Given::Dimensionless(Dimensionless { alpha, p, eta: 1.3 * eta, xi_v: 0.7 * xi_v })
+                }
+                other => other,
+            };
+            common.epsilon = 0.1;
+        }
+        Problem {
+            given,
+            common,
+            ties: Vec::new(),
+            free: self.free.iter().map(|name| Free::named(name)).collect(),
+            tests,
+            options: Options::default(),
+        }
+    }
+
+    fn planted(&self, name: &str) -> f64 {
+        match name {
+            "p" => self.truth.p,
+            "alpha" => self.truth.alpha,
+            "eta" => self.truth.eta,
+            "xi_v" => self.truth.xi_v,
+            "epsilon" => self.common.epsilon,
+            _ => self.common.restitution_factor,
+        }
+    }
+}
+
+fn fitted(problem: &Problem) -> Fit {
+    fit(problem, &pool(Some(1)).unwrap(), &|_, _| ()).unwrap()
+}
+
+/// Estimate and planted value of each parameter of the block.
+fn pairs<'a>(planted: &'a Planted, fit: &'a Fit) -> impl Iterator<Item = (&'a Estimate, f64)> {
+    fit.estimates.iter().map(|estimate| (estimate, planted.planted(&estimate.name)))
+}
+
+/// Without errors the least squares are at the planted parameters, which all starts miss; the runs have a tolerance of 1e-8.
+#[test]
+fn planted_parameters_are_found_without_errors() {
+    for (planted, error) in [(rigid(), 1e-6), (supports(), 1e-5)] {
+        let found = fitted(&planted.problem(planted.measured(0)));
+        for (Estimate { name, value, .. }, truth) in pairs(&planted, &found) {
+            assert!((value / truth - 1.0).abs() < error, "{name} = {value}, planted {truth}");
+        }
+    }
+}
+
+/// Of 30 intervals of 80 %, fewer than 18 contain the truth in 3 of 1000 seeds, and all of them in 1 of 1000.
+#[test]
+fn intervals_contain_the_truth() {
+    let planted = rigid();
+    let (mut profile, mut quadratic, mut notes) = (0, 0, 0);
+    for seed in 1..=10 {
+        let mut problem = planted.problem(planted.measured(seed));
+        problem.options.level = 0.8;
+        let found = fitted(&problem);
+        for (Estimate { interval, quadratic_interval, .. }, truth) in pairs(&planted, &found) {
+            let Some([Some(low), Some(high)]) = *interval else { panic!("{found:?}") };
+            profile += usize::from((low..=high).contains(&truth));
+            quadratic += usize::from((quadratic_interval[0]..=quadratic_interval[1]).contains(&truth));
+            // Errors of 1 % make these parameters nearly linear.
+            let width = (high - low) / (quadratic_interval[1] - quadratic_interval[0]);
+            assert!((width - 1.0).abs() < 0.1, "{interval:?} {quadratic_interval:?}");
+        }
+        notes += found.notes.len();
+    }
+    assert!((18..30).contains(&profile) && (18..30).contains(&quadratic), "{profile} {quadratic}");
+    // White errors of the given size leave nothing to say, but by chance.
+    assert!(notes <= 1);
+}
+
+/// The estimates with the noise given and estimated are the same; the estimated noise is the planted one to 3 of its deviations.
+#[test]
+fn noise_that_is_not_given_is_estimated() {
+    let planted = rigid();
+    let mut problem = planted.problem(planted.measured(3));
+    let given = fitted(&problem);
+    problem.tests[0].noise = None;
+    let found = fitted(&problem);
+    assert!(pairs(&planted, &found).zip(&given.estimates).all(|((a, _), b)| (a.value / b.value - 1.0).abs() < 1e-4));
+    let noise = found.noise.unwrap() / (NOISE * planted.releases[0][0]);
+    let values = problem.tests[0].values.len() as f64;
+    assert!((noise - 1.0).abs() < 3.0 / (2.0 * values).sqrt(), "{noise}");
+    assert_eq!(found.reduced_chi_squared, None);
+}
+
+/// A sensor with a drift of its zero, and a clock that is late.
+#[test]
+fn zero_and_delay_are_found_with_the_tilt() {
+    let planted = rigid();
+    let mut problem = planted.problem(planted.measured(0));
+    let [zero, delay] = [0.004, 0.0731];
+    let test = &mut problem.tests[0];
+    test.times.iter_mut().for_each(|time| *time += delay);
+    test.values.iter_mut().for_each(|value| *value += zero);
+    test.initial.theta *= 1.1;
+    test.free = ["initial.theta", "zero", "delay"].map(Free::named).into();
+    let found = fitted(&problem);
+    let planted_at = [("test_1.zero", zero), ("test_1.delay", delay), ("test_1.initial.theta", planted.releases[0][0])];
+    for Estimate { name, value, standard_error, .. } in &found.estimates {
+        let truth = planted_at.iter().find(|(known, _)| known == name).map_or_else(|| planted.planted(name), |of| of.1);
+        // Steps end below a thousandth of a standard error.
+        assert!((value - truth).abs() < 0.005 * standard_error, "{name} = {value} ± {standard_error}, planted {truth}");
+    }
+    // A test's own parameters have the quadratic interval alone.
+    assert!(found.estimates[3..].iter().all(|estimate| estimate.interval.is_none()));
+}
+
+/// A block whose restitution is fixed at a wrong value cannot follow the test, and the fit says so.
+#[test]
+fn a_wrong_model_is_reported() {
+    let planted = rigid();
+    let mut problem = planted.problem(planted.measured(4));
+    problem.free.pop();
+    let found = fitted(&problem);
+    assert!(found.reduced_chi_squared.unwrap() > 4.0);
+    assert!(found.tests[0].durbin_watson < 0.5);
+    for part in ["times the noise", "correlated"] {
+        assert!(found.notes.iter().any(|note| note.contains(part)), "{part}: {:?}", found.notes);
+    }
+}
+
+#[test]
+fn an_estimate_at_its_bound_is_reported() {
+    let planted = rigid();
+    let mut problem = planted.problem(planted.measured(4));
+    problem.free[1].bounds = Some([0.23, 0.3]);
+    let found = fitted(&problem);
+    assert_eq!(found.estimates[1].at_bound, Some(0.23));
+    assert!(found.notes.iter().any(|note| note.starts_with("alpha ends at its bound 0.23")), "{:?}", found.notes);
+}
+
+/// The rotation does not depend on the mass, and a prior a hundred times as narrow as the data's interval decides.
+#[test]
+fn priors_count_and_what_the_data_do_not_tell_is_named() {
+    let planted = rigid();
+    let mut problem = planted.problem(planted.measured(4));
+    problem.free.push(Free::named("mass"));
+    let without = fitted(&problem);
+    assert!(without.notes.iter().any(|note| note == "the data do not tell mass"), "{:?}", without.notes);
+    assert_eq!(without.estimates[3].interval, Some([None, None]));
+    let [mean, deviation] = [3.11, 0.01 * without.estimates[0].standard_error];
+    problem.free[0].prior = Some([mean, deviation]);
+    problem.free[3].prior = Some([1100.0, 10.0]);
+    let with = fitted(&problem);
+    assert!((with.estimates[0].value - mean).abs() < 0.1 * without.estimates[0].standard_error);
+    let Estimate { value, standard_error, interval, .. } = &with.estimates[3];
+    let Some([Some(low), Some(high)]) = *interval else { panic!("{interval:?}") };
+    assert!((value - 1100.0).abs() < 0.01 && (standard_error - 10.0).abs() < 0.01, "{value} ± {standard_error}");
+    assert!((high - low - 2.0 * 1.959964 * 10.0).abs() < 0.1, "{low} to {high}");
+    assert!(with.notes.iter().any(|note| note == "the data do not tell mass"), "a prior is no datum");
+}
+
+/// The same bits with any number of threads.
+#[test]
+fn threads_change_no_bit() {
+    let planted = rigid();
+    let problem = planted.problem(planted.measured(8));
+    let two = fit(&problem, &pool(Some(2)).unwrap(), &|_, _| ()).unwrap();
+    assert_eq!(two.estimates, fitted(&problem).estimates);
+}
+
+/// A block under a pulse whose amplitude is unknown, by its reactions as well as its rotation.
+#[test]
+fn a_shaking_table_test_of_two_quantities_is_fitted() {
+    let dimensionless = Dimensionless { alpha: 0.25, p: 2.0, eta: 30.0, xi_v: 0.2 };
+    let common = Common::default();
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+    let pulse = Pulse { shape: PulseShape::OneSine, amplitude: 4.0, period: 0.8, ..Pulse::NONE };
+    let settings = Settings { on_separation: OnSeparation::Fly, ..Settings::default() };
+    let run = Run { pulse, duration: Some(3.0), output_step: 0.01, ..Run::at_rest(block, settings) };
+    let rows = run.history(|_| ()).unwrap().rows;
+    let test = |output: &str, noise: f64, value: fn(&Row) -> f64| Test {
+        output: output.into(),
+        pulse: Pulse { amplitude: 3.6, ..pulse },
+        initial: Initial::default(),
+        noise: Some(noise),
+        free: vec![Free::named("pulse.amplitude")],
+        ..Test::release(0.0, rows.iter().map(|row| row.time).collect(), rows.iter().map(value).collect())
+    };
+    let tests =
+        vec![test("theta", 1e-3, |row| row.observation.theta), test("N_L", 50.0, |row| row.observation.reaction[0])];
+    let given = Given::Dimensionless(Dimensionless { alpha: 0.27, eta: 33.0, ..dimensionless });
+    let free = vec![Free::named("alpha"), Free::named("eta")];
+    let found = fitted(&Problem { given, common, ties: Vec::new(), free, tests, options: Options::default() });
+    for (estimate, truth) in found.estimates.iter().zip([0.25, 30.0, 4.0, 4.0]) {
+        assert!((estimate.value / truth - 1.0).abs() < 1e-5, "{estimate:?}");
+    }
+    assert_eq!(found.block.foundation, Foundation::Viscoelastic);
+}
+
+#[test]
+fn errors_say_what_was_found_and_what_is_expected() {
+    let planted = rigid();
+    let sound = planted.problem(planted.measured(1));
+    let told = |change: &dyn Fn(&mut Problem)| {
+        let mut problem = sound.clone();
+        change(&mut problem);
+        fit(&problem, &pool(Some(1)).unwrap(), &|_, _| ()).unwrap_err().to_string()
+    };
+    let cases: [(&dyn Fn(&mut Problem), &str); 12] = [
+        (&|of| of.free[0].name = "eta".into(), "eta is no real parameter of this block; expected one of alpha, p"),
+        (&|of| of.free[0].name = "initial.theta".into(), "initial.theta belongs to a test; expected it among"),
+        (&|of| of.free[1].name = "p".into(), "p is given twice"),
+        (&|of| of.free.clear(), "nothing is free; expected one parameter at least"),
+        (&|of| of.free[0].bounds = Some([4.0, 5.0]), "p = 2.635 is not within its bounds [4, 5]; expected"),
+        (
+            &|of| of.free[0].prior = Some([3.0, 0.0]),
+            "prior of p = [3, 0]; expected a mean and a standard deviation > 0",
+        ),
+        (&|of| of.tests.clear(), "there is no test; expected one at least"),
+        (
+            &|of| of.tests[0].output = "tilt".into(),
+            "test_1: there is no measured quantity tilt; expected one of theta, ",
+        ),
+        (&|of| of.tests[0].values.truncate(250), "test_1: 251 times and 250 values; expected equal numbers"),
+        (&|of| of.tests[0].times[4] = 0.0, "test_1: time 5 is 0 s, after 0.06 s; expected increasing times"),
+        (&|of| of.tests[0].initial.theta = 0.0, "test_1: nothing moves the block; expected a record, a pulse or"),
+        (&|of| of.options.level = 1.0, "level = 1; expected a number above 0 and below 1"),
+    ];
+    for (change, expected) in cases {
+        let message = told(change);
+        assert!(message.starts_with(expected), "{message}");
+    }
+    let mut unweighted = sound;
+    unweighted.tests[0].noise = None;
+    unweighted.free[0].prior = Some([3.0, 0.1]);
+    let message = fit(&unweighted, &pool(Some(1)).unwrap(), &|_, _| ()).unwrap_err().to_string();
+    assert_eq!(message, "prior of p without noise; expected both, since one weighs the other");
+}
