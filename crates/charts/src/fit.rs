@@ -9,7 +9,7 @@ use crate::picture::PictureError;
 use rocking_studies::fit::{Fit, TestFit};
 
 /// Heights of the charts of a test: values, residuals.
-const HEIGHTS: [u32; 2] = [5200, 3000];
+const HEIGHTS: [u32; 2] = [5200, 3800];
 
 /// Draws each test with its fit, and the residuals under it.
 pub fn fit(fit: &Fit, title: &str) -> Result<String, PictureError> {
@@ -37,7 +37,7 @@ fn charts<'a>(number: usize, test: &TestFit, fit: &Fit) -> [Chart<'a>; 2] {
     let end = times.last().copied().unwrap_or(1.0);
     let rows: Vec<[f64; 4]> = (0..times.len()).map(|i| [times[i], measured[i], fitted[i], residuals[i]]).collect();
     let line = |value: usize| thinned(&rows, |row| row[0], |row| row[value]);
-    let of_test = if fit.tests.len() > 1 { format!("test_{}: ", number + 1) } else { String::new() };
+    let of_test = if fit.tests.len() > 1 { format!("test {}: ", number + 1) } else { String::new() };
     let ends = |lines: &[Vec<(f64, f64)>]| range(lines.iter().flatten().map(|point| point.1));
     let values = [line(1), line(2)];
     let y = ends(&values);
@@ -47,7 +47,8 @@ fn charts<'a>(number: usize, test: &TestFit, fit: &Fit) -> [Chart<'a>; 2] {
     let below = ends(std::slice::from_ref(&residual));
     [
         Chart {
-            title: format!("{of_test}{output} ({unit})"),
+            // An underscore would mark a subscript.
+            title: format!("{of_test}{} ({unit})", output.replace('_', " ")),
             x: ("", start..end),
             y: ("", y),
             curves,

@@ -108,7 +108,9 @@ fn residual_table(fit: &Fit) -> String {
 /// Writes the summary as text.
 fn summary(fit: &Fit) -> String {
     let mut text = String::new();
-    let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
+    let longest = fit.estimates.iter().map(|estimate| estimate.name.len()).max().unwrap_or(0);
+    let width = longest.max(13);
+    let mut line = |name: &str, value: String| text.push_str(&format!("{name:width$} {value}\n"));
     let percent = 100.0 * fit.level;
     for Estimate { name, unit, value, standard_error, interval, quadratic_interval, .. } in &fit.estimates {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
@@ -142,12 +144,11 @@ fn summary(fit: &Fit) -> String {
     if let (Some(noise), Some(test)) = (fit.noise, fit.tests.first()) {
         line("noise", format!("{} {} by the residuals", significant(noise, 3), test.unit));
     }
-    for combination in &fit.combinations {
-        line("determined", combination.meaning.clone());
+    if let Some(least) = fit.combinations.iter().rfind(|combination| combination.is_determined) {
+        line("least told", least.meaning.clone());
     }
     line("runs", format!("{}, and {} with derivatives", fit.runs[0], fit.runs[1]));
-    // What is not determined stands above.
-    for note in fit.notes.iter().filter(|note| fit.combinations.iter().all(|of| of.meaning != **note)) {
+    for note in &fit.notes {
         line("note", note.clone());
     }
     text

@@ -26,7 +26,7 @@
 //! | [`relative_measure`] | options of a block → the measure of records behind a measure relative to the block |
 //! | [`rate`], [`rate_report`] | hazard curve, fragility curve → annual rate; its text and JSON |
 //! | [`search`] | range → the values at which the outcome changes |
-//! | [`mod@fit`] | study file with tests of a block → estimates with intervals |
+//! | [`mod@fit`] | study file with measured tests of a block → estimates with intervals |
 //! | [`assess`] | study file with an object → a page on it, with pictures and tables |
 //! | [`record`] | accelerograms → their contents and intensity measures |
 //! | [`pulse`] | an accelerogram → the pulse that fits it best |

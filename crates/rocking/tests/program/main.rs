@@ -8,12 +8,14 @@
 //! | `gradients` | derivatives of single runs |
 //! | `sketch` | pictures of a block and its values |
 //! | `frame` | columns under a beam: block, table, refusals |
+//! | `fit` | fits to measured tests |
 //! | `assess` | reports on an object |
 //! | `foundations` | friction, restitution and supports with their sources |
 //! | `studies` | spectra, sweeps, searches, fragility curves, figures |
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
 
 mod assess;
+mod fit;
 mod foundations;
 mod frame;
 mod gradients;

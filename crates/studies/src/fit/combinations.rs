@@ -63,11 +63,11 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
         false => format!("{:.2} % of half a range", 100.0 * deviation),
     };
     let product = parts.iter().map(|(name, power, _)| powered(name, *power)).collect::<Vec<_>>().join("·");
-    let changes = parts.iter().map(|(name, part, _)| format!("{name} by {part:+.2}")).collect::<Vec<_>>().join(", ");
+    let changes = parts.iter().map(|(name, part, _)| format!("{part:+.2} {name}")).collect::<Vec<_>>().join(" ");
     match (is_determined, &parts[..]) {
         (true, [(name, ..)]) => format!("the data tell {name} to {to}"),
         (true, _) if logarithmic => format!("the data tell {product} to {to}"),
-        (true, _) => format!("the data tell the sum of {changes} to {to}"),
+        (true, _) => format!("the data tell {changes} to {to}"),
         (false, [(name, ..)]) => format!("the data do not tell {name}"),
         // The product that stays the same along the direction.
         (false, [(a, one, true), (b, two, true)]) => {
@@ -77,7 +77,7 @@ fn meaning(weights: &[f64], unknowns: &[Unknown], deviation: f64, is_determined:
             };
             format!("the data tell {kept} at best, but neither {a} nor {b} alone")
         }
-        (false, _) => format!("the data do not tell apart changes in proportion: {changes}"),
+        (false, _) => format!("the data do not tell changes in the proportion {changes}"),
     }
 }
 

@@ -164,6 +164,9 @@ fn noise_that_is_not_given_is_estimated() {
     let noise = found.noise.unwrap() / (NOISE * planted.releases[0][0]);
     let values = problem.tests[0].values.len() as f64;
     assert!((noise - 1.0).abs() < 3.0 / (2.0 * values).sqrt(), "{noise}");
+    // Standard errors are in proportion to it.
+    let errors = found.estimates[0].standard_error / given.estimates[0].standard_error;
+    assert!((errors / noise - 1.0).abs() < 1e-3, "{errors} {noise}");
     assert_eq!(found.reduced_chi_squared, None);
 }
 
