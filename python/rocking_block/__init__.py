@@ -16,6 +16,7 @@ from rocking_block._assess import Assessment, assess
 from rocking_block._block import Block
 from rocking_block._building import Building, FloorMotions, floor_motions
 from rocking_block._engine import __version__
+from rocking_block._fit import Combination, Estimate, Fit, Test, TestFit, fit
 from rocking_block._fmu import fmu_path
 from rocking_block._fragility import Fragility, export_fragility, fragility, intensity
 from rocking_block._frame import Frame, FrameRun, frame
@@ -33,9 +34,12 @@ __all__ = [
     "Assessment",
     "Block",
     "Building",
+    "Combination",
     "Counts",
     "Energy",
+    "Estimate",
     "Event",
+    "Fit",
     "FloorMotions",
     "Fragility",
     "Frame",
@@ -50,11 +54,14 @@ __all__ = [
     "Run",
     "Search",
     "Table",
+    "Test",
+    "TestFit",
     "Tie",
     "annual_rate",
     "assess",
     "blocks",
     "export_fragility",
+    "fit",
     "fit_pulse",
     "floor_motions",
     "fmu_path",

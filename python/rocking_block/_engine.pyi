@@ -317,6 +317,14 @@ def search_damping(
 def assess(
     name: str, study: str, folder: str | PathLike[str], threads: int | None, tick: _Tick
 ) -> tuple[str, str, list[tuple[str, bytes]]]: ...
+def fit(
+    block: Block,
+    tests: list[dict[str, Any]],
+    shared: list[tuple[str, Any, Any]],
+    options: dict[str, Any],
+    threads: int | None,
+    tick: _Tick,
+) -> tuple[str, list[tuple[_Floats, _Floats, _Floats]]]: ...
 def foundation_pairs() -> list[dict[str, Any]]: ...
 def pad_support(
     diameter: float, shape_factor: float, shear_modulus: float, bulk_modulus: float | None

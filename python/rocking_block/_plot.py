@@ -216,6 +216,31 @@ def fragility(
     return axes
 
 
+def fit(tests: Sequence[Any], axes: Any) -> npt.NDArray[Any]:
+    """Draws measured and fitted values of tests, and their residuals."""
+    if axes is None:
+        heights = [2.0, 1.0] * len(tests)
+        figure, axes = pyplot.subplots(
+            2 * len(tests), 1, figsize=(7.0, 4.2 * len(tests)), layout="constrained", height_ratios=heights
+        )
+    panels = np.ravel(axes)
+    if len(panels) != 2 * len(tests):
+        raise ValueError(f"{len(panels)} axes; expected two for each of {len(tests)} tests")
+    for number, (test, upper, lower) in enumerate(zip(tests, panels[::2], panels[1::2], strict=True), 1):
+        unit = "" if test.unit == "1" else f" [{test.unit}]"
+        name = f"test_{number}: {test.output}" if len(tests) > 1 else test.output
+        upper.plot(test.t, test.measured, ".", color="0.6", markersize=3.0, label="measured")
+        upper.plot(test.t, test.fitted, color=_COLOURS[0], linewidth=1.0, label="fitted")
+        upper.set_ylabel(f"{name}{unit}")
+        upper.legend()
+        lower.axhline(0.0, color=_INK, linewidth=0.6)
+        lower.plot(test.t, test.residuals, ".", color=_COLOURS[0], markersize=2.0)
+        lower.set_ylabel("measured less fitted")
+        lower.set_title(f"Durbin–Watson {test.durbin_watson:.2f}, white noise 2", fontsize="small", loc="left")
+        lower.set_xlabel("time [s]")
+    return panels
+
+
 def annual_rate(found: _engine.AnnualRate, im: str, unit: str, ax: Axes | None, style: dict[str, Any]) -> Axes:
     """Draws the density of the rate over the logarithm of the measure, its median and the range of 90 %."""
     axes = _axes(ax, "rate", (7.0, 4.0))

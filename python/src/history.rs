@@ -30,7 +30,8 @@ pub struct InitialValues {
 }
 
 impl InitialValues {
-    fn initial(&self) -> PyResult<Initial> {
+    /// Returns the initial state of the engine.
+    pub fn initial(&self) -> PyResult<Initial> {
         let InitialValues { theta, theta_dot, v, v_dot } = *self;
         finite("theta", theta, |x| x.abs() < 1.57, "a rotation within ±1.57 rad")?;
         finite("theta_dot", theta_dot, |_| true, "a finite rate")?;

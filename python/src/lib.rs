@@ -14,6 +14,7 @@
 //! | `studies` | many blocks under many ground motions → a column each |
 //! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `risk` | a hazard curve and a fragility curve → an annual rate |
+//! | `fit` | a block, measured tests, free parameters → estimates with their intervals |
 //! | `assess` | a study file with an object → the numbers and the files of a report |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `search` | a range → the values at which the outcome changes |
@@ -25,6 +26,7 @@ mod assess;
 mod block;
 mod blocks;
 mod building;
+mod fit;
 mod foundations;
 mod fragility;
 mod frame;
@@ -53,6 +55,8 @@ mod _engine {
     use super::blocks::Blocks;
     #[pymodule_export]
     use super::building::Building;
+    #[pymodule_export]
+    use super::fit::fit;
     #[pymodule_export]
     use super::foundations::{foundation_pairs, pad_support, soil_support};
     #[pymodule_export]
