@@ -30,7 +30,7 @@ def measured(tilt, zero, delay, random):
 
 def write(path, t, degrees):
     with open(path, "w", newline="") as file:
-        table = csv.writer(file)
+        table = csv.writer(file, lineterminator="\n")
         table.writerow(["t [s]", "rotation [deg]"])
         table.writerows((f"{time:.2f}", f"{value:.3f}") for time, value in zip(t, degrees))
 
