@@ -92,13 +92,44 @@ def naive(folder, rock):
     return folder.rocks[rock]["arm +x"]["theta_c"]
 
 
+def weighted(grid, alpha, spread):
+    """Returns the probabilities of an ensemble over the slenderness, by lognormal weights on its grid."""
+    weights = np.exp(-0.5 * (np.log(ALPHAS / alpha) / spread) ** 2)
+    return weights @ grid / weights.sum()
+
+
 def over_slenderness(grid):
-    """Yields median, spread and probabilities of ensembles over the slenderness, by lognormal weights on its grid."""
-    logs = np.log(ALPHAS)
+    """Yields median, spread and probabilities of ensembles over the slenderness, on a grid of both."""
     for spread in SPREADS:
-        for centre, alpha in zip(logs, ALPHAS):
-            weights = np.exp(-0.5 * ((logs - centre) / spread) ** 2)
-            yield float(alpha), spread, weights @ grid / weights.sum()
+        for alpha in ALPHAS:
+            yield float(alpha), spread, weighted(grid, alpha, spread)
+
+
+def most_likely(grid, happened):
+    """Returns the maximum-likelihood median and spread of an ensemble over the slenderness, beginning at the best of the grid.
+
+    The likelihood is smooth in both, and needs no further runs. It is maximized along each in turn, by golden sections between
+    the neighbours on the grid of the slenderness and between half and twice the spread.
+    """
+    best = max(over_slenderness(grid), key=lambda found: log_likelihood(happened, found[2]))[:2]
+    step, least, greatest = ALPHAS[1] / ALPHAS[0], SPREADS[0], SPREADS[-1]
+    golden = 0.5 * (math.sqrt(5) - 1)
+    value = lambda point: log_likelihood(happened, weighted(grid, *point))
+    for _ in range(4):
+        for which, factor in ((0, step), (1, 2.0)):
+            ends = [best[which] / factor, best[which] * factor]
+            if which:
+                ends = [max(ends[0], least), min(ends[1], greatest)]
+            at = lambda x: (x, best[1]) if which == 0 else (best[0], x)
+            low, high = ends
+            for _ in range(25):
+                inner = high - golden * (high - low), low + golden * (high - low)
+                if value(at(inner[0])) > value(at(inner[1])):
+                    high = inner[1]
+                else:
+                    low = inner[0]
+            best = max(best, at(0.5 * (low + high)), key=value)
+    return best
 
 
 def log_likelihood(happened, probability):
@@ -241,9 +272,10 @@ def cross_validated(folder, make, by, seed=1):
         x = [np.log(folder.column("pga")), np.log(folder.column("pgv"))]
         ensembles = list(over_slenderness(grid))
         found = {
-            name: [] for name in ("this model", "over slenderness too", "logistic", "logistic with this model")
+            name: []
+            for name in ("this model", "over slenderness too", "the same, fitted between the grid", "logistic", "logistic with this model")
         }
-        slenderness = []
+        slenderness, gains = [], []
         for _ in range(50):
             half = np.isin(groups, generator.permutation(names)[: len(names) // 2])
             for fit in (half, ~half):
@@ -252,17 +284,21 @@ def cross_validated(folder, make, by, seed=1):
                 slenderness.append(float(ALPHAS[int(np.argmax(likelihoods))]))
                 both = [*x, logit(ours)]
                 wide = max((row for _, _, row in ensembles), key=lambda row: log_likelihood(happened[fit], row[fit]))
+                between = weighted(grid, *most_likely(grid[:, fit], happened[fit]))
+                gains.append(log_likelihood(happened[fit], between[fit]) - log_likelihood(happened[fit], wide[fit]))
                 for name, probability in (
                     ("this model", ours),
                     ("over slenderness too", wide),
+                    ("the same, fitted between the grid", between),
                     ("logistic", applied(logistic([p[fit] for p in x], happened[fit]), x)),
                     ("logistic with this model", applied(logistic([p[fit] for p in both], happened[fit]), both)),
                 ):
                     judge = judged(happened[~fit], probability[~fit])
-                    found[name].append((judge["accuracy"], judge["AUC"], judge["Brier"]))
+                    score = log_likelihood(happened[~fit], np.clip(probability[~fit], 1e-9, 1 - 1e-9)) / (~fit).sum()
+                    found[name].append((judge["accuracy"], judge["AUC"], judge["Brier"], score))
         results[rock] = {
-            name: dict(zip(("accuracy", "AUC", "Brier"), np.mean(rows, axis=0).tolist())) for name, rows in found.items()
-        } | {"alpha": [float(np.quantile(slenderness, q)) for q in (0.05, 0.5, 0.95)]}
+            name: dict(zip(("accuracy", "AUC", "Brier", "log score"), np.mean(rows, axis=0).tolist())) for name, rows in found.items()
+        } | {"alpha": [float(np.quantile(slenderness, q)) for q in (0.05, 0.5, 0.95)], "gain": [min(gains), max(gains)]}
     return results
 
 
@@ -287,9 +323,11 @@ def show_cross_validated(results):
     for rock, found in results.items():
         low, middle, high = found.pop("alpha")
         print(f"\n{rock}: fitted alpha {middle:.3f} ({low:.3f} to {high:.3f})")
-        print(f"  {'':28}accuracy    AUC  Brier")
+        least, greatest = found.pop("gain")
+        print(f"  log-likelihood of the fitted halves between the grid less that on it: {least:.3f} to {greatest:.3f}")
+        print(f"  {'':36}accuracy    AUC  Brier  log score")
         for name, judge in found.items():
-            print(f"  {name:28}{judge['accuracy']:8.3f}{judge['AUC']:7.3f}{judge['Brier']:7.3f}")
+            print(f"  {name:36}{judge['accuracy']:8.3f}{judge['AUC']:7.3f}{judge['Brier']:7.3f}{judge['log score']:11.3f}")
     print()
 
 
