@@ -118,7 +118,7 @@ fn set<'a>(
     for (parameter, value) in given.clone() {
         let name = parameter.metadata.name;
         if let Some((_, needed)) = set.unread_by_motion().find(|(unread, _)| *unread == name) {
-            return Err(source.wrong(&value.span(), format!("{name} is not read; expected {needed}")));
+            return Err(source.wrong(&value.span(), format!("{} is not read; expected {needed}", parameter.name())));
         }
     }
     set.block().map_err(|error| {

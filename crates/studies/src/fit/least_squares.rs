@@ -62,9 +62,6 @@ impl Triangle {
         let mut held = fixed.to_vec();
         loop {
             let free: Vec<usize> = (0..count).filter(|&i| !held[i]).collect();
-            if free.is_empty() {
-                return step;
-            }
             free.iter().for_each(|&i| step[i] = 0.0);
             let target = &self.r * &step + &self.projected;
             let Some(found) = self.solve(&free, &target, damping) else { return step };
@@ -81,6 +78,9 @@ impl Triangle {
     pub fn solve(&self, free: &[usize], target: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
         /// Singular values below this part of the greatest are round-off.
         const RANK: f64 = 1e-12;
+        if free.is_empty() {
+            return Some(DVector::zeros(0));
+        }
         let svd = self.r.select_columns(free).try_svd(true, true, f64::EPSILON, 1000)?;
         let least = RANK * svd.singular_values.max();
         let mut along = svd.u?.tr_mul(target);

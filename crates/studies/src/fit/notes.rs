@@ -37,7 +37,9 @@ pub fn notes(fit: &Fit) -> Vec<String> {
     notes.extend(fit.reduced_chi_squared.and_then(|reduced| misfit(reduced, fit)));
     for (number, test) in (1..).zip(&fit.tests) {
         let name = if fit.tests.len() > 1 { format!("test_{number}: ") } else { String::new() };
-        notes.extend(correlation(test).map(|note| format!("{name}{note}")));
+        // Far below the noise the residuals are those of the integration.
+        let is_measured = fit.reduced_chi_squared.is_none_or(|reduced| reduced > 0.01);
+        notes.extend(correlation(test).filter(|_| is_measured).map(|note| format!("{name}{note}")));
         if let Some(time) = test.grazing {
             notes.push(format!(
                 "{name}an event grazes at {time:.4} s of the run; later values count in the sum of squares, but have no derivatives"

@@ -170,6 +170,18 @@ fn noise_that_is_not_given_is_estimated() {
     assert_eq!(found.reduced_chi_squared, None);
 }
 
+/// One parameter has no others to be fitted again along its profile.
+#[test]
+fn one_parameter_is_fitted_alone() {
+    let planted = rigid();
+    let mut problem = planted.problem(planted.measured(2));
+    (problem.given, problem.common.restitution_factor) = (Given::Dimensionless(planted.truth), 0.96);
+    problem.free = vec![Free::named("p")];
+    let found = fitted(&problem);
+    let Some([Some(low), Some(high)]) = found.estimates[0].interval else { panic!("{found:?}") };
+    assert!(low < 3.1 && 3.1 < high && high - low < 0.01, "{low} to {high}");
+}
+
 /// A sensor with a drift of its zero, and a clock that is late.
 #[test]
 fn zero_and_delay_are_found_with_the_tilt() {
