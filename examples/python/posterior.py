@@ -49,8 +49,7 @@ def main(steps):
     walkers = 4 * len(best)
     start = random.multivariate_normal(best, fit.covariance, walkers)
     sampler = emcee.EnsembleSampler(walkers, len(best), log_probability)
-    sampler._random.seed(1)
-    sampler.run_mcmc(start, steps)
+    sampler.run_mcmc(emcee.State(start, random_state=np.random.RandomState(1).get_state()), steps)
     samples = sampler.get_chain(discard=steps // 4, flat=True)
     print(f"{'parameter':22} {'fit':>22} {'posterior':>22}")
     for estimate, column in zip(fit.estimates, samples.T):

@@ -298,7 +298,7 @@ def fit(
     of_tests = [tests] if isinstance(tests, Test) else list(tests)
     for given in of_tests:
         if not isinstance(given, Test):
-            raise TypeError(f"tests has {given!r}; expected a Test, as in Test(t, theta, theta=0.1)")
+            raise TypeError(f"tests has a {type(given).__name__}; expected a Test, as in Test(t, theta, theta=0.1)")
     options = {"starts": starts, "seed": seed, "level": number("level", level), "tolerance": number("tolerance", tolerance)}
     shared = _free(free, bounds or {}, prior or {})
     with ticking(progress) as tick:

@@ -36,6 +36,18 @@ def test_a_record_in_a_frame(capsys, monkeypatch, tmp_path):
     assert (tmp_path / "one_record.png").stat().st_size > 20_000
 
 
+def test_a_release_test_is_fitted(tmp_path):
+    """The tables of examples/fit are those of the script, and the intervals contain the planted block."""
+    import release_test
+
+    fit = release_test.main(tmp_path)
+    for name in ("release_1.csv", "release_2.csv"):
+        assert (tmp_path / name).read_bytes() == (ROOT / "examples/fit" / name).read_bytes()
+    for name in ("width", "height", "restitution_factor"):
+        low, high = fit[name].interval
+        assert low < getattr(release_test.TRUTH, name) < high
+
+
 @pytest.mark.check
 def test_velocity_tells_overturning_better_than_acceleration():
     """The claim of the examples' page, for a sixteenth of the blocks and motions."""
