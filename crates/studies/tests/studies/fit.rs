@@ -287,6 +287,9 @@ fn a_shaking_table_test_of_two_quantities_is_fitted() {
     assert_eq!(found.block.foundation, Foundation::Viscoelastic);
 }
 
+/// A fault that a problem gets.
+type Change<'a> = &'a dyn Fn(&mut Problem);
+
 #[test]
 fn errors_say_what_was_found_and_what_is_expected() {
     let planted = rigid();
@@ -296,7 +299,7 @@ fn errors_say_what_was_found_and_what_is_expected() {
         change(&mut problem);
         fit(&problem, &pool(Some(1)).unwrap(), &|_, _| ()).unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut Problem), &str); 12] = [
+    let cases: [(Change, &str); 12] = [
         (&|of| of.free[0].name = "eta".into(), "eta is no real parameter of this block; expected one of alpha, p"),
         (&|of| of.free[0].name = "initial.theta".into(), "initial.theta belongs to a test; expected it among"),
         (&|of| of.free[1].name = "p".into(), "p is given twice"),
