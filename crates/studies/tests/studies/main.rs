@@ -1,4 +1,4 @@
-//! Studies: runs in lanes against runs alone, and published results.
+//! Studies: runs in lanes against runs alone, thresholds against the derivatives of runs, and published results.
 
 #[path = "../../../../tests/common/cases.rs"]
 mod cases;
@@ -6,3 +6,4 @@ mod cases;
 mod fit;
 mod lanes;
 mod published;
+mod thresholds;
