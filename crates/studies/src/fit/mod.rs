@@ -5,15 +5,15 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`problem`] | a block, tests of it, names of free parameters → a checked problem |
-//! | [`unknowns`] | names of free parameters → their ranges, and a box of coordinates from 0 to 1 |
+//! | [`mod@unknowns`] | names of free parameters → their ranges, and a box of coordinates from 0 to 1 |
 //! | [`model`] | a run, times → a measured quantity at these times, with its derivatives |
 //! | [`evaluation`] | a point of the box → residuals of all tests, with their Jacobian |
 //! | [`least_squares`] | residuals and their Jacobian → the least sum of squares in the box |
-//! | [`search`] | starts within the bounds → the least of several minima |
+//! | [`mod@search`] | starts within the bounds → the least of several minima |
 //! | [`intervals`] | a minimum → intervals of the profile likelihood |
-//! | [`combinations`] | the Jacobian → combinations that the data determine, and those that they do not |
-//! | [`notes`] | a fit → its weaknesses in sentences |
-//! | [`file`] | a study file with `[fit]` → a problem |
+//! | [`mod@combinations`] | the Jacobian → combinations that the data determine, and those that they do not |
+//! | [`mod@notes`] | a fit → its weaknesses in sentences |
+//! | [`mod@file`] | a study file with `[fit]` → a problem |
 
 pub mod combinations;
 pub mod evaluation;
