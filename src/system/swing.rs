@@ -424,7 +424,7 @@ mod tests {
             let swing = Swing::of(&block, Corner::Right, &excitation, [0.0, 0.1, 0.2], longest, allowed);
             (swing.order, swing.size)
         };
-        assert_eq!(of(0.01, 1e-4), (4, 0.01));
+        assert_eq!(of(0.01, 1e-2), (4, 0.01));
         let orders = [1e-4, 1e-7, 1e-10, 1e-13].map(|allowed| of(0.1, allowed).0);
         assert!(orders.windows(2).all(|pair| pair[0] < pair[1]), "{orders:?}");
         let (order, size) = of(2.0, 1e-12);

@@ -96,7 +96,8 @@ fn least_indicator(block: &Instance, time: f64, states: &[f64; STATES]) -> f64 {
 fn an_external_solver_finds_the_impacts_of_co_simulation() {
     let inside = Instance::new(Wanted::default());
     inside.set_all(&RELEASED);
-    inside.initialize(false);
+    inside.ok(call!(inside, enter_initialization_mode, true, 1e-12, 0.0, false, 0.0));
+    inside.ok(call!(inside, exit_initialization_mode));
     let block = ready(&RELEASED);
     let first = update(&block);
     assert!(!first.terminates && first.next_time.is_none(), "{first:?}");
