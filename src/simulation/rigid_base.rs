@@ -161,7 +161,7 @@ impl Simulation {
                         continue;
                     }
                     Finished::Left => return Ok(()),
-                    Finished::Lasts(_) => {}
+                    Finished::Lasts => {}
                 }
             }
             if lands {
@@ -189,19 +189,19 @@ impl Simulation {
     /// Looks for events and peaks in a part of a swing by the equations.
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "the step that is examined")]
-    fn examine<'a>(
+    fn examine(
         &mut self,
         law: impl Law,
         swing: &Swing,
         [part, end]: [f64; 2],
         state: State,
         begins_piece: bool,
-        piece: &SmoothPiece<'a>,
+        piece: &SmoothPiece,
         observer: &mut dyn FnMut(&Event),
-    ) -> Result<Finished<'a>, SimulationError> {
+    ) -> Result<Finished, SimulationError> {
         let &SmoothPiece { block, excitation, .. } = piece;
         let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
-        let here = motion.at(self.pose.time, self.pose.state);
+        let mut here = motion.at(self.pose.time, self.pose.state);
         if begins_piece && let Some(surface) = self.system.fallen(&here) {
             self.counts.steps -= 1;
             self.apply_or_stop(surface, &here, piece, observer)?;
@@ -222,6 +222,6 @@ impl Simulation {
             longest: longest_swing(block.p, excitation.frequency()),
         };
         let inside = Inside { motion, between: Between::Swing(here.time, swing), evaluations: 0 };
-        self.finish(piece, &here, there, &step_end, inside, observer)
+        self.finish(piece, &mut here, there, &step_end, inside, observer)
     }
 }

@@ -23,14 +23,13 @@ pub(super) struct StepEnd<const N: usize> {
 }
 
 /// The result of a step.
-#[expect(clippy::large_enum_variant, reason = "a step allocates no memory")]
-pub(super) enum Finished<'a> {
+pub(super) enum Finished {
     /// Nothing: a function that begins at zero rises unseen within it. A step of this size (s) is to be tried.
     TooLong(f64),
     /// The block has come to an event.
     Left,
     /// The block has come to the end of the step.
-    Lasts(Evaluation<'a>),
+    Lasts,
 }
 
 /// The part of a step that is tried next where a function that begins at zero rises and falls unseen within it.
@@ -43,17 +42,17 @@ const SHORTEST_RISE: f64 = 1e-10;
 const LEAST_SHORTENED: f64 = 1e-2;
 
 impl Simulation {
-    /// Goes to the end of a step, or to the first event inside, with the peaks on the way, and applies the event.
+    /// Goes from `here` to the end of a step, or to the first event inside, with the peaks on the way, and applies the event.
     #[inline(always)]
     pub(super) fn finish<'a, L: Law, const N: usize>(
         &mut self,
         piece: &SmoothPiece,
-        here: &Evaluation<'a>,
+        here: &mut Evaluation<'a>,
         mut there: Evaluation<'a>,
         end: &StepEnd<N>,
         mut inside: Inside<'_, 'a, L, N>,
         observer: &mut dyn FnMut(&Event),
-    ) -> Result<Finished<'a>, SimulationError> {
+    ) -> Result<Finished, SimulationError> {
         let (law, size) = (inside.motion.law(), there.time - here.time);
         let mut event = first_event(here, &there, &mut inside);
         if let Some(Fall { rise_unseen: true, elapsed, .. }) = &mut event {
@@ -99,7 +98,8 @@ impl Simulation {
             self.apply_or_stop(surface, &there, piece, observer)?;
             return Ok(Finished::Left);
         }
-        Ok(Finished::Lasts(there))
+        *here = there;
+        Ok(Finished::Lasts)
     }
 
     /// Includes the slip of the foot in a step.

@@ -187,14 +187,14 @@ impl Simulation {
             }
             let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
             let inside = Inside { motion, between: Between::Within(&step, end_rate), evaluations: 0 };
-            match self.finish(piece, &here, there, &end, inside, observer)? {
+            match self.finish(piece, &mut here, there, &end, inside, observer)? {
                 Finished::TooLong(size) => {
                     self.control.restart(size);
                     short_failed = true;
                     continue;
                 }
                 Finished::Left => return Ok(()),
-                Finished::Lasts(there) => here = there,
+                Finished::Lasts => {}
             }
             if self.pose.time >= stop || piece.single {
                 return Ok(());
