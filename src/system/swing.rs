@@ -16,7 +16,7 @@
 //! ```
 //!
 //! The series ends where its last two terms of θ̇ are below the allowed error; a swing that would need more than [`ORDER`] terms is
-//! shortened. The displacements of the centre of mass are X and Q but for constants, so that `N/M = g + a_z + Q̈` and `H/M = a_x + Ẍ`.
+//! shortened. X and Q differ from the displacements of the centre of mass by constants, so that `N/M = g + a_z + Q̈` and `H/M = a_x + Ẍ`.
 //!
 //! Since |τ| ≤ 1, the sum of the other terms' sizes bounds the distance of a series from its first term. [`Swing::bounds`] tells by such
 //! sums whether the block lands, and how large rotation and forces can be; [`Swing::landing`] finds the landing.
@@ -396,7 +396,7 @@ mod tests {
             }
         }
 
-        /// A landing of which the bounds are certain is where θ first comes to zero.
+        /// With certain bounds, θ first comes to zero at the landing.
         #[test]
         fn a_certain_landing_is_the_first(case in case()) {
             let (swing, away) = (case.swing(1e-10), -case.corner.sign());

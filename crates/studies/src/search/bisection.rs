@@ -27,7 +27,9 @@ impl Scan {
 
     /// Number of bisections from the spacing to the resolution.
     pub(crate) fn halvings(&self) -> u64 {
-        libm::log2(self.spacing() / self.resolution).ceil().max(0.0) as u64
+        /// Bisections between any two numbers; the quotient of some is infinite.
+        const MOST: f64 = 2100.0;
+        libm::log2(self.spacing() / self.resolution).ceil().clamp(0.0, MOST) as u64
     }
 
     fn value(&self, number: u64) -> f64 {
@@ -218,6 +220,13 @@ mod tests {
     fn found<K: PartialEq + Copy>(scan: &Scan, outcome: impl Fn(f64) -> K) -> OutcomeMap<K> {
         let mut found = changes(scan, 1, |values| values.iter().map(|&(_, value)| outcome(value)).collect());
         found.remove(0)
+    }
+
+    #[test]
+    fn the_number_of_halvings_is_bounded() {
+        let halvings = |resolution: f64| Scan { resolution, ..scan(0.0, 8.0, 3) }.halvings();
+        assert_eq!([8.0, 4.0, 1.0, 0.9].map(halvings), [0, 0, 2, 3]);
+        assert!((1000..10_000).contains(&halvings(f64::from_bits(1))));
     }
 
     /// Three outcomes: one is an island, one appears only at the midpoint of a bracket.
