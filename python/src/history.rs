@@ -9,7 +9,7 @@ use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
 use rocking_block::simulation::peaks::Peaks;
 use rocking_gradients::{Grazing, Parameters};
-use rocking_studies::run::gradients::{Derivatives, Gradients, has_derivative};
+use rocking_studies::run::gradients::{Derivatives, Gradients};
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::table;
 use rocking_studies::run::{History, Run};
@@ -132,7 +132,7 @@ fn derivatives<'py>(py: Python<'py>, block: &engine::Block, gradients: &Gradient
     let all = PyDict::new(py);
     for Derivatives { name, rows, events, peaks } in &gradients.parameters {
         let columns = PyDict::new(py);
-        for column in table::columns(block).iter().filter(|column| has_derivative(column)) {
+        for column in table::columns(block).iter().filter(|column| column.has_derivative()) {
             let values = rows.iter().map(|row| column.value(row));
             columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
         }

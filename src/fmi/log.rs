@@ -3,7 +3,7 @@
 use std::ffi::{CStr, CString};
 use std::fmt::Write;
 
-use crate::fmi::Status;
+use crate::fmi::status::Status;
 
 /// Category of a message, named in modelDescription.xml.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,12 +8,12 @@ pub mod fmi2;
 pub mod fmi3;
 pub mod instance;
 pub mod log;
-
-use std::ffi::c_int;
+mod status;
 
 use crate::fmi::log::Messenger;
 use crate::unit::instance::Interface;
 use crate::unit::life_cycle::Phase;
+pub use status::Status;
 
 /// The type of the standard's counts; the crate `libc` has none for WebAssembly.
 #[allow(non_camel_case_types, reason = "the name is that of C")]
@@ -37,27 +37,4 @@ pub trait Call: Copy {
 
     /// Whether an instance of this interface type can reach this state.
     fn lead_to(phase: Phase, interface: Interface) -> bool;
-}
-
-/// Status of a call. The numbers are the same in all versions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(i32)]
-pub enum Status {
-    /// Done.
-    Ok = 0,
-    /// Done, with a message for the user.
-    Warning = 1,
-    /// Not done, or only in part; the instance can be read.
-    Discard = 2,
-    /// Refused or failed.
-    Error = 3,
-    /// The instance is unusable.
-    Fatal = 4,
-}
-
-impl Status {
-    /// Returns the number in the standard.
-    pub fn code(self) -> c_int {
-        self as c_int
-    }
 }

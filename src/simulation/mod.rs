@@ -13,6 +13,7 @@ pub mod outputs;
 pub mod peaks;
 mod rigid_base;
 mod settings;
+mod smooth_piece;
 mod step_end;
 mod stepping;
 

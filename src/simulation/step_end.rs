@@ -5,7 +5,7 @@ use crate::numerics::control::near_a_peak;
 use crate::numerics::roots;
 use crate::simulation::inside::{Fall, Inside, first_event};
 use crate::simulation::peaks::{Channels, Peaks, greater};
-use crate::simulation::stepping::SmoothPiece;
+use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::Event;

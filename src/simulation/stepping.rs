@@ -12,6 +12,7 @@ use crate::numerics::control::{
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, may_hold_event, turn_in_flight};
+use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
@@ -19,21 +20,6 @@ use crate::system::events::{Event, Surface};
 use crate::system::forces;
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
-
-/// A piece of time in which the excitation is smooth, and the treatment of events in it.
-pub(super) struct SmoothPiece<'a> {
-    pub(super) block: &'a Block,
-    pub(super) excitation: &'a Excitation,
-    /// Where it begins (s).
-    since: f64,
-    /// Where steps end (s).
-    pub(super) stop: f64,
-    /// Its end (s); if it is later than `stop`, only a block at rest reaches it.
-    end: f64,
-    at_event: AtEvent,
-    /// Whether a single step is taken, or all steps to the end.
-    pub(super) single: bool,
-}
 
 /// The history of the instant at which steps begin.
 #[derive(Clone, Copy)]

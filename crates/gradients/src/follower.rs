@@ -258,7 +258,7 @@ impl Follower {
     }
 
     /// The block `elapsed` seconds after the beginning of a stretch of the motion.
-    pub(crate) fn inside<'a>(&'a self, stretch: &'a Stretch, elapsed: f64) -> Evaluation<'a, Number> {
+    fn inside<'a>(&'a self, stretch: &'a Stretch, elapsed: f64) -> Evaluation<'a, Number> {
         let Stretch { start, excitation, .. } = stretch;
         if elapsed == 0.0 {
             return self.at(start, excitation);
@@ -305,7 +305,7 @@ impl Follower {
 
     /// The peaks since the start.
     pub fn peaks(&self, simulation: &Simulation) -> Peaks<Number> {
-        self.raised.peaks(self, &simulation.peaks())
+        self.raised.peaks(&simulation.peaks(), &|stretch, elapsed| self.inside(stretch, elapsed))
     }
 
     /// The events since the start, with the derivatives of their times.

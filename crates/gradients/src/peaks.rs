@@ -7,7 +7,6 @@ use rocking_block::simulation::peaks::{Channel, Channels, Peaks};
 use rocking_block::system::evaluation::Evaluation;
 use rocking_block::system::instant::Pose;
 
-use crate::follower::Follower;
 use crate::{BATCH, Number};
 
 /// The motion over a step.
@@ -23,6 +22,9 @@ pub(crate) struct Stretch {
     /// The same of the event at its end.
     pub end_shift: [f64; BATCH],
 }
+
+/// The block some time (s) after the beginning of a stretch.
+pub(crate) type Within<'a> = dyn Fn(&'a Stretch, f64) -> Evaluation<'a, Number> + 'a;
 
 /// A quantity that has a peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,10 +75,9 @@ impl Raised {
     }
 
     /// The peaks of a run with these values.
-    pub fn peaks(&self, follower: &Follower, peaks: &Peaks) -> Peaks<Number> {
-        let of = |quantity: Quantity, value: f64, stretch: &Option<Box<Stretch>>| {
-            let eps =
-                stretch.as_deref().map_or([0.0; BATCH], |stretch| derivatives(follower, stretch, quantity, value));
+    pub fn peaks<'a>(&'a self, peaks: &Peaks, within: &Within<'a>) -> Peaks<Number> {
+        let of = |quantity: Quantity, value: f64, stretch: &'a Option<Box<Stretch>>| {
+            let eps = stretch.as_deref().map_or([0.0; BATCH], |stretch| derivatives(within, stretch, quantity, value));
             Number::new(value, eps)
         };
         let channel = |i: usize| of(Quantity::Channel(CHANNELS[i]), peaks.of(CHANNELS[i]), &self.channels[i]);
@@ -94,11 +95,11 @@ impl Raised {
 
 /// Derivatives of the peak of a quantity, which has reached this value in a step: at one of its ends, whose time may vary, or at a
 /// maximum inside, where the rate is zero.
-fn derivatives(follower: &Follower, stretch: &Stretch, quantity: Quantity, peak: f64) -> [f64; BATCH] {
+fn derivatives<'a>(within: &Within<'a>, stretch: &'a Stretch, quantity: Quantity, peak: f64) -> [f64; BATCH] {
     // Where the highest of these instants inside is between its neighbours there is a maximum.
     const PIECES: u32 = 8;
     let duration = stretch.end - stretch.start.time.re;
-    let at = |elapsed: f64| samples(quantity, &follower.inside(stretch, elapsed));
+    let at = |elapsed: f64| samples(quantity, &within(stretch, elapsed));
     let ends = [(at(0.0), stretch.start_shift, -1.0), (at(duration), stretch.end_shift, 1.0)];
     // Of several samples of a channel, those of both corners or directions, the greatest.
     let greatest = |samples: &[Sample<Number>]| {

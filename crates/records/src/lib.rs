@@ -9,8 +9,9 @@
 //! | `unit`, `format` | words → unit, format |
 //! | `options` | the caller's knowledge of a file |
 //! | `error` | file, line, found, expected → a message of one line |
+//! | `processing` | changes to a record, in words |
 //! | `record` | samples → accelerations at any time, peak |
-//! | `processing` | a record → without its trend, filtered, with another time step |
+//! | `filter` | a record → without its trend, filtered, with another time step |
 //! | `text` | bytes → lines and numbers |
 //! | `raw` | content of a file in its own unit, options → a record |
 //! | `time_axis` | column of times → start and time step |
@@ -29,9 +30,11 @@ mod options;
 
 mod error;
 
+mod processing;
+
 mod record;
 
-mod processing;
+mod filter;
 
 mod text;
 

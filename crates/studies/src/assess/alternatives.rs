@@ -1,6 +1,5 @@
 //! The object → its usual variants and the ranges of its assumptions.
 
-use crate::assess::plan::{Alternative, Assumption};
 use crate::input::parameters::Parameter;
 use crate::sweep::Sweep;
 use crate::sweep::change::Change;
@@ -21,6 +20,30 @@ const RESTITUTION: f64 = 0.1;
 const FRICTION: f64 = 0.1;
 /// Change of the factor on Housner's e.
 const RESTITUTION_FACTOR: f64 = 0.05;
+
+/// A variant of the object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alternative {
+    /// Its name.
+    pub name: String,
+    /// The changes that make it.
+    pub changes: Vec<Change>,
+}
+
+/// A quantity that is not known exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assumption {
+    /// Name and unit.
+    pub name: String,
+    /// Both ends of its range, as changes.
+    pub changes: [Change; 2],
+    /// Their values.
+    pub values: [f64; 2],
+    /// Its value in the middle of the study.
+    pub middle: f64,
+    /// Whether the study has this range; else it is the usual one.
+    pub is_given: bool,
+}
 
 /// The usual variants and assumptions.
 pub(super) struct Usual {

@@ -21,7 +21,8 @@ mod spectrum;
 mod states;
 mod work;
 
-pub use plan::{Alternative, Assumption, Input, Plan, State};
+pub use alternatives::{Alternative, Assumption};
+pub use plan::{Input, Plan, State};
 pub use results::{
     Comparison, Counts, CurveResult, HazardResult, LeastPulse, MotionResult, ObjectResult, RateResult, Report,
     Sensitivity, SizeResult, SlidingResult, StateResult,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::assess::alternatives;
+use crate::assess::alternatives::{self, Alternative, Assumption};
 use crate::fragility::Limit;
 use crate::input::parameters::Parameter;
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
@@ -72,30 +72,6 @@ pub struct State {
     pub limit: Limit,
     /// The publication or decision behind it.
     pub source: Option<String>,
-}
-
-/// A variant of the object.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Alternative {
-    /// Its name.
-    pub name: String,
-    /// The changes that make it.
-    pub changes: Vec<Change>,
-}
-
-/// A quantity that is not known exactly.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Assumption {
-    /// Name and unit.
-    pub name: String,
-    /// Both ends of its range, as changes.
-    pub changes: [Change; 2],
-    /// Their values.
-    pub values: [f64; 2],
-    /// Its value in the middle of the study.
-    pub middle: f64,
-    /// Whether the study has this range; else it is the usual one.
-    pub is_given: bool,
 }
 
 /// A file that was read.

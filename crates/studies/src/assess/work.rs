@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::ThreadPool;
 
-use crate::assess::plan::{Alternative, Assumption, Plan};
+use crate::assess::alternatives::{Alternative, Assumption};
+use crate::assess::plan::Plan;
 use crate::assess::results::{
     Comparison, Counts, HazardResult, MotionResult, ObjectResult, Report, Sensitivity, SlidingResult, SupportsResult,
 };

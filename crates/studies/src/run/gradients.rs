@@ -5,7 +5,6 @@ use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Energies, Simulation, SimulationError};
 use rocking_gradients::{BATCH, Follower, Grazing, Number, Parameters, Varied, advance};
 
-use crate::run::table::Column;
 use crate::run::{History, Row, Run};
 
 /// The derivatives of a run with respect to one parameter.
@@ -28,13 +27,6 @@ pub struct Gradients {
     pub parameters: Vec<Derivatives>,
     /// The event from which on there are no derivatives, if one grazes.
     pub grazing: Option<Grazing>,
-}
-
-/// Whether a column has derivatives: numbers do, and no sums of energy since the start.
-pub fn has_derivative(column: &Column) -> bool {
-    let name = column.name.as_str();
-    !matches!(name, "t" | "regime")
-        && (!name.starts_with("energy.") || matches!(name, "energy.total" | "energy.kinetic"))
 }
 
 impl Run {

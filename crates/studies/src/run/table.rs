@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::run::gradients::{Derivatives, has_derivative};
+use crate::run::gradients::Derivatives;
 use crate::run::outcome::Holds;
 use crate::run::{History, Row};
 use rocking_block::block::Block;
@@ -62,6 +62,13 @@ impl Column {
     pub fn value(&self, row: &Row) -> f64 {
         (self.value)(row)
     }
+
+    /// Whether it has derivatives: numbers do, and no sums of energy since the start.
+    pub fn has_derivative(&self) -> bool {
+        let name = self.name.as_str();
+        !matches!(name, "t" | "regime")
+            && (!name.starts_with("energy.") || matches!(name, "energy.total" | "energy.kinetic"))
+    }
 }
 
 /// The columns of a block's history: those of every table, and those of friction and ties where the block has them.
@@ -87,7 +94,7 @@ pub fn columns(block: &Block) -> Vec<Column> {
 /// exactly.
 pub fn write(block: &Block, history: &History, gradients: &[Derivatives], out: impl Write) -> csv::Result<()> {
     let columns = columns(block);
-    let varied: Vec<&Column> = columns.iter().filter(|column| has_derivative(column)).collect();
+    let varied: Vec<&Column> = columns.iter().filter(|column| column.has_derivative()).collect();
     let heading = |Column { name, unit, .. }: &Column| format!("{name} [{unit}]");
     let derivative = |of: &Derivatives, Column { name, unit, .. }: &Column| {
         let (parameter, per) = (&of.name, rocking_gradients::unit(&of.name));

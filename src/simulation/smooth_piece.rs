@@ -1,0 +1,20 @@
+//! The stretch of a call over which the excitation is smooth.
+
+use crate::block::Block;
+use crate::excitation::Excitation;
+use crate::simulation::AtEvent;
+
+/// A piece of time in which the excitation is smooth, and the treatment of events in it.
+pub(super) struct SmoothPiece<'a> {
+    pub(super) block: &'a Block,
+    pub(super) excitation: &'a Excitation,
+    /// Where it begins (s).
+    pub(super) since: f64,
+    /// Where steps end (s).
+    pub(super) stop: f64,
+    /// Its end (s); if it is later than `stop`, only a block at rest reaches it.
+    pub(super) end: f64,
+    pub(super) at_event: AtEvent,
+    /// Whether a single step is taken, or all steps to the end.
+    pub(super) single: bool,
+}
