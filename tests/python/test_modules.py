@@ -1,0 +1,56 @@
+"""No two modules of a crate import each other, directly or through others."""
+
+import graphlib
+import pathlib
+import re
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SOURCES = sorted(folder for depth in ("src", "*/src", "*/*/src") for folder in ROOT.glob(depth))
+
+
+def modules(source: pathlib.Path) -> dict[str, str]:
+    """The code of each module by its path, as in `run::table`; unit tests, comments and the crate's root are left out."""
+    found = {}
+    for file in source.rglob("*.rs"):
+        parts = file.relative_to(source).with_suffix("").parts
+        name = "::".join(parts[:-1] if parts[-1] == "mod" else parts)
+        code = re.sub(r"//.*", "", file.read_text(encoding="utf-8")).split("#[cfg(test)]\nmod ")[0]
+        found[name] = code
+    return {name: code for name, code in found.items() if name not in ("lib", "main")}
+
+
+def flat(tree: str) -> list[str]:
+    """The paths of a use tree: those of `a::{b, c::{d, e}}` are a::b, a::c::d and a::c::e."""
+    group = re.search(r"\{([^{}]*)\}", tree)
+    if not group:
+        return [tree]
+    items = [item.strip() for item in group[1].split(",") if item.strip()]
+    return [path for item in items for path in flat(tree[: group.start()] + item + tree[group.end() :])]
+
+
+def imports(name: str, code: str, names: set[str]) -> set[str]:
+    """The other modules that a module imports. Its own parts belong to it."""
+    found = set()
+    uses = re.findall(r"\buse ([^;]+);", code)
+    for path in [path for use in uses for path in flat(re.sub(r"\s+", " ", use))] + re.findall(r"\bcrate(?:::\w+)+", code):
+        parts = path.split(" as ")[0].split("::")
+        at = [] if parts[0] == "crate" else name.split("::")
+        while parts and parts[0] in ("crate", "self", "super"):
+            at = at[:-1] if parts.pop(0) == "super" else at
+        parts = at + parts
+        known = ["::".join(parts[:n]) for n in range(len(parts), 0, -1) if "::".join(parts[:n]) in names]
+        found.update(known[:1])
+    return {other for other in found if not f"{other}::".startswith(f"{name}::")}
+
+
+@pytest.mark.check
+@pytest.mark.parametrize("source", SOURCES, ids=lambda source: str(source.relative_to(ROOT)))
+def test_modules_import_in_one_direction(source: pathlib.Path) -> None:
+    code = modules(source)
+    graph = {name: imports(name, text, set(code)) for name, text in code.items()}
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail(f"{source}: modules import each other: {' -> '.join(reversed(error.args[1]))}")
