@@ -1,8 +1,8 @@
 //! Loads from a structural model: F_x, F_z and M_y on the centre of mass, on every foundation and in flight.
 
-use rocking_block::block::{Block, Common, Foundation, Regime};
+use rocking_block::block::{Block, Common, Foundation, Regime, Tie, TieState};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
-use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
+use rocking_block::simulation::{Energies, Initial, OnSeparation, Settings, Simulation};
 
 use crate::blocks;
 
@@ -100,6 +100,49 @@ fn the_work_of_loads_is_in_the_energy_sums() {
         let largest = energies.total.abs().max(energies.input.abs());
         assert!((energies.input - work).abs() < 1e-4 * largest, "{} or {work}", energies.input);
         assert!(energies.input.abs() > 0.05 * largest && energies.residual.abs() < 1e-9 * largest, "{energies:?}");
+    }
+}
+
+/// The powers of a block that slides between ties are the rates of its energy sums, by central differences.
+#[test]
+fn powers_are_the_rates_of_the_energy_sums() {
+    let common = Common { mass: 250.0, friction: 0.2, ..Common::default() };
+    let plain = blocks::block([0.25, 2.0, 40.0, 0.1], &common);
+    let weight = plain.mass * plain.gravity;
+    let tie = Tie {
+        block: [-plain.b, plain.h],
+        ground: [-4.0 * plain.b, 0.0],
+        stiffness: weight,
+        damping: 0.3 * weight,
+        ..Tie::default()
+    };
+    let block = plain.with_ties(&[tie]).unwrap();
+    let ramp = |value: f64, rate: f64| Ramp { value, rate };
+    let inputs = Inputs {
+        a_gx: ramp(-5.0, 8.0),
+        a_gz: ramp(0.5, -2.0),
+        f_x: ramp(200.0, -300.0),
+        f_z: ramp(-150.0, 100.0),
+        m_y: ramp(30.0, -50.0),
+        ..Inputs::default()
+    };
+    let settings = Settings { tolerance: 1e-13, ..Settings::default() };
+    let mut simulation = Simulation::new(block, settings, Pulse::NONE, &Initial::default(), 0.0, &inputs);
+    let h = 1e-4;
+    let [(before, _), (_, seen), (after, _)] = [0.1 - h, 0.1, 0.1 + h].map(|time| {
+        simulation.advance(time, &inputs, &mut |_| ()).unwrap();
+        assert!(simulation.slides() && simulation.ties()[0] == TieState::Taut, "{simulation:?}");
+        (simulation.energies(), simulation.observe(&inputs.moved_to(time)))
+    });
+    let rate = |of: fn(&Energies) -> f64| (of(&after) - of(&before)) / (2.0 * h);
+    for (name, power, rate) in [
+        ("input", seen.power[0], rate(|sums| sums.input)),
+        ("dashpots", seen.power[1], rate(|sums| sums.dashpots)),
+        ("friction", seen.friction_power, rate(|sums| sums.friction)),
+        ("ties", seen.tie_power, rate(|sums| sums.ties)),
+    ] {
+        // The supports vibrate at ω_v, with an error of (ω_v h)²/6.
+        assert!(power != 0.0 && (power / rate - 1.0).abs() < 1e-4, "{name}: {power} W, {rate} W by difference");
     }
 }
 
