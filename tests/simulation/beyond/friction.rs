@@ -113,13 +113,17 @@ fn slide(limit: f64, a: f64, omega: f64) -> [f64; 2] {
 }
 
 /// The mode in which a block on the rigid base leaves rest under a constant acceleration, after Shenton (1996): it rests, slides,
-/// rocks, or both.
+/// rocks, or both. A block at rest on which the acceleration begins to act is shown in this mode at once.
 fn mode(alpha: f64, friction: f64, a: f64) -> (bool, bool) {
     let common = Common { foundation: Foundation::Rigid, friction, gravity: G, ..Common::default() };
-    let inputs = push(a);
-    let mut simulation = start(block([alpha, 1.7, 40.0, 0.1], &common), Pulse::NONE, &inputs);
+    let (block, inputs) = (block([alpha, 1.7, 40.0, 0.1], &common), push(a));
+    let mut simulation = start(block, Pulse::NONE, &inputs);
     simulation.advance(1e-9, &inputs, &mut |_| ()).unwrap();
-    (simulation.slides(), simulation.regime() != Regime::FullContact)
+    let mode = (simulation.slides(), simulation.regime() != Regime::FullContact);
+    let resting = start(block, Pulse::NONE, &Inputs::default());
+    let shown = (resting.slides_under(&inputs), resting.observe(&inputs).regime != Regime::FullContact);
+    assert_eq!(shown, mode, "alpha = {alpha}, friction = {friction}, a_gx = {a}");
+    mode
 }
 
 proptest! {
