@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Inputs, Ramp};
-use crate::numerics::dual::Dual64;
+use crate::numerics::gradient::Along;
 use crate::numerics::scalar::Elementary;
 use rocking_records::Record;
 
@@ -162,16 +162,16 @@ pub struct Varied<'a, F> {
 
 impl<F: Fn(usize) -> f64> Varied<'_, F> {
     /// Returns the acceleration at `time` (s), as in [`Ground::piece_at`], with its derivative.
-    pub fn at(&self, time: Dual64) -> Dual64 {
+    pub fn at(&self, time: Along) -> Along {
         let Varied { record, .. } = self;
-        let zero = Dual64::from(0.0);
+        let zero = Along::from(0.0);
         let Some(i) = record.sample_at(time.re) else { return zero };
         if i + 1 >= record.acceleration.len() {
             return zero;
         }
-        let [a, b] = [i, i + 1].map(|i| Dual64::new(record.acceleration[i], (self.sample)(i)));
-        let step = Dual64::new(record.time_step, self.time_step);
-        let start = Dual64::new(record.start_time, self.start_time);
+        let [a, b] = [i, i + 1].map(|i| Along::new(record.acceleration[i], [(self.sample)(i)]));
+        let step = Along::new(record.time_step, [self.time_step]);
+        let start = Along::new(record.start_time, [self.start_time]);
         line(a, b, step, time - (start + step * i as f64)).value
     }
 

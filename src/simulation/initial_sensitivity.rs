@@ -1,16 +1,30 @@
-//! Initial values and parameters as dual numbers → exact derivatives of all outputs at the beginning.
+//! Initial values and parameters with their derivatives in a direction → exact derivatives of all outputs at the beginning.
 
-use crate::block::Foundation;
-use crate::block::contact::Regime;
-use crate::excitation::Inputs;
-use crate::numerics::dual::Dual64;
+use crate::block::{Block, Foundation, Regime};
+use crate::excitation::Excitation;
+use crate::numerics::dual::Dual;
+use crate::numerics::gradient::Along;
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::{Peaks, channels};
 use crate::simulation::{Energies, Initial, Simulation};
+use crate::system::System;
 use crate::system::dynamics::instant;
+use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::forces::energy;
-use crate::system::initial_sensitivity::{InitialSensitivity, Start};
-use crate::system::instant::{Footing, Instant};
+use crate::system::instant::{Footing, Instant, Pose};
+
+/// A block before the first step, in a direction of parameters, initial values and start time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The block.
+    pub block: Block<Along>,
+    /// Where it is.
+    pub initial: Initial<Along>,
+    /// Its excitation.
+    pub excitation: Excitation<Along>,
+    /// The start time (s).
+    pub time: Along,
+}
 
 /// Derivatives of all outputs at the beginning in a direction of parameters and initial values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,24 +38,28 @@ pub struct InitialDerivatives {
 }
 
 impl Simulation {
-    /// Derivatives of the beginning in the direction of the dual parts of `start`; its values, `initial` and `inputs` are those from
-    /// which this block has begun.
+    /// Derivatives of the beginning in the direction of `start`, whose values are those from which this block has begun.
     ///
     /// The regimes are those through which the block goes: where one of them begins or ends, the derivative is that of the
     /// side on which the block is.
-    pub fn initial_sensitivity(&self, initial: &Initial, inputs: &Inputs, start: &Start<Dual64>) -> InitialDerivatives {
-        let excitation = self.excitation(inputs);
-        let InitialSensitivity { mut begins, mut goes_on, support_heights } =
-            self.system.initial_sensitivity(initial, self.pose.time, &excitation, start);
-        if self.block().foundation == Foundation::Rigid && goes_on.0 == Regime::FullContact {
-            goes_on = leaning(goes_on, start);
+    pub fn initial_sensitivity(&self, Start { block, initial, excitation, time }: &Start) -> InitialDerivatives {
+        let System { flies, slowest, .. } = *self.system;
+        let system = System { block: *block, flies, slowest };
+        let at = |pose: &Pose<Along>| Motion::from_pose(block, pose, excitation).at(*time, pose.state);
+        let pose = system.beginning(initial, *time, excitation);
+        let mut begins = at(&pose);
+        let mut goes_on = system.released(&pose, &begins).map_or(begins, |pose| at(&pose));
+        if block.foundation == Foundation::Rigid && goes_on.regime == Regime::FullContact {
+            lean(&mut goes_on, initial);
             begins = goes_on;
         }
-        let seen = observe(&start.block, goes_on.0, &goes_on.1, support_heights, start.forcing);
+        let support_heights = goes_on.support_heights.map(|top| top.value);
+        let seen = observe(block, goes_on.regime, &goes_on.instant, support_heights, goes_on.forcing);
+        let seen = seen.map(|x| Dual::new(x.re, x.eps[0]));
         let peaks = Peaks { tension: seen.tension.map(|tension| tension.eps), ..channels(&seen).peak_sensitivity() };
         let seen = if self.is_frozen() { seen.without_motion() } else { seen };
-        let (kinetic, potential) = energy(&start.block, begins.0, &start.forcing.ties, &begins.1);
-        let [kinetic, potential] = [kinetic, potential].map(|part| (part * start.block.mass).eps);
+        let (kinetic, potential) = energy(block, begins.regime, &begins.forcing.ties, &begins.instant);
+        let [kinetic, potential] = [kinetic, potential].map(|part| (part * block.mass).eps[0]);
         let energies = Energies { total: kinetic + potential, kinetic, potential, ..Energies::default() };
         InitialDerivatives { observed: seen.map(|x| x.eps), energies, peaks }
     }
@@ -49,21 +67,15 @@ impl Simulation {
 
 /// The upright block at rest on the rigid base, moved in a direction: it leans to the side to which it is tilted or thrown, on that
 /// corner. Displacements and rates change as there; accelerations and reactions would jump, and are those of rest.
-fn leaning((regime, rest): (Regime, Instant<Dual64>), start: &Start<Dual64>) -> (Regime, Instant<Dual64>) {
-    let Initial { theta, theta_dot, .. } = start.initial;
-    let lean = if theta.eps != 0.0 { theta.eps } else { theta_dot.eps };
+fn lean(rest: &mut Evaluation<Along>, &Initial { theta, theta_dot, .. }: &Initial<Along>) {
+    let lean = if theta.eps[0] != 0.0 { theta.eps[0] } else { theta_dot.eps[0] };
     if lean == 0.0 {
-        return (regime, rest);
+        return;
     }
-    let leaning = if lean < 0.0 { Regime::TiltingLeft } else { Regime::TiltingRight };
-    let zero = Dual64::from(0.0);
-    let x = instant(
-        &start.block,
-        leaning,
-        [theta, theta_dot, zero, zero],
-        Footing::AT_START.map(Dual64::from),
-        start.forcing,
-    );
+    rest.regime = if lean < 0.0 { Regime::TiltingLeft } else { Regime::TiltingRight };
+    let zero = Along::from(0.0);
+    let state = [theta, theta_dot, zero, zero];
+    let x = instant(rest.block, rest.regime, state, Footing::AT_START.map(Along::from), rest.forcing);
     let Instant { u, u_dot, v, v_dot, corner, corner_dot, .. } = x;
-    (leaning, Instant { u, u_dot, v, v_dot, corner, corner_dot, ..rest })
+    rest.instant = Instant { u, u_dot, v, v_dot, corner, corner_dot, ..rest.instant };
 }

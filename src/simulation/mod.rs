@@ -31,11 +31,10 @@ use crate::system::instant::{Footing, Pose, State};
 use peaks::{Peaks, greater};
 
 pub use crate::system::beginning::Initial;
-pub use crate::system::initial_sensitivity::Start;
 pub use ending::{Ending, Progress, SimulationError};
 pub use energies::{Energies, EnergySums};
 use exchange::ExchangePiece;
-pub use initial_sensitivity::InitialDerivatives;
+pub use initial_sensitivity::{InitialDerivatives, Start};
 pub use settings::{OnOverturning, OnSeparation, Settings};
 
 /// Counters since the start.

@@ -9,7 +9,6 @@ use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
-use crate::system::events::Path;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
 use crate::system::forces;
@@ -36,18 +35,12 @@ where
     /// its free height.
     pub fn beginning(&self, initial: &Initial<T>, time: T, excitation: &Excitation<T>) -> Pose<T> {
         match self.block.foundation {
-            Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation).0,
+            Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation),
             Foundation::Rigid => self.tied(beginning_on_rigid_base(initial, time), excitation),
         }
     }
 
-    /// The pose at the beginning, and the regimes through which the block comes there.
-    pub(super) fn beginning_on_supports(
-        &self,
-        initial: &Initial<T>,
-        time: T,
-        excitation: &Excitation<T>,
-    ) -> (Pose<T>, Path) {
+    fn beginning_on_supports(&self, initial: &Initial<T>, time: T, excitation: &Excitation<T>) -> Pose<T> {
         let mut placement = Placement::on_supports(&self.block, initial);
         let touching = Corner::each(|corner| {
             placement.corners[corner.index()].0.value() <= self.block.free_height(corner).value()
@@ -62,7 +55,7 @@ where
         change.grip_at_start(&mut placement);
         change.settle(contacts.regime(), placement);
         debug_assert!(!change.path.overflows(), "{:?}", change.path);
-        (change.pose, change.path)
+        change.pose
     }
 
     /// A pose at the beginning with its ties as they are stretched.
@@ -78,7 +71,7 @@ where
 
 impl<T: Elementary> Placement<T> {
     /// The placement of a block on supports at the beginning.
-    pub(super) fn on_supports(block: &Block<T>, initial: &Initial<T>) -> Placement<T> {
+    fn on_supports(block: &Block<T>, initial: &Initial<T>) -> Placement<T> {
         let h = block.h;
         let Initial { theta, theta_dot, vertical } = *initial;
         let (sin, cos) = theta.sin_cos();
@@ -107,7 +100,7 @@ impl<T: Elementary> Placement<T> {
     }
 }
 
-pub(super) fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose<T> {
+fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose<T> {
     let zero = T::from(0.0);
     let lean = if initial.theta.value() != 0.0 { initial.theta } else { initial.theta_dot }.value();
     Pose {

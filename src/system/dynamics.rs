@@ -10,7 +10,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Scalar};
 use crate::system::forces::{self, friction, support};
 use crate::system::instant::{Footing, Held, Instant, Place};
 
@@ -384,7 +384,7 @@ fn at_corner<T: Scalar>(corner: Corner, force: T) -> [T; 2] {
 
 /// `[w, ẇ]`, height (m) and rate (m/s) of the foot, from `[θ, θ̇, v, v̇]`: those of the centre of mass in flight, and zeros on the
 /// rigid base, which does not give way.
-pub fn foot_height<T: Elementary>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
+pub fn foot_height<T: Scalar>(block: &Block, regime: Regime, [theta, theta_dot, v, v_dot]: [T; 4]) -> [T; 2] {
     let Some(foot) = regime.foot() else { return [v, v_dot] };
     if block.foundation == Foundation::Rigid {
         return [T::from(0.0); 2];

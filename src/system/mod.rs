@@ -11,7 +11,6 @@
 //! | [`events`] | an instant → the functions that are watched; a pose and an event, a file each → the pose right after |
 //! | [`impact`] | velocities before a landing → velocities after |
 //! | [`beginning`] | initial values → the pose at the beginning |
-//! | [`initial_sensitivity`] | the same with dual numbers → exact derivatives of the beginning |
 
 pub mod beginning;
 pub mod dynamics;
@@ -19,7 +18,6 @@ pub mod evaluation;
 pub mod events;
 pub mod forces;
 pub mod impact;
-pub mod initial_sensitivity;
 pub mod instant;
 pub mod law;
 pub mod swing;

@@ -5,15 +5,8 @@ use std::collections::BTreeSet;
 use crate::differences::draw::{Draw, KNOWNS};
 use crate::differences::{Declared, Host, Pairs, Sizes, compare, declared, real_unknowns};
 use proptest::test_runner::TestRunner;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Physical, Tie};
-use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
-use rocking_block::simulation::Initial;
-use rocking_block::simulation::outputs::observe;
-use rocking_block::system::System;
-use rocking_block::system::initial_sensitivity::{InitialSensitivity, Start};
 use rocking_block::unit::instance::{Interface, Unit};
 use rocking_block::unit::variables::{Kind, Metadata, VARIABLES};
-use rocking_block::words::Words;
 
 const XML: &str = include_str!("../../modelDescription.xml");
 
@@ -225,101 +218,6 @@ fn values_change_with_their_declared_dependencies() {
         never.extend(knowns.iter().filter(stays).map(|known| format!("{unknown} with {known}")));
     }
     assert!(never.is_empty(), "declared but never changes:\n{}", never.join("\n"));
-}
-
-/// The generic initial values, in plain numbers, are the outputs of the model.
-#[test]
-fn generic_initial_values_are_those_of_the_model() {
-    let files = Files::new();
-    let mut runner = TestRunner::deterministic();
-    for _ in 0..3000 {
-        let draw = Draw::next(&mut runner);
-        let mut model = files.start(&draw, 0);
-        let unknowns = ["u", "u_dot", "v", "v_dot", "theta_ddot", "N_L", "N_R", "H", "uplift_L", "uplift_R"];
-        let sizes = Sizes::of(&mut model);
-        let found = beginning(&draw);
-        for (unknown, found) in unknowns.into_iter().zip(found) {
-            let expected = model.get(unknown);
-            let frozen = draw.of("on_separation") == 2.0 && model.get("separated") == 1.0;
-            if !frozen || matches!(unknown, "u" | "v" | "uplift_L" | "uplift_R") {
-                // A support and the corner that has just left it coincide up to rounding.
-                let rounding = 4.0 * f64::EPSILON * sizes.unknown(unknown, expected);
-                assert!((found - expected).abs() <= rounding, "{unknown} = {found:e}, not {expected:e}: {draw:?}");
-            }
-        }
-    }
-}
-
-/// Returns initial values from [`System::initial_sensitivity`].
-fn beginning(draw: &Draw) -> [f64; 10] {
-    let foundation = if draw.of("foundation") == 1.0 { Foundation::Viscoelastic } else { Foundation::Rigid };
-    let common = Common {
-        mass: draw.of("mass"),
-        gamma: draw.of("gamma"),
-        epsilon: draw.of("epsilon"),
-        gravity: draw.of("g"),
-        foundation,
-        restitution_factor: draw.of("restitution_factor"),
-        eccentricity: draw.of("eccentricity"),
-        friction: draw.of("friction"),
-    };
-    let block = if draw.of("parameterization") == 1.0 {
-        let [alpha, p, eta, xi_v] = ["alpha", "p", "eta", "xi_v"].map(|name| draw.of(&format!("dimensionless.{name}")));
-        Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap()
-    } else {
-        let [width, height, stiffness, damping] =
-            ["width", "height", "K", "C"].map(|name| draw.of(&format!("physical.{name}")));
-        let [center_height, inertia] =
-            ["center_height", "inertia"].map(|name| Some(draw.of(&format!("physical.{name}"))).filter(|x| *x > 0.0));
-        let height = center_height.map_or(height, |h| 2.0 * h);
-        Block::from_physical(&Physical { width, height, stiffness, damping, inertia }, &common).unwrap()
-    };
-    let tie = |i: usize| {
-        let of = |name: &str| draw.of(&format!("tie_{i}.{name}"));
-        Tie {
-            block: ["block_x", "block_z"].map(of),
-            ground: ["ground_x", "ground_z"].map(of),
-            stiffness: of("stiffness"),
-            pretension: of("pretension"),
-            slack: of("slack"),
-            damping: of("damping"),
-            strength: of("strength"),
-        }
-    };
-    let ties = [tie(1), tie(2)];
-    let count = ties.iter().rposition(|tie| tie.stiffness > 0.0).map_or(0, |last| last + 1);
-    let block = block.with_ties(&ties[..count]).unwrap();
-    let pulse = Pulse {
-        shape: PulseShape::WORDS[draw.of("pulse.shape") as usize - 1].1,
-        amplitude: draw.of("pulse.amplitude"),
-        period: draw.of("pulse.period"),
-        start: draw.of("pulse.start"),
-        phase: draw.of("pulse.phase"),
-        cycles: draw.of("pulse.cycles"),
-    };
-    let held = |name: &str| Ramp::held(draw.of(name));
-    let inputs = Inputs {
-        time: 0.0,
-        a_gx: held("a_gx"),
-        a_gz: held("a_gz"),
-        f_x: held("F_x"),
-        f_z: held("F_z"),
-        m_y: held("M_y"),
-    };
-    let excitation = Excitation::from_time(0.0, &inputs, &pulse, &block);
-    let vertical = (draw.of("initial.v"), draw.of("initial.v_dot"));
-    let initial = Initial {
-        theta: draw.of("initial.theta"),
-        theta_dot: draw.of("initial.theta_dot"),
-        vertical: (draw.of("initial.settled") == 0.0).then_some(vertical),
-    };
-    let system = System { block, flies: draw.of("on_separation") == 3.0, slowest: System::SLOWEST };
-    let start = Start { block, initial, forcing: excitation.at(0.0) };
-    let InitialSensitivity { goes_on: (regime, x), support_heights, .. } =
-        system.initial_sensitivity(&initial, 0.0, &excitation, &start);
-    let seen = observe(&block, regime, &x, support_heights, start.forcing);
-    let ([left, right], [up_left, up_right]) = (seen.reaction, seen.uplift);
-    [seen.u, seen.u_dot, seen.v, seen.v_dot, seen.theta_ddot, left, right, seen.horizontal, up_left, up_right]
 }
 
 /// Upright on the rigid base, a block tilts to the side to which it is moved: `u = h θ`, `v = b |θ|`, `u̇ = h θ̇`, `M g v`. Its

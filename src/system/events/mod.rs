@@ -312,13 +312,6 @@ where
 
     /// The pose right after `now` if a corner cannot stay on the rigid base, or if the foot slides; otherwise nothing.
     pub fn released(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<Pose<T>> {
-        self.released_by(pose, now).map(|(pose, _)| pose)
-    }
-
-    /// The same, with the regimes passed through.
-    pub(in crate::system) fn released_by(&self, pose: &Pose<T>, now: &Evaluation<T>) -> Option<(Pose<T>, Path)> {
-        let surface = self.fallen(now)?;
-        let Transition { pose, path, .. } = self.transition(pose, now, surface);
-        Some((pose, path))
+        Some(self.transition(pose, now, self.fallen(now)?).pose)
     }
 }

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::block::{Block, Ties};
-use crate::excitation::{Excitation, Forcing, Inputs, Pulse, Ramp};
+use crate::excitation::{Excitation, Inputs, Pulse, Ramp};
 use crate::ground::{Ground, Varied};
-use crate::numerics::dual::Dual64;
+use crate::numerics::gradient::Along;
 use crate::simulation::exchange::States;
 use crate::simulation::outputs::Observation;
 use crate::simulation::{Energies, InitialDerivatives, Simulation, Slip, Start};
@@ -73,8 +73,8 @@ impl Direction {
     }
 
     /// Returns the value of a variable with its component.
-    fn along(&self, values: &Values, variable: Variable) -> Dual64 {
-        Dual64::new(values[variable], self.numbers[variable as usize])
+    fn along(&self, values: &Values, variable: Variable) -> Along {
+        Along::new(values[variable], [self.numbers[variable as usize]])
     }
 
     fn of(&self, variable: Variable) -> f64 {
@@ -106,7 +106,7 @@ enum Derivatives {
 
 struct InitialSensitivities {
     along: InitialDerivatives,
-    block: Block<Dual64>,
+    block: Block<Along>,
     /// Component of the start time.
     time: f64,
     /// Derivatives of the records' parameters, in the order of [`OfGround`](crate::unit::derived::OfGround).
@@ -122,7 +122,7 @@ impl Derivatives {
             Derivatives::Initial(beginning) => match unknown(reference)? {
                 Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
                 Unknown::Output(output) => Ok(source(output).initial_derivative(&beginning.along)),
-                Unknown::Derived(DerivedSource::Block(of)) => Ok(of(&beginning.block).eps),
+                Unknown::Derived(DerivedSource::Block(of)) => Ok(of(&beginning.block).eps[0]),
                 Unknown::Derived(DerivedSource::Ground(of)) => Ok(beginning.ground[of as usize]),
             },
         }
@@ -132,7 +132,7 @@ impl Derivatives {
 /// A variable with derivatives in Initialization Mode.
 enum Unknown {
     Output(Output),
-    Derived(DerivedSource<Dual64>),
+    Derived(DerivedSource<Along>),
 }
 
 fn unknown(reference: u32) -> Result<Unknown, Fault> {
@@ -223,7 +223,7 @@ impl Unit {
         let unscaled = self.unscaled(direction)?;
         let (simulation, inputs) = self.preview()?;
         let simulation = simulation.clone();
-        let (values, given) = (&self.values, self.inputs);
+        let values = &self.values;
         let records = [(&ground.horizontal, 0), (&ground.vertical, 1)].map(|(record, place)| {
             let unscaled = unscaled.as_ref().map(|ground| [&ground.horizontal, &ground.vertical][place]);
             record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), place))
@@ -234,23 +234,24 @@ impl Unit {
             (GivenBlock::Physical(given), common) => Block::of_physical(&given, &common),
         };
         let block = Block { ties: Ties::of(&values.ties(of)), ..block };
-        let time = Dual64::new(simulation.time(), direction.time);
-        let motion =
-            records.each_ref().map(|record| record.as_ref().map_or(Dual64::from(0.0), |record| record.at(time)));
-        let input = |input: Input| Dual64::new(given[input].value, direction.of(input.variable()));
+        let time = Along::new(simulation.time(), [direction.time]);
+        let motion = records.each_ref().map(|record| record.as_ref().map_or(0.0, |record| record.at(time).eps[0]));
+        let input = |input: Input, motion: f64| Ramp {
+            value: Along::new(inputs[input].value, [direction.of(input.variable()) + motion]),
+            rate: Along::from(inputs[input].rate),
+        };
         let acting = Inputs {
-            time,
-            a_gx: Ramp::held(input(Input::AGx) + motion[0]),
-            a_gz: Ramp::held(input(Input::AGz) + motion[1]),
-            f_x: Ramp::held(input(Input::FX)),
-            f_z: Ramp::held(input(Input::FZ)),
-            m_y: Ramp::held(input(Input::MY)),
+            // The records' derivatives are those at the start time.
+            time: Along::new(inputs.time, [direction.time]),
+            a_gx: input(Input::AGx, motion[0]),
+            a_gz: input(Input::AGz, motion[1]),
+            f_x: input(Input::FX, 0.0),
+            f_z: input(Input::FZ, 0.0),
+            m_y: input(Input::MY, 0.0),
         };
         let pulse = acting_pulse(values.pulse_of(of), time);
-        let forcing = Excitation::new(&acting, pulse.as_ref(), block.mass).at(time);
-        let forcing = Forcing { ties: simulation.ties(), ..forcing };
-        let start = Start { block, initial: values.initial_of(of), forcing };
-        let along = simulation.initial_sensitivity(&values.initial(), &inputs, &start);
+        let excitation = Excitation::new(&acting, pulse.as_ref(), block.mass);
+        let along = simulation.initial_sensitivity(&Start { block, initial: values.initial_of(of), excitation, time });
         let ground = if of_ground {
             let end = ground.end();
             let ends =
@@ -288,10 +289,10 @@ fn slip_along(simulation: &Simulation, inputs: &Inputs, [theta, _, _, _, u, ..]:
 /// Returns the pulse if it acts at `time`.
 ///
 /// A pulse that begins and ends at zero has derivatives at these times; the direction decides whether it acts.
-fn acting_pulse(pulse: Pulse<Dual64>, time: Dual64) -> Option<Pulse<Dual64>> {
+fn acting_pulse(pulse: Pulse<Along>, time: Along) -> Option<Pulse<Along>> {
     let since = time - pulse.start;
     let acts = match pulse.ends_at_zero() {
-        true => [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps >= 0.0)),
+        true => [since, pulse.duration() - since].into_iter().all(|x| x.re > 0.0 || (x.re == 0.0 && x.eps[0] >= 0.0)),
         false => pulse.value().acts_at(time.re),
     };
     acts.then_some(pulse)
