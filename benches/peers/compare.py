@@ -32,11 +32,18 @@ SOLVERS = {
         [f"adams-{by}-{at}" for by in ("fixed", "newton") for at in ("restart", "stop", "through")],
     ),
     "CVODE BDF": ([BUILT / "cvode"], ["bdf-newton"], [f"bdf-newton-{at}" for at in ("restart", "stop", "through")]),
+    "Boost.odeint": (
+        [BUILT / "odeint"],
+        ["dopri5", "fehlberg78", "bulirsch-stoer"],
+        [f"{name}-{at}" for name in ("dopri5", "fehlberg78") for at in ("restart", "stop", "through")],
+    ),
     "differential-equations": (
         [BUILT / "release" / "differential_equations"],
         ["dop853", "verner76", "verner98"],
         [f"{name}-{at}" for name in ("dop853", "verner76", "verner98") for at in ("restart", "through")],
     ),
+    # Under the record it passed by lift-offs right after a sample.
+    "heyoka": ([sys.executable, HERE / "heyoka_peer.py"], ["taylor"], []),
     "SciPy DOP853": (
         [sys.executable, HERE / "scipy_peer.py"], ["DOP853"], ["DOP853-restart", "DOP853-through"]
     ),
@@ -46,7 +53,7 @@ OPENSEES = "OpenSees"
 # Integrator, penalty of the contacts, their horizontal stiffness (both relative to the stiffness of a support).
 OPENSEES_METHODS = ["trbdf2-1e2-10", "trbdf2-1e3-3", "trbdf2-1e3-10", "trbdf2-1e3-30", "trbdf2-1e4-10", "hht-1e3-10"]
 OPENSEES_STEPS = [1e-3, 2.5e-4, 1e-4]
-SLOW = {"SciPy DOP853", "SciPy LSODA"}
+SLOW = {"heyoka", "SciPy DOP853", "SciPy LSODA"}
 SHOWN = ["sine_eta40", cases.RECORD]
 ORDER = [*cases.PULSES, cases.RECORD, cases.ELASTIC]
 ERRORS = [10.0**-digit for digit in range(6, 12)]

@@ -12,7 +12,9 @@ STYLES = {
     "this project": {"marker": "o", "linestyle": "-", "color": "black", "linewidth": 2.2, "markersize": 6},
     "CVODE Adams": {"marker": "s", "linestyle": "--", "color": "0.25", "markerfacecolor": "white"},
     "CVODE BDF": {"marker": "D", "linestyle": ":", "color": "0.25", "markerfacecolor": "white"},
+    "Boost.odeint": {"marker": "v", "linestyle": "--", "color": "0.5", "markerfacecolor": "white"},
     "differential-equations": {"marker": "^", "linestyle": "-", "color": "0.5"},
+    "heyoka": {"marker": "P", "linestyle": ":", "color": "0.5", "markerfacecolor": "white"},
     "SciPy DOP853": {"marker": "x", "linestyle": "-.", "color": "0.25"},
     "SciPy LSODA": {"marker": "+", "linestyle": (0, (1, 3)), "color": "0.25", "markersize": 9},
 }

@@ -1,18 +1,19 @@
-"""Compares this project's program with heyoka on blocks of many sizes on the rigid base under a one-sine pulse.
+"""Compares this project's program with other solvers on blocks of many sizes under a one-sine pulse, on the rigid base and on supports.
 
-    .venv/bin/python -m pip install heyoka==7.13.2
-    .venv/bin/python benches/peers/ensemble.py        # about two minutes; needs target/release/rocking
+    benches/peers/run --quick                         # builds Boost.odeint's program, installs heyoka
+    .venv/bin/python benches/peers/ensemble.py        # about three minutes; needs target/release/rocking
 
 heyoka compiles a Taylor integrator of adaptive order for the equation of motion, for one block or for one block per lane of a vector.
-Impacts are terminal events; a callback in Python changes the pivot, and ends the run of a block that comes to rest. Blocks that overturn
-go on turning there until the end, while the program ends their runs. The program also follows reactions, separation, works and
-peaks, and writes a table; its time is that of all blocks less that of a tenth of them, so that its start does not count. The
-programs take turns, and the shortest CPU time counts. The error is the largest |Δθ|/α of 12 blocks at the end, compared with
-heyoka at 1e-15.
+Impacts are terminal events; a callback in Python changes the pivot, and ends the run of a block that comes to rest. It takes part on the
+rigid base. Blocks that overturn go on turning there until the end, while the program and odeint.cpp end their runs. The program also
+follows reactions, separation, works and peaks, and writes a table; its time is that of all blocks less that of a tenth of them, so that
+its start does not count. The programs take turns, and the shortest CPU time counts. The error is the largest |Δθ|/α of 12 blocks at the
+end, compared with heyoka at 1e-15.
 """
 
 import csv
 import io
+import json
 import math
 import os
 import resource
@@ -21,31 +22,36 @@ import tempfile
 import time
 from pathlib import Path
 
+import cases
 import heyoka
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target" / "release" / "rocking"))
+ODEINT = ROOT / "target" / "peers" / "odeint"
 ALPHA, PERIOD, END, GRAVITY = 0.2, 1.0472, 6.0, 9.81
+ETA, XI_V = 40.0, 0.1
 BLOCKS, ROUNDS = 4000, 3
 # Amplitude (m/s2) and frequency parameters (rad/s): most overturn; all stay up.
 ENSEMBLES = {"most overturn": (4.375, 1.0, 4.0), "all stay up": (4.375, 0.5, 1.2)}
 TOLERANCES = [1e-6, 1e-9, 1e-12]
 LANES = [1, 4, 8]
+METHODS = ["dopri5", "fehlberg78"]
 
 
-def options(amplitude, least, greatest):
+def options(amplitude, least, greatest, foundation):
     """Returns the options of `rocking` for an ensemble."""
     pulse = ["--pulse", "one-sine", "--amplitude", amplitude, "--period", PERIOD]
     sizes = ["--p-min", least, "--p-max", greatest]
-    return [str(x) for x in [*pulse, "--alpha", ALPHA, "--foundation", "rigid", "--duration", END, *sizes]]
+    base = ["--foundation", "rigid"] if foundation == "rigid" else ["--eta", ETA, "--xi-v", XI_V]
+    return [str(x) for x in [*pulse, "--alpha", ALPHA, *base, "--duration", END, *sizes]]
 
 
-def program_time(ensemble, blocks, tolerance, lanes):
+def program_time(ensemble, foundation, blocks, tolerance, lanes):
     """Returns the CPU time (s) of the program, and the frequency parameters of its blocks."""
     with tempfile.TemporaryDirectory() as folder:
         table = Path(folder) / "table.csv"
-        command = [PROGRAM, "spectrum", *options(*ensemble), "--points", blocks, "--tolerance", tolerance]
+        command = [PROGRAM, "spectrum", *options(*ensemble, foundation), "--points", blocks, "--tolerance", tolerance]
         command += ["--threads", 1, "--lanes", lanes, "--csv", table]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run([str(word) for word in command], check=True, capture_output=True)
@@ -64,6 +70,20 @@ def program_theta(ensemble, p, tolerance):
     rows = list(csv.DictReader(io.StringIO("".join(line for line in done.stdout.splitlines(True) if line[0] != "#"))))
     time_column, theta = (next(name for name in rows[0] if name.startswith(word)) for word in ("t", "theta"))
     return float(rows[-1][theta]) if float(rows[-1][time_column]) == END else None
+
+
+def odeint_time(ensemble, foundation, folder, method, tolerance):
+    """Returns the CPU time per block (s) by Boost.odeint."""
+    amplitude, least, greatest = ensemble
+    values = dict.fromkeys(cases.KEYS, 0.0) | {
+        "alpha": ALPHA, "p": least, "eta": ETA, "xi_v": XI_V, "gamma": 3.0, "gravity": GRAVITY, "rigid": int(foundation == "rigid"),
+        "shape": cases.SHAPES["sine"], "a_p": amplitude, "omega_p": 2.0 * math.pi / PERIOD, "t_end": END, "dt": END, "record_samples": 0,
+    }
+    path = Path(folder) / "ensemble.case"
+    cases.write(path, values, [])
+    command = [ODEINT, path, method, tolerance, "ensemble", least, greatest, BLOCKS]
+    done = subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)["cpu"]
 
 
 class Peer:
@@ -127,32 +147,59 @@ class Peer:
 
 
 def compare(name, ensemble):
-    """Prints times and errors of both on an ensemble."""
-    _, sizes = program_time(ensemble, BLOCKS, TOLERANCES[0], 1)
+    """Prints times and errors of all on an ensemble on the rigid base."""
+    _, sizes = program_time(ensemble, "rigid", BLOCKS, TOLERANCES[0], 1)
     sizes = np.array(sizes)
     some = sizes[:: len(sizes) // 12][:12]
     exact = Peer(1, 1e-15).run(ensemble[0], some)
     # Beyond a quarter turn the program has ended the run.
     stays = np.abs(exact) < ALPHA
-    print(f"\n{name}: amplitude {ensemble[0]} m/s2, p = {ensemble[1]} to {ensemble[2]} rad/s; us of CPU time per block")
+    print(f"\n{describe(name, ensemble)}, rigid base")
     for tolerance in TOLERANCES:
         peers = {lanes: Peer(lanes, tolerance) for lanes in LANES}
-        theirs, many, few = ({lanes: math.inf for lanes in LANES} for _ in range(3))
-        for _ in range(ROUNDS):
+        theirs = dict.fromkeys(LANES, math.inf)
+
+        def heyoka_turn(peers=peers, theirs=theirs):
             for lanes in LANES:
                 before = time.process_time()
                 peers[lanes].run(ensemble[0], sizes)
                 theirs[lanes] = min(theirs[lanes], 1e6 * (time.process_time() - before) / BLOCKS)
-                many[lanes] = min(many[lanes], program_time(ensemble, BLOCKS, tolerance, lanes)[0])
-                few[lanes] = min(few[lanes], program_time(ensemble, BLOCKS // 10, tolerance, lanes)[0])
-        ours = {lanes: 1e6 * (many[lanes] - few[lanes]) / (BLOCKS - BLOCKS // 10) for lanes in LANES}
+
+        line = turns(ensemble, "rigid", tolerance, heyoka_turn)
         error = np.abs(peers[1].run(ensemble[0], some) - exact)[stays].max() / ALPHA
         own = [program_theta(ensemble, p, tolerance) for p in some[stays]]
         own = max(abs(theta - there) for theta, there in zip(own, exact[stays], strict=True) if theta is not None) / ALPHA
-        columns = "  ".join(f"{lanes} lanes: {ours[lanes]:6.1f} and {theirs[lanes]:6.1f}" for lanes in LANES)
-        print(f"  {tolerance:.0e}: ours and heyoka's, {columns}; errors {own:.1e} and {error:.1e} alpha", flush=True)
+        columns = "  ".join(f"{lanes}: {theirs[lanes]:.1f}" for lanes in LANES)
+        print(f"  {tolerance:.0e}: {line}; heyoka in lanes {columns}; errors {own:.1e} and {error:.1e} alpha", flush=True)
+
+
+def describe(name, ensemble):
+    """Returns the heading of an ensemble."""
+    return f"{name}: amplitude {ensemble[0]} m/s2, p = {ensemble[1]} to {ensemble[2]} rad/s; us of CPU time per block"
+
+
+def turns(ensemble, foundation, tolerance, another=lambda: None):
+    """Returns a line with the least times of the program and of Boost.odeint, which take turns with another solver."""
+    many, few = dict.fromkeys(LANES, math.inf), dict.fromkeys(LANES, math.inf)
+    odeint = dict.fromkeys(METHODS, math.inf)
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(ROUNDS):
+            for lanes in LANES:
+                many[lanes] = min(many[lanes], program_time(ensemble, foundation, BLOCKS, tolerance, lanes)[0])
+                few[lanes] = min(few[lanes], program_time(ensemble, foundation, BLOCKS // 10, tolerance, lanes)[0])
+            for method in METHODS:
+                odeint[method] = min(odeint[method], 1e6 * odeint_time(ensemble, foundation, folder, method, tolerance))
+            another()
+    ours = {lanes: 1e6 * (many[lanes] - few[lanes]) / (BLOCKS - BLOCKS // 10) for lanes in LANES}
+    line = "ours in lanes " + "  ".join(f"{lanes}: {ours[lanes]:.1f}" for lanes in LANES)
+    return line + "; odeint " + "  ".join(f"{method}: {odeint[method]:.1f}" for method in METHODS)
 
 
 if __name__ == "__main__":
     for name, ensemble in ENSEMBLES.items():
         compare(name, ensemble)
+    # On supports, those of the other ensemble separate from them, which odeint.cpp does not follow.
+    name, ensemble = list(ENSEMBLES.items())[-1]
+    print(f"\n{describe(name, ensemble)}, supports")
+    for tolerance in TOLERANCES:
+        print(f"  {tolerance:.0e}: {turns(ensemble, 'supports', tolerance)}", flush=True)

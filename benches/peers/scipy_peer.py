@@ -295,19 +295,21 @@ class Run:
         self.settle(t, y, ground)
 
 
-def main():
+def main(kind=Run):
+    """Answers the command line with runs of this kind."""
     path, method, tolerance, task, *rest = sys.argv[1:]
     values, samples = cases.read(Path(path))
     block = make_block(values)
 
     def run(trace):
-        run = Run(block, samples, method, float(tolerance), trace)
+        run = kind(block, samples, method, float(tolerance), trace)
         run.go()
         return run
 
     if task == "trace":
         print(json.dumps({"theta": run(True).theta}))
         return
+    kind(block, samples, method, float(tolerance), False)
     # The first run also fills SciPy's caches; a long one is its own warm-up.
     before = time.process_time()
     done = run(False)
