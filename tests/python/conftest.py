@@ -49,8 +49,8 @@ def rinaldi():
 
 
 def pytest_runtest_logreport(report):
-    """Records skipped tests for the end of scripts/test and scripts/check."""
-    path = os.environ.get("ROCKING_BLOCK_SKIPPED")
+    """Records skipped tests for the end of scripts/test and scripts/check, once where several processes run them."""
+    path = os.environ.get("ROCKING_BLOCK_SKIPPED") if "PYTEST_XDIST_WORKER" not in os.environ else None
     if report.skipped and path:
         with open(path, "a") as file:
             reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
