@@ -100,21 +100,25 @@ impl Search {
     }
 }
 
-fn under_a_sine(foundation: Foundation, range: [f64; 2]) -> Search {
+fn search(foundation: Foundation, shape: PulseShape, period: f64, range: [f64; 2]) -> Search {
     Search {
         dimensionless: Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 },
         common: Common { foundation, ..Common::default() },
-        pulse: Pulse { shape: PulseShape::OneSine, period: 1.2566, ..Pulse::NONE },
+        pulse: Pulse { shape, period, ..Pulse::NONE },
         range,
     }
 }
 
+/// The block lands while the ground moves: at rest a shift of its time, which a wrong jump of the derivatives at the impact amounts to,
+/// would leave the threshold as it is.
 #[test]
-fn on_the_rigid_base_under_a_sine() {
-    under_a_sine(Foundation::Rigid, [6.0, 12.0]).check(&["alpha", "p", "restitution_factor", "pulse.period"]);
+fn on_the_rigid_base_under_a_type_c1_pulse() {
+    let search = search(Foundation::Rigid, PulseShape::C1, 2.0, [5.0, 8.0]);
+    search.check(&["alpha", "p", "restitution_factor", "pulse.period"]);
 }
 
 #[test]
 fn on_supports_under_a_sine() {
-    under_a_sine(Foundation::Viscoelastic, [6.0, 12.0]).check(&["alpha", "p", "eta", "pulse.period"]);
+    let search = search(Foundation::Viscoelastic, PulseShape::OneSine, 1.2566, [6.0, 12.0]);
+    search.check(&["alpha", "p", "eta", "pulse.period"]);
 }
