@@ -10,4 +10,5 @@ mod impulses;
 mod parameters;
 mod pulses;
 mod rubbing;
+mod ties;
 mod transitions;

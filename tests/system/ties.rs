@@ -1,0 +1,168 @@
+//! Ties at an instant: their forces by virtual work, from the distance of their ends as the block moves.
+
+use nalgebra::{Matrix3, Vector3};
+use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::{Block, Common, Regime, Tie, TieState, TieStates};
+use rocking_block::excitation::Forcing;
+use rocking_block::system::dynamics::instant;
+use rocking_block::system::forces::{self, tie};
+use rocking_block::system::instant::{Footing, Instant, Place};
+
+use crate::blocks;
+
+/// Displacements `[u, v, θ]` of the centre of mass and the rotation (m, rad).
+const MOVED: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [0.3, -0.2, 0.4], [-0.5, 0.7, -0.9]];
+
+/// Their rates (m/s, rad/s).
+const RATE: [f64; 3] = [0.7, -1.1, 0.6];
+
+/// Returns an uneven block with ties in all directions; the second one is slack at rest, the third one has no stiffness.
+fn tied() -> Block {
+    let common = Common { mass: 7.0, gamma: 2.3, eccentricity: 0.3, ..Common::default() };
+    let plain = blocks::block([0.42, 1.7, 11.0, 0.2], &common);
+    let tie = |block, ground, stiffness, pretension, slack, damping| Tie {
+        block,
+        ground,
+        stiffness,
+        pretension,
+        slack,
+        damping,
+        strength: 0.0,
+    };
+    let ties = [
+        tie([-0.8, 2.1], [-3.0, 0.4], 90.0, 25.0, 0.0, 6.0),
+        tie([1.1, 3.4], [2.0, -1.5], 150.0, 0.0, 0.07, 4.0),
+        tie([0.4, 0.3], [0.9, 5.0], 0.0, 0.0, 0.0, 0.0),
+        tie([0.2, 5.0], [1.7, 9.0], 60.0, 300.0, 0.0, 3.0),
+        tie([-1.0, 0.5], [-0.9, -2.0], 200.0, 80.0, 0.01, 2.0),
+    ];
+    plain.with_ties(&ties).unwrap()
+}
+
+/// The ties that there are, with their numbers.
+fn real(block: &Block) -> impl Iterator<Item = (usize, &Tie)> {
+    block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0)
+}
+
+/// The distance of the ends of a tie less that at which it begins to pull (m).
+fn stretch(block: &Block, tie: &Tie, [u, v, theta]: [f64; 3]) -> f64 {
+    let (sin, cos) = theta.sin_cos();
+    // The centre of mass is (e, h) from the middle of the base at rest.
+    let (e, h) = (block.eccentricity, block.h);
+    let [x, z] = [tie.block[0] - e, tie.block[1] - h];
+    let end = [e + u + x * cos + z * sin, h + v + z * cos - x * sin];
+    let distance = |end: [f64; 2]| (end[0] - tie.ground[0]).hypot(end[1] - tie.ground[1]);
+    distance(end) - distance(tie.block) - tie.slack + tie.pretension / tie.stiffness
+}
+
+/// Its derivatives with respect to u, v and θ, by central differences.
+fn slopes(block: &Block, tie: &Tie, at: [f64; 3]) -> Vector3<f64> {
+    const H: f64 = 1e-5;
+    Vector3::from_fn(|i, _| {
+        let moved = |by: f64| std::array::from_fn(|j| at[j] + if i == j { by } else { 0.0 });
+        (stretch(block, tie, moved(H)) - stretch(block, tie, moved(-H))) / (2.0 * H)
+    })
+}
+
+/// The block in flight with ties in these states.
+fn flying(block: &Block, [u, v, theta]: [f64; 3], ties: TieStates) -> Instant<f64> {
+    let [u_dot, v_dot, theta_dot] = RATE;
+    let forcing = Forcing { ties, ..Forcing::default() };
+    instant(block, Regime::Separated, [theta, theta_dot, v, v_dot], Footing::Free { u, u_dot }, forcing)
+}
+
+#[track_caller]
+fn near(found: f64, exact: f64, what: &str) {
+    assert!((found - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{what}: {found}, not {exact}");
+}
+
+/// A taut tie pulls with `T = k s + c ṡ`, and its work is T times its shortening. Its spring stores `½ k s²` until it is slack or broken,
+/// and its dashpot takes what T does beyond the spring.
+#[test]
+fn ties_pull_shorten_and_store() {
+    use TieState::{Broken, Limp, Slack, Taut};
+    let block = tied();
+    for at in MOVED {
+        for states in
+            [[Taut, Taut, Slack, Taut, Taut], [Limp, Taut, Slack, Slack, Broken], [Limp, Slack, Slack, Limp, Slack]]
+        {
+            let mut ties = NO_TIES;
+            ties[..5].copy_from_slice(&states);
+            let x = flying(&block, at, ties);
+            let (mut force, mut stored, mut taken) = (Vector3::zeros(), 0.0, 0.0);
+            let tensions = tie::tensions(&block, &ties, &x);
+            for (i, of) in real(&block) {
+                let (s, slopes) = (stretch(&block, of, at), slopes(&block, of, at));
+                let rate = slopes.dot(&Vector3::from(RATE));
+                let found = tie::length(&block, of, &x);
+                near(found.value, s, "stretch");
+                near(found.rate, rate, "rate of the stretch");
+                let pull = if states[i] == Taut { of.stiffness * s + of.damping * rate } else { 0.0 };
+                near(tensions[i], pull, "tension");
+                force -= slopes * pull;
+                if matches!(states[i], Taut | Limp) {
+                    stored += 0.5 * of.stiffness * s * s;
+                    taken += (pull - of.stiffness * s) * rate;
+                }
+            }
+            let mass = block.mass;
+            near(mass * x.u_ddot, force[0], "M ü");
+            near(mass * (x.v_ddot + block.gravity), force[1], "M (v̈ + g)");
+            near(mass * block.i0 * x.theta_ddot, force[2], "I0 θ̈");
+            let potential = |ties| mass * forces::energy(&block, Regime::Separated, &ties, &x).1;
+            near(potential(ties) - potential(NO_TIES), stored, "stored energy");
+            near(mass * forces::dissipated(&block, &ties, &x)[1], taken, "power");
+        }
+    }
+}
+
+/// At rest the springs that are stretched pull, and their pull grows with the height by the static stiffness.
+#[test]
+fn the_static_stiffness_is_the_slope_of_the_static_pull() {
+    const H: f64 = 1e-5;
+    let (block, mut slack) = (tied(), 0);
+    for [u, v, theta] in MOVED {
+        let pull = |v: f64| {
+            let place = Place { sin_cos: theta.sin_cos().into(), theta_dot: 0.0, center: [u, v], velocity: [0.0; 2] };
+            (100.0 - forces::less_static_pull(&block, &place, 100.0), forces::static_stiffness(&block, &place))
+        };
+        let mut exact = 0.0;
+        for (_, of) in real(&block) {
+            let s = stretch(&block, of, [u, v, theta]);
+            slack += u32::from(s < 0.0);
+            exact += of.stiffness * s.max(0.0) * slopes(&block, of, [u, v, theta])[1];
+        }
+        let (found, stiffness) = pull(v);
+        near(found, exact, "pull");
+        near(stiffness, (pull(v + H).0 - pull(v - H).0) / (2.0 * H), "stiffness");
+    }
+    assert!(slack > 0 && forces::act_at_rest(&block));
+}
+
+/// The bound on circular frequencies and rates of decay is not below those of a free block, and is reached by a tie across the line
+/// from the centre of mass.
+#[test]
+fn the_bound_on_frequencies_is_the_least() {
+    let block = tied();
+    let inertia = Vector3::new(block.mass, block.mass, block.mass * block.i0);
+    let greatest = |block: &Block, of: fn(&Tie) -> f64| {
+        let sum: Matrix3<f64> = real(block)
+            .map(|(_, tie)| {
+                let scaled = slopes(block, tie, [0.0; 3]).component_div(&inertia.map(f64::sqrt));
+                scaled * scaled.transpose() * of(tie)
+            })
+            .sum();
+        sum.symmetric_eigenvalues().max()
+    };
+    assert!(forces::fastest(&block) >= greatest(&block, |tie| tie.stiffness).sqrt());
+    let [x, z] = [0.9, -1.4];
+    let end = [block.eccentricity + x, block.h + z];
+    for (stiffness, damping) in [(90.0, 0.0), (90.0, 500.0)] {
+        let across = Tie { block: end, ground: [end[0] - z, end[1] + x], stiffness, damping, ..Tie::default() };
+        for count in 1..=2 {
+            let block = block.with_ties(&[across; 2][..count]).unwrap();
+            let [spring, dashpot] = [greatest(&block, |tie| tie.stiffness).sqrt(), greatest(&block, |tie| tie.damping)];
+            near(forces::fastest(&block), spring.max(dashpot), "bound");
+        }
+    }
+}
