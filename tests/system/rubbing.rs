@@ -221,3 +221,24 @@ fn a_foot_that_stops_grips_or_turns() {
         }
     }
 }
+
+/// Friction takes its limit times the speed of the foot.
+#[test]
+fn friction_takes_its_limit_times_the_speed() {
+    for foundation in [Foundation::Rigid, Foundation::Viscoelastic] {
+        for direction in [-1.0, 1.0] {
+            let block = block(foundation, 0.25);
+            let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
+            let pose = Pose {
+                time: 0.0,
+                state: State::zeros(),
+                contacts: Contacts::FULL,
+                footing: Footing::Slides { u: 0.2, u_dot: 3.0 * direction, direction },
+                ties: NO_TIES,
+            };
+            let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
+            let [taken, _] = now.dissipated();
+            assert!((taken - 0.25 * block.gravity * 3.0).abs() < 1e-12, "{foundation:?}, {direction}: {taken}");
+        }
+    }
+}
