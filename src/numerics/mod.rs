@@ -21,6 +21,8 @@ pub mod numbers;
 pub mod roots;
 pub mod scalar;
 pub mod short;
+#[cfg(test)]
+mod tests;
 #[cfg(feature = "lanes")]
 pub mod wide;
 
