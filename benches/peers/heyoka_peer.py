@@ -96,7 +96,7 @@ class Run(scipy_peer.Run):
             self.settle(t, y, ground)
         if self.trace:
             self.take_rows(0.0, t, None, y[0])
-        begin, changed, begins = t, set(), True
+        begin, changed, begins, stops = t, set(), True, 0
         while t < block.t_end:
             solver = block.integrators[self.tilt if block.rigid else tuple(self.touching)]
             solver.time, solver.state[:] = t, y
@@ -119,6 +119,9 @@ class Run(scipy_peer.Run):
             index = -1 - int(outcome)
             if not 0 <= index < 2:
                 raise RuntimeError(f"heyoka stopped with {outcome}")
+            stops += 1
+            if stops > 10000:
+                raise RuntimeError(f"events without end at {t} s")
             if index in changed and t - begin < NEAR:
                 # The gap that has just opened is zero there, and so is its rate: the solver mutes this event for a while.
                 begins = False

@@ -9,6 +9,8 @@ mod fmu;
 mod common;
 
 use std::hint::black_box;
+use std::ops::Range;
+use std::sync::Mutex;
 use std::time::Instant;
 
 use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
@@ -19,8 +21,8 @@ use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings, Simulation};
 use rocking_block::system::instant::State;
 use rocking_records::ReadOptions;
-use rocking_studies::output::resumable::TableOptions;
-use rocking_studies::output::runner::{self, Study};
+use rocking_studies::output::resumable::{TableHeader, TableOptions};
+use rocking_studies::output::runner::{self, Study, StudyRow};
 use rocking_studies::run::batch::{LaneUse, in_lanes};
 use rocking_studies::spectrum::Spectrum;
 
@@ -52,7 +54,8 @@ fn main() {
 
     record_through_the_fmu(&ground);
     short_steps_of_the_fmu();
-    spectrum(ground, blocks);
+    spectrum(ground.clone(), blocks);
+    many_threads(ground, blocks);
 }
 
 fn record_through_the_fmu(ground: &Ground) {
@@ -180,4 +183,70 @@ fn spectrum(ground: Ground, blocks: u64) {
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix(" kB")?.trim().parse().ok()
+}
+
+/// A study that measures its batches.
+struct Measured {
+    study: Spectrum,
+    /// First row and CPU time (s) of each batch.
+    batches: Mutex<Vec<(u64, f64)>>,
+}
+
+impl Study for Measured {
+    fn header(&self) -> TableHeader {
+        self.study.header()
+    }
+
+    fn rows(&self) -> u64 {
+        self.study.rows()
+    }
+
+    fn runs_in_a_row(&self) -> u64 {
+        self.study.runs_in_a_row()
+    }
+
+    fn make(&self, numbers: Range<u64>, width: Option<VectorWidth>) -> Vec<StudyRow> {
+        let (first, before) = (numbers.start, thread_seconds());
+        let rows = self.study.make(numbers, width);
+        if let (Some(before), Some(after)) = (before, thread_seconds()) {
+            self.batches.lock().expect("no thread fails").push((first, after - before));
+        }
+        rows
+    }
+}
+
+/// CPU time of this thread (s), where the system reports it.
+fn thread_seconds() -> Option<f64> {
+    let line = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(1e-9 * line.split_whitespace().next()?.parse::<f64>().ok()?)
+}
+
+/// Runs a spectrum on more threads than this machine has cores, and computes their idle time if each had its own: a thread takes the
+/// next batch whenever it is free.
+fn many_threads(ground: Ground, blocks: u64) {
+    for threads in [2, 16] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let study = Measured { study: common::spectrum(ground.clone(), blocks), batches: Mutex::default() };
+        let pool = runner::pool(Some(threads)).expect("threads");
+        let mut table = study.open(&folder.path().join("table.csv"), TableOptions::default()).expect("a table");
+        runner::run(&study, &pool, VectorWidth::at_most(8), &mut table, |_, _| ()).expect("the spectrum is made");
+        let mut batches = study.batches.into_inner().expect("no thread fails");
+        batches.sort_unstable_by_key(|(first, _)| *first);
+        let mut free = vec![0.0; threads];
+        for (_, seconds) in &batches {
+            *free.iter_mut().min_by(|a, b| f64::total_cmp(a, b)).expect("a thread") += seconds;
+        }
+        let sum: f64 = batches.iter().map(|(_, seconds)| seconds).sum();
+        let longest = batches.iter().map(|(_, seconds)| *seconds).fold(0.0, f64::max);
+        let end = free.iter().copied().fold(0.0, f64::max);
+        println!(
+            "{threads} threads: {} batches in {sum:.2} s of CPU time, the longest {:.2} times the mean; {:.1} % of the threads' time idle",
+            batches.len(),
+            longest * batches.len() as f64 / sum,
+            100.0 * (1.0 - sum / (threads as f64 * end))
+        );
+        if let Some(memory) = peak_memory() {
+            println!("    peak memory of all so far: {memory} kB");
+        }
+    }
 }
