@@ -137,28 +137,28 @@ impl<R: Scalar> Forcing<R> {
 
 /// The forcing after an instant as power series of the elapsed time (s), without ties.
 #[derive(Clone, Copy, Debug)]
-pub struct ForcingSeries<const N: usize> {
+pub struct ForcingSeries<const N: usize, T = f64> {
     /// Coefficients of `a_gx − F_x/M` (m/s²).
-    pub x: [f64; N],
+    pub x: [T; N],
     /// The number of coefficients of x that may differ from zero.
     pub terms: usize,
     /// Those of `a_gz − F_z/M` (m/s²), which is linear.
-    pub z: [f64; 2],
+    pub z: [T; 2],
     /// Those of `M_y/M` (m²/s²), which is linear.
-    pub moment: [f64; 2],
+    pub moment: [T; 2],
 }
 
-impl<const N: usize> ForcingSeries<N> {
+impl<const N: usize, T: Scalar> ForcingSeries<N, T> {
     /// Makes `factor` times the unit of time that of the powers.
     #[inline]
     pub fn scale(&mut self, factor: f64) {
         let mut power = factor;
         for k in 1..self.terms {
-            self.x[k] *= power;
+            self.x[k] = self.x[k] * power;
             power *= factor;
         }
-        self.z[1] *= factor;
-        self.moment[1] *= factor;
+        self.z[1] = self.z[1] * factor;
+        self.moment[1] = self.moment[1] * factor;
     }
 }
 
@@ -240,6 +240,27 @@ impl<T: Scalar> Excitation<T> {
         };
         Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate, ties: NO_TIES }
     }
+
+    /// The forcing after `time` (s) as power series; needs [`Excitation::has_series`].
+    #[inline]
+    pub fn series<const N: usize>(&self, time: T) -> ForcingSeries<N, T> {
+        let elapsed = time - self.time;
+        let linear = |ramp: Ramp<T>| [ramp.at(elapsed), ramp.rate];
+        let mut series =
+            ForcingSeries { x: [T::from(0.0); N], terms: 2, z: linear(self.z), moment: linear(self.moment) };
+        [series.x[0], series.x[1]] = linear(self.x);
+        if let Some(wave) = &self.wave {
+            wave.add_series(time, &mut series.x);
+            series.terms = N;
+        }
+        series
+    }
+
+    /// Whether its power series has a simple form: that of a sine, or of no wave at all.
+    #[inline]
+    pub fn has_series(&self) -> bool {
+        self.wave.is_none_or(|wave| wave.is_sine())
+    }
 }
 
 impl Excitation {
@@ -256,26 +277,6 @@ impl Excitation {
     /// The reference time and the ground accelerations from there on, horizontal and vertical, where nothing else acts.
     pub fn ground_alone(&self) -> Option<(f64, [Ramp; 2])> {
         (self.wave.is_none() && self.moment == Ramp::default()).then_some((self.time, [self.x, self.z]))
-    }
-
-    /// The forcing after `time` (s) as power series; needs [`Excitation::has_series`].
-    #[inline]
-    pub fn series<const N: usize>(&self, time: f64) -> ForcingSeries<N> {
-        let elapsed = time - self.time;
-        let linear = |ramp: Ramp| [ramp.at(elapsed), ramp.rate];
-        let mut series = ForcingSeries { x: [0.0; N], terms: 2, z: linear(self.z), moment: linear(self.moment) };
-        [series.x[0], series.x[1]] = linear(self.x);
-        if let Some(wave) = &self.wave {
-            wave.add_series(time, &mut series.x);
-            series.terms = N;
-        }
-        series
-    }
-
-    /// Whether its power series has a simple form: that of a sine, or of no wave at all.
-    #[inline]
-    pub fn has_series(&self) -> bool {
-        self.wave.is_none_or(|wave| wave.is_sine())
     }
 
     /// Whether nothing of it changes.

@@ -249,6 +249,22 @@ impl<T: Scalar> Wave<T> {
             }
         }
     }
+
+    /// Whether it is a sine.
+    pub(super) fn is_sine(&self) -> bool {
+        self.form == Form::Sine
+    }
+
+    /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
+    pub(super) fn add_series(&self, time: T, series: &mut [T]) {
+        let Wave { amplitude, omega, phase, origin, .. } = *self;
+        let (sin, cos) = (omega * (time - origin) + phase).sin_cos();
+        let (mut now, mut next) = (amplitude * sin, amplitude * omega * cos);
+        for (k, coefficient) in series.iter_mut().enumerate() {
+            *coefficient = *coefficient + now;
+            (now, next) = (next, -omega * omega * now / T::from(((k + 1) * (k + 2)) as f64));
+        }
+    }
 }
 
 /// `exp(−x²/2)`.
@@ -299,22 +315,6 @@ impl<T: Elementary> Wave<T> {
 }
 
 impl Wave {
-    /// Whether it is a sine.
-    pub(super) fn is_sine(&self) -> bool {
-        self.form == Form::Sine
-    }
-
-    /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
-    pub(super) fn add_series(&self, time: f64, series: &mut [f64]) {
-        let Wave { amplitude, omega, phase, origin, .. } = *self;
-        let (sin, cos) = libm::sincos(omega * (time - origin) + phase);
-        let (mut now, mut next) = (amplitude * sin, amplitude * omega * cos);
-        for (k, coefficient) in series.iter_mut().enumerate() {
-            *coefficient += now;
-            (now, next) = (next, -omega * omega * now / ((k + 1) * (k + 2)) as f64);
-        }
-    }
-
     /// Its greatest circular frequency (rad/s); that of Ricker wavelets is about twice ω_p, beyond which little of their spectrum lies.
     pub(super) fn frequency(&self) -> f64 {
         match self.form {

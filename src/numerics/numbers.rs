@@ -20,6 +20,17 @@ impl<R: Scalar, const N: usize> Numbers<R, N> {
         Numbers([R::default(); N])
     }
 
+    /// Returns a vector of the first of these numbers.
+    #[inline(always)]
+    #[expect(clippy::manual_memcpy, reason = "number by number they stay in registers")]
+    pub fn first_of<const M: usize>(numbers: [R; M]) -> Self {
+        let mut first = Self::zeros();
+        for i in 0..N {
+            first.0[i] = numbers[i];
+        }
+        first
+    }
+
     /// Returns the vector times a factor.
     #[inline(always)]
     pub fn times(mut self, factor: R) -> Self {

@@ -1,11 +1,16 @@
 //! A run one step at a time, with the event at the end of a step before it is applied: for those who integrate other quantities
 //! beside the motion, such as its derivatives.
 
+use std::cell::Cell;
+use std::sync::Arc;
+
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
+use crate::numerics::gradient::Gradient;
 use crate::numerics::scalar::Elementary;
-use crate::numerics::{Equations, State, short};
+use crate::numerics::{State, short};
+use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::stepping::{MOST_STEPS, StepStart};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::System;
@@ -13,10 +18,11 @@ use crate::system::evaluation::Motion;
 use crate::system::events::Surface;
 use crate::system::instant::Pose;
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
+use crate::system::swing::Swing;
 
-/// The way in which a run went on. On a corner of the rigid base, where it moves by [swings](crate::system::swing), `Step` and `ShortStep`
-/// tell nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The way in which a run went on.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing")]
 pub enum Course {
     /// It stayed where it was: an event happens at once.
     Stayed,
@@ -24,6 +30,8 @@ pub enum Course {
     Step,
     /// By a [short step](crate::numerics::short).
     ShortStep,
+    /// By this [swing](crate::system::swing), or by a part of it.
+    Swing(Swing),
     /// The block rests to the stop.
     Rested,
 }
@@ -34,13 +42,14 @@ pub struct Steps {
     stop: f64,
     begins: bool,
     budget: u64,
+    course: Course,
 }
 
 impl Steps {
     /// The steps of a run on the way to `until` (s): to there, or to where its pulse begins or ends.
     pub fn towards(simulation: &Simulation, until: f64) -> Steps {
         let stop = simulation.pulse.next_kink(simulation.pose.time).map_or(until, |kink| kink.min(until));
-        Steps { stop, begins: true, budget: MOST_STEPS }
+        Steps { stop, begins: true, budget: MOST_STEPS, course: Course::Stayed }
     }
 
     /// Takes the next step under these inputs, and returns its course and the surface through which the motion falls at its end.
@@ -49,17 +58,30 @@ impl Steps {
         &mut self,
         simulation: &mut Simulation,
         inputs: &Inputs,
-    ) -> Result<Option<(Course, Option<Surface>)>, SimulationError> {
+    ) -> Result<Option<(&Course, Option<Surface>)>, SimulationError> {
         let (time, counts) = (simulation.pose.time, simulation.counts);
         if time >= self.stop || simulation.ending.is_some() {
             return Ok(None);
         }
         let excitation = Excitation::from_time(time, inputs, &simulation.pulse, &simulation.system.block);
         let start = StepStart { of_piece: std::mem::take(&mut self.begins), short_failed: false };
-        simulation.single_step(self.stop, &excitation, start, AtEvent::Stop, &mut self.budget, &mut |_| ())?;
+        let (system, swing) = (Arc::clone(&simulation.system), Cell::new(None));
+        let piece = SmoothPiece {
+            block: &system.block,
+            excitation: &excitation,
+            since: time,
+            stop: self.stop,
+            end: self.stop,
+            at_event: AtEvent::Stop,
+            single: true,
+            swing: Some(&swing),
+        };
+        simulation.steps(&piece, start, &mut self.budget, &mut |_| ())?;
         let evaluations = simulation.counts.evaluations - counts.evaluations;
-        let course = if simulation.pose.time == time {
+        self.course = if simulation.pose.time == time {
             Course::Stayed
+        } else if let Some(swing) = swing.take() {
+            Course::Swing(swing)
         } else if simulation.counts.steps == counts.steps {
             Course::Rested
         } else if evaluations < EVALUATIONS_PER_STEP {
@@ -67,7 +89,7 @@ impl Steps {
         } else {
             Course::Step
         };
-        Ok(Some((course, simulation.pending.map(|Pending { surface, .. }| surface))))
+        Ok(Some((&self.course, simulation.pending.map(|Pending { surface, .. }| surface))))
     }
 }
 
@@ -98,46 +120,50 @@ impl Simulation {
 /// The numbers of states under laws that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
 const EXTENDED: usize = 6;
 
-/// Steps of order 8 in place of a swing on the rigid base, which has up to twice as many terms: per 1/p, or under a pulse.
-const SWING_PARTS: f64 = 8.0;
-
-/// The block at `end` (s) in numbers with derivatives, by the formulas of the run's step from `pose`; a swing on the rigid base is
-/// replaced by several steps of order 8.
-pub fn repeat_step<T: Elementary>(
-    block: &Block<T>,
-    pose: &Pose<T>,
-    excitation: &Excitation<T>,
-    course: Course,
+/// The block at `end` (s) in numbers with derivatives, by the formulas of the run's step from `pose`.
+pub fn repeat_step<const D: usize>(
+    block: &Block<Gradient<D>>,
+    pose: &Pose<Gradient<D>>,
+    excitation: &Excitation<Gradient<D>>,
+    course: &Course,
     end: f64,
-) -> Pose<T> {
+) -> Pose<Gradient<D>> {
     let law = AnyLaw::of(block, pose);
+    if let (Course::Swing(swing), Some(corner)) = (course, law.regime().pivot()) {
+        let [theta, theta_dot, ..] = pose.state.0;
+        let part = (end - pose.time.re) / swing.size;
+        let [theta, theta_dot] = swing.follow(block, corner, excitation, [pose.time, theta, theta_dot], part);
+        let zero = Gradient::from(0.0);
+        return Pose { time: end.into(), state: [theta, theta_dot, zero, zero].into(), ..*pose };
+    }
     match law.extended() {
-        Some(law) => repeat_under::<EXTENDED, T>(law, block, pose, excitation, course, end),
-        None => in_law!(law, law => repeat_under::<4, T>(law, block, pose, excitation, course, end)),
+        Some(_) => repeat_under::<EXTENDED, _, _>(law, block, pose, excitation, course, end),
+        None => in_law!(law, law => repeat_under::<4, _, _>(law, block, pose, excitation, course, end)),
     }
 }
 
-fn repeat_under<const N: usize, T: Elementary>(
-    law: impl Law,
+fn repeat_under<const N: usize, L: Law, T: Elementary>(
+    law: L,
     block: &Block<T>,
     pose: &Pose<T>,
     excitation: &Excitation<T>,
-    course: Course,
+    course: &Course,
     end: f64,
-) -> Pose<T> {
+) -> Pose<T>
+where
+    for<'a> Motion<'a, L, N, T>: StateRate<T, N>,
+{
     let motion = Motion::<_, N, _>::under(law, block, pose, excitation);
     let (state, start) = (motion.state_at(pose), pose.time.value());
-    let parts = match (law.foundation(), law.regime().pivot()) {
-        (Foundation::Rigid, Some(_)) if !excitation.is_linear() => Some(SWING_PARTS),
-        (Foundation::Rigid, Some(_)) => Some((SWING_PARTS * block.p.value() * (end - start)).ceil().max(1.0)),
-        (Foundation::Rigid, None) | (Foundation::Viscoelastic, _) => None,
+    let state = match course {
+        // Nothing accelerates.
+        _ if law.is_at_rest() => state + StateRate::state_rate(&motion, start, &state) * (end - start),
+        Course::ShortStep => by_short_step(&motion, state, start, end - start),
+        Course::Stayed | Course::Step | Course::Swing(_) | Course::Rested => {
+            by_step(&motion, state, start, end - start)
+        }
     };
-    let state = match (course, parts) {
-        (Course::ShortStep, None) => by_short_step(&motion, state, start, end - start),
-        (_, parts) => by_steps(&motion, state, start, end - start, parts.unwrap_or(1.0)),
-    };
-    let there = motion.at(T::from(end), state);
-    Pose { time: there.time, state: there.state, footing: there.footing, ..*pose }
+    motion.pose_at(pose, T::from(end), state)
 }
 
 /// The state after a short step: one function for all laws, since sums over stages are much to compile.
@@ -151,20 +177,15 @@ fn by_short_step<const N: usize, T: Elementary>(
     short::follow(start, size, state, |time, state| equations.state_rate(time, &state))
 }
 
-/// The same after this number of steps of order 8.
+/// The same after a step of order 8.
 #[inline(never)]
-fn by_steps<const N: usize, T: Elementary>(
+fn by_step<const N: usize, T: Elementary>(
     equations: &dyn StateRate<T, N>,
-    mut state: State<T, N>,
+    state: State<T, N>,
     start: f64,
     size: f64,
-    parts: f64,
 ) -> State<T, N> {
-    for part in 0..parts as u32 {
-        let begin = start + f64::from(part) * size / parts;
-        state = dop853::follow(begin, size / parts, state, |time, state| equations.state_rate(time, &state));
-    }
-    state
+    dop853::follow(start, size, state, |time, state| equations.state_rate(time, &state))
 }
 
 /// A right-hand side without the quadratures.
@@ -173,8 +194,16 @@ trait StateRate<T, const N: usize> {
     fn state_rate(&self, time: f64, state: &State<T, N>) -> State<T, N>;
 }
 
-impl<L: Law, T: Elementary, const N: usize> StateRate<T, N> for Motion<'_, L, N, T> {
+impl<T: Elementary, const LEFT: bool, const RIGHT: bool, const RIGID: bool> StateRate<T, 4>
+    for Motion<'_, Gripping<LEFT, RIGHT, RIGID>, 4, T>
+{
+    fn state_rate(&self, time: f64, state: &State<T>) -> State<T> {
+        Motion::state_rate(self, T::from(time), state)
+    }
+}
+
+impl<T: Elementary, const N: usize> StateRate<T, N> for Motion<'_, AnyLaw, N, T> {
     fn state_rate(&self, time: f64, state: &State<T, N>) -> State<T, N> {
-        self.rate(T::from(time), state).state
+        self.rate_at_called(T::from(time), state)
     }
 }

@@ -141,6 +141,9 @@ impl Simulation {
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
             let swing = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
+            if let Some(place) = piece.swing {
+                place.set(Some(swing));
+            }
             self.counts.evaluations += 1;
             self.counts.steps += 1;
             let bounds = swing.bounds(block, pivot);

@@ -1,8 +1,11 @@
 //! The stretch of a call over which the excitation is smooth.
 
+use std::cell::Cell;
+
 use crate::block::Block;
 use crate::excitation::Excitation;
 use crate::simulation::AtEvent;
+use crate::system::swing::Swing;
 
 /// A piece of time in which the excitation is smooth, and the treatment of events in it.
 pub(super) struct SmoothPiece<'a> {
@@ -17,4 +20,6 @@ pub(super) struct SmoothPiece<'a> {
     pub(super) at_event: AtEvent,
     /// Whether a single step is taken, or all steps to the end.
     pub(super) single: bool,
+    /// Receives the swing of a step, for those who repeat it.
+    pub(super) swing: Option<&'a Cell<Option<Swing>>>,
 }

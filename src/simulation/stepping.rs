@@ -70,7 +70,8 @@ impl Simulation {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let (end, stop) = (stop, self.within_reach(stop));
-        let piece = SmoothPiece { block, excitation, since: self.pose.time, stop, end, at_event, single: false };
+        let since = self.pose.time;
+        let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: false, swing: None };
         self.counts.evaluations += 1;
         let mut start = StepStart { of_piece: true, short_failed: false };
         while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
@@ -102,13 +103,13 @@ impl Simulation {
         let system = Arc::clone(&self.system);
         let since = self.pose.time;
         let (block, end) = (&system.block, stop);
-        let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: true };
+        let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None };
         self.steps(&piece, start, budget, observer)
     }
 
     /// Steps under the present law to the end of the piece, or of the law.
     #[inline(always)]
-    fn steps(
+    pub(super) fn steps(
         &mut self,
         piece: &SmoothPiece,
         start: StepStart,

@@ -60,6 +60,36 @@ impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
     pub fn from_pose(block: &'a Block<T>, pose: &Pose<T>, excitation: &'a Excitation<T>) -> Self {
         Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
     }
+
+    /// [`Motion::at`] as one function, for numbers of which each copy is much to compile.
+    #[inline(never)]
+    pub fn at_called(&self, time: T, state: State<T>) -> Evaluation<'a, T> {
+        self.at(time, state)
+    }
+}
+
+#[cfg(feature = "lanes")]
+impl<L: Law, T: Elementary> Motion<'_, L, 4, T> {
+    /// Rate of a state under a law by which the foot grips and no corner is held, without the powers.
+    #[inline(always)]
+    pub fn state_rate(&self, time: T, state: &State<T>) -> State<T> {
+        let Motion { block, excitation, law, .. } = *self;
+        let footing = Footing::Grips { offset: T::from(0.0) };
+        instant_of(block, law.foundation(), law.regime(), state.0, footing, excitation.at(time), |x| {
+            State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot])
+        })
+    }
+}
+
+#[cfg(feature = "lanes")]
+impl<const N: usize, T: Elementary> Motion<'_, AnyLaw, N, T> {
+    /// Rate of a state, by [`Motion::at_called`].
+    pub fn rate_at_called(&self, time: T, state: &State<T, N>) -> State<T, N> {
+        let Motion { block, excitation, law, contacts, .. } = *self;
+        let footing = self.footing_at(time, state);
+        let now = Motion::<_, 4, _> { block, excitation, law, since: time, footing, contacts };
+        self.rate_of(&now.at_called(time, four(state))).state
+    }
 }
 
 impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
@@ -90,37 +120,44 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     /// The state of a pose.
     pub fn state_at(&self, pose: &Pose<T>) -> State<T, N> {
         let zero = T::from(0.0);
-        let beyond = match pose.footing {
+        let [u, u_dot] = match pose.footing {
             // It follows from the rest.
-            Footing::Grips { .. } => [zero; 4],
-            Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot, zero, zero],
+            Footing::Grips { .. } => [zero; 2],
+            Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot],
         };
-        State::from(std::array::from_fn(|i| if i < 4 { pose.state[i] } else { beyond[i - 4] }))
+        let State { 0: [theta, theta_dot, w, w_dot] } = pose.state;
+        State::first_of([theta, theta_dot, w, w_dot, u, u_dot, zero, zero])
+    }
+
+    /// The pose at a time, with this state, after `pose`.
+    #[cfg(feature = "lanes")]
+    pub fn pose_at(&self, pose: &Pose<T>, time: T, state: State<T, N>) -> Pose<T> {
+        let footing = self.footing_at(time, &state);
+        let state = match self.held_at(time) {
+            Some(held) => self.at_held(time, four(&state), footing, held).state,
+            None => four(&state),
+        };
+        Pose { time, state, footing, ..*pose }
     }
 
     /// The state of an instant.
     #[inline(always)]
     pub fn state_of(&self, at: &Evaluation<T>) -> State<T, N> {
-        let beyond = [at.instant.u, at.instant.u_dot, T::from(0.0), T::from(0.0)];
-        State::from(std::array::from_fn(|i| if i < 4 { at.state[i] } else { beyond[i - 4] }))
+        let (State { 0: [theta, theta_dot, w, w_dot] }, zero) = (at.state, T::from(0.0));
+        State::first_of([theta, theta_dot, w, w_dot, at.instant.u, at.instant.u_dot, zero, zero])
     }
 
     /// Its rate, and the powers.
     #[inline(always)]
     pub fn rate_of(&self, at: &Evaluation<T>) -> Rate<T, N> {
-        if N == 4 {
-            return Rate {
-                state: State::from(std::array::from_fn(|i| at.rate.state[i])),
-                quadratures: at.rate.quadratures,
-            };
+        let Rate { state: State { 0: [theta, theta_dot, w, w_dot] }, quadratures } = at.rate;
+        if const { N == 4 } {
+            return Rate { state: State::first_of([theta, theta_dot, w, w_dot]), quadratures };
         }
         let x = &at.instant;
         let [friction, ties] = at.dissipated();
-        let beyond = [x.u_dot, x.u_ddot, friction, ties];
-        Rate {
-            state: State::from(std::array::from_fn(|i| if i < 4 { at.rate.state[i] } else { beyond[i - 4] })),
-            quadratures: at.rate.quadratures,
-        }
+        let state = State::first_of([theta, theta_dot, w, w_dot, x.u_dot, x.u_ddot, friction, ties]);
+        Rate { state, quadratures }
     }
 
     /// The corner that is held, with its support at a time.
@@ -187,7 +224,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
 /// The first four numbers of a state.
 #[inline(always)]
 fn four<T: Scalar, const N: usize>(state: &State<T, N>) -> State<T> {
-    State::from(std::array::from_fn(|i| state[i]))
+    State::from([state[0], state[1], state[2], state[3]])
 }
 
 impl<L: Law, const N: usize, T: Elementary> Equations<T, N> for Motion<'_, L, N, T> {
@@ -206,7 +243,8 @@ impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
 
     #[inline(always)]
     fn rate_inlined(&self, time: T, state: &State<T, N>) -> Rate<T, N> {
-        if N > 4 {
+        // A constant, so that nothing compiles the other branch.
+        if const { N > 4 } {
             return self.rate_extended(time, state);
         }
         let footing = self.footing_at(time, state);
@@ -214,7 +252,7 @@ impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
             Some(held) => self.at_held(time, four(state), footing, held).rate,
             None => rate(self.law, self.block, self.excitation, footing, time, &four(state)),
         };
-        Rate { state: State::from(std::array::from_fn(|i| state[i])), quadratures }
+        Rate { state: State::first_of(state.0), quadratures }
     }
 
     /// The same where the horizontal motion is integrated too.

@@ -21,6 +21,9 @@
 //! Since |τ| ≤ 1, the sum of the other terms' sizes bounds the distance of a series from its first term. [`Swing::bounds`] tells by such
 //! sums whether the block lands, and how large rotation and forces can be; [`Swing::landing`] finds the landing.
 
+#[cfg(feature = "lanes")]
+mod tangent;
+
 use crate::block::{Block, Corner, Foot, Lever};
 use crate::excitation::{Excitation, ForcingSeries};
 use crate::numerics::roots::Sample;

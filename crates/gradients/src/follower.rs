@@ -47,6 +47,8 @@ pub struct Follower {
     /// Displacement of the foot from its place at the start (m).
     slip: Number,
     raised: Raised,
+    /// Its excitation.
+    excitation: Excitation<Number>,
     /// Events so far.
     events: Vec<EventGradient>,
     grazing: Option<Grazing>,
@@ -67,64 +69,64 @@ impl Follower {
             shift: [0.0; BATCH],
             slip: Number::from(0.0),
             raised: Raised::new(),
+            excitation,
             events: Vec::new(),
             grazing: None,
         };
         follower.meet(simulation.pose());
-        let start = follower.stretch(time, inputs, simulation);
+        let start = Stretch {
+            start: follower.pose,
+            start_shift: follower.shift,
+            excitation,
+            course: Course::Stayed,
+            end: time,
+            end_shift: [0.0; BATCH],
+        };
         follower.raised.begin(&start, simulation.block().ties.all().len());
         follower
     }
 
-    /// Goes with a step of the run under these inputs, from `before` to the present time. At its end the motion falls through
+    /// Begins a smooth piece of the run under these inputs. Where the pulse begins or ends, the time of that varies, and the rate of the
+    /// state jumps.
+    fn begin_piece(&mut self, simulation: &Simulation, inputs: &Inputs) {
+        let (pulse, time) = (simulation.pulse(), simulation.time());
+        if let Some((shift, acted)) = self.varied.kink(pulse, time) {
+            for (acts, sign) in [(acted, 1.0), (!acted, -1.0)] {
+                let excitation = self.varied.excitation(inputs, acts);
+                let now = self.at(&self.pose, &excitation);
+                self.pose = moved(&self.pose, &now, shift.map(|shift| sign * shift));
+            }
+            self.pose.time = Number::from(time);
+            self.shift = shift;
+        }
+        self.excitation = self.varied.excitation(inputs, pulse.acts_at(time));
+    }
+
+    /// Goes with a step of the run, before which its peaks were these, to the present time. At its end the motion falls through
     /// `surface`, if there is one.
-    fn take_step(
-        &mut self,
-        course: Course,
-        surface: Option<Surface>,
-        (before, peaks): (f64, &Peaks),
-        simulation: &Simulation,
-        inputs: &Inputs,
-    ) {
-        let mut stretch = self.stretch(before, inputs, simulation);
-        self.go(course, simulation, &stretch.excitation);
-        stretch.end = simulation.time();
+    fn take_step(&mut self, course: &Course, surface: Option<Surface>, peaks: &Peaks, simulation: &Simulation) {
+        let (start, start_shift) = (self.pose, self.shift);
+        self.go(course, simulation);
+        let mut end_shift = [0.0; BATCH];
         if let Some(surface) = surface {
-            stretch.end_shift = self.event_time(surface, course, &stretch.excitation);
-            self.shift = stretch.end_shift;
+            end_shift = self.event_time(surface, course);
+            self.shift = end_shift;
         }
-        self.raised.take_in(peaks, &simulation.peaks(), &stretch, self.slip);
+        let (excitation, end) = (&self.excitation, simulation.time());
+        self.raised.take_in(peaks, &simulation.peaks(), self.slip, || Stretch {
+            start,
+            start_shift,
+            excitation: *excitation,
+            course: *course,
+            end,
+            end_shift,
+        });
     }
 
-    /// The motion from here on, as far as the present step goes.
-    fn stretch(&self, time: f64, inputs: &Inputs, simulation: &Simulation) -> Stretch {
-        Stretch {
-            start: self.pose,
-            start_shift: self.shift,
-            excitation: self.varied.excitation(inputs, simulation.pulse().acts_at(time)),
-            end: time,
-            end_shift: [0.0; BATCH],
-        }
-    }
-
-    /// Where the pulse begins or ends, the time of that varies, and the rate of the state jumps.
-    fn pass_kink(&mut self, simulation: &Simulation, inputs: &Inputs) {
-        let time = simulation.time();
-        let Some((shift, acted)) = self.varied.kink(simulation.pulse(), time) else { return };
-        for (acts, sign) in [(acted, 1.0), (!acted, -1.0)] {
-            let excitation = self.varied.excitation(inputs, acts);
-            let now = self.at(&self.pose, &excitation);
-            self.pose = moved(&self.pose, &now, shift.map(|shift| sign * shift));
-        }
-        self.pose.time = Number::from(time);
-        self.shift = shift;
-    }
-
-    /// Goes with a step of the run.
-    fn go(&mut self, course: Course, simulation: &Simulation, excitation: &Excitation<Number>) {
+    fn go(&mut self, course: &Course, simulation: &Simulation) {
         let slides = !self.pose.footing.grips() && self.pose.contacts.regime().foot().is_some();
         let end = simulation.time();
-        let place = slides.then(|| self.at(&self.pose, excitation).foot_place());
+        let place = slides.then(|| self.at(&self.pose, &self.excitation).foot_place());
         match course {
             Course::Stayed => return,
             Course::Rested => {
@@ -133,77 +135,67 @@ impl Follower {
                 }
                 self.pose.time = Number::from(end);
             }
-            Course::Step | Course::ShortStep => {
-                self.pose = repeat_step(&self.system.block, &self.pose, excitation, course, end);
+            Course::Step | Course::ShortStep | Course::Swing(_) => {
+                self.pose = repeat_step(&self.system.block, &self.pose, &self.excitation, course, end);
             }
         }
         self.meet(simulation.pose());
         if let Some(place) = place {
-            self.slip = self.slip + self.at(&self.pose, excitation).foot_place() - place;
+            self.slip = self.slip + self.at(&self.pose, &self.excitation).foot_place() - place;
         }
         self.shift = [0.0; BATCH];
     }
 
     /// Derivatives of the time at which the motion falls through a surface.
-    fn event_time(&self, surface: Surface, course: Course, excitation: &Excitation<Number>) -> [f64; BATCH] {
-        let now = self.at(&self.pose, excitation);
-        let Number { re: value, eps } = surface.sample(&now).value;
-        if course == Course::Stayed && value < -surface.rounding(&self.system.block) {
+    fn event_time(&self, surface: Surface, course: &Course) -> [f64; BATCH] {
+        let now = self.at(&self.pose, &self.excitation);
+        let Number { re: value, eps } = surface.value(&now);
+        if matches!(course, Course::Stayed) && value < -surface.rounding(&self.system.block) {
             // The excitation has jumped, or an event has brought it there: in that instant.
             return self.shift;
         }
-        if self.grazes(surface, &now, excitation) {
+        let speed = self.speed(surface, &self.pose, &now);
+        if self.grazes(surface, &now, speed) {
             return [f64::NAN; BATCH];
         }
-        let speed = self.speed(surface, &self.pose, excitation);
         eps.map(|eps| -eps / speed)
     }
 
-    /// Whether the function of a surface hardly falls below zero before it rises again: a neighbouring run has no such event.
-    fn grazes(&self, surface: Surface, now: &Evaluation<Number>, excitation: &Excitation<Number>) -> bool {
+    /// Whether the function of a surface, which falls with this `speed`, hardly falls below zero before it rises again: a
+    /// neighbouring run has no such event.
+    fn grazes(&self, surface: Surface, now: &Evaluation<Number>, speed: f64) -> bool {
         // Depth of the dip, in units of the round-off of a zero, which is 1e-13 of the largest term.
         const DEPTH: f64 = 1e4;
         // Part of the fastest period over which the rate is compared.
         const NEAR: f64 = 1e-4;
         let block = &self.system.block;
         let duration = NEAR / block.omega_v.re.max(block.p.re);
-        let speed = self.speed(surface, &self.pose, excitation);
         let later = advanced(&self.pose, now, duration);
-        let curvature = (self.speed(surface, &later, excitation) - speed) / duration;
+        let curvature = (self.speed(surface, &later, &self.at(&later, &self.excitation)) - speed) / duration;
         // It falls as `speed t + curvature t²/2`.
         speed >= 0.0 || (curvature > 0.0 && speed * speed <= 2.0 * curvature * DEPTH * surface.rounding(block))
     }
 
-    /// Rate of a surface's function along the motion.
-    fn speed(&self, surface: Surface, pose: &Pose<Number>, excitation: &Excitation<Number>) -> f64 {
-        let now = self.at(pose, excitation);
-        let along = moved(pose, &now, [1.0; BATCH]);
-        let [here, along] = [&now, &self.at(&along, excitation)].map(|at| surface.sample(at).value);
-        along.eps[0] - here.eps[0]
+    /// Rate of a surface's function along the motion, from a pose and its instant.
+    fn speed(&self, surface: Surface, pose: &Pose<Number>, now: &Evaluation<Number>) -> f64 {
+        let along = self.at(&moved(pose, now, [1.0; BATCH]), &self.excitation);
+        surface.value(&along).eps[0] - surface.value(now).eps[0]
     }
 
     /// Passes an event, which the run has just applied: up to its moving time under the law before it, through the transition, and
     /// back to the time of the run under the law after it.
-    fn pass_event(
-        &mut self,
-        surface: Surface,
-        happened: Option<Event>,
-        simulation: &Simulation,
-        inputs: &Inputs,
-        since: f64,
-    ) {
+    fn pass_event(&mut self, surface: Surface, happened: Option<Event>, simulation: &Simulation) {
         let (shift, time) = (self.shift, simulation.time());
-        let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(since));
-        let now = self.at(&self.pose, &excitation);
+        let now = self.at(&self.pose, &self.excitation);
         let (slip_rate, before) = (now.instant.slip_rate.re, moved(&self.pose, &now, shift));
-        self.pose = self.system.transition(&before, &self.at(&before, &excitation), surface).pose;
+        self.pose = self.system.transition(&before, &self.at(&before, &self.excitation), surface).pose;
         self.meet(simulation.pose());
         if shift.iter().any(|shift| !shift.is_finite()) && self.grazing.is_none() {
             self.grazing = Some(Grazing { time, kind: happened.map(|event| event.kind) });
         }
         self.events.extend(happened.map(|event| EventGradient { event, time: shift }));
         if !simulation.is_frozen() {
-            let after = self.at(&self.pose, &excitation);
+            let after = self.at(&self.pose, &self.excitation);
             let slowed = slip_rate - after.instant.slip_rate.re;
             self.pose = moved(&self.pose, &after, shift.map(|shift| -shift));
             self.slip.eps = std::array::from_fn(|i| self.slip.eps[i] + slowed * shift[i]);
@@ -254,18 +246,27 @@ impl Follower {
     }
 
     pub(crate) fn at<'a>(&'a self, pose: &Pose<Number>, excitation: &'a Excitation<Number>) -> Evaluation<'a, Number> {
-        Motion::from_pose(&self.system.block, pose, excitation).at(pose.time, pose.state)
+        Motion::from_pose(&self.system.block, pose, excitation).at_called(pose.time, pose.state)
     }
 
-    /// The block `elapsed` seconds after the beginning of a stretch of the motion.
-    fn inside<'a>(&'a self, stretch: &'a Stretch, elapsed: f64) -> Evaluation<'a, Number> {
-        let Stretch { start, excitation, .. } = stretch;
-        if elapsed == 0.0 {
-            return self.at(start, excitation);
-        }
-        let end = start.time.re + elapsed;
-        let pose = repeat_step(&self.system.block, start, excitation, Course::Step, end);
-        self.at(&pose, excitation)
+    /// The observed quantities `elapsed` seconds after the beginning of a stretch of the motion, and the same with their rates along
+    /// the motion added to their derivatives.
+    fn inside(&self, stretch: &Stretch, elapsed: f64) -> [Observation<Number>; 2] {
+        let Stretch { start, excitation, course, .. } = stretch;
+        // The whole step may have been a short one; a part of it is not.
+        let course = if let Course::Swing(_) = course { course } else { &Course::Step };
+        let pose = match elapsed {
+            0.0 => *start,
+            _ => repeat_step(&self.system.block, start, excitation, course, start.time.re + elapsed),
+        };
+        let now = self.at(&pose, excitation);
+        let along = self.at(&moved(&pose, &now, [1.0; BATCH]), excitation);
+        [self.observed(&now), self.observed(&along)]
+    }
+
+    fn observed(&self, now: &Evaluation<Number>) -> Observation<Number> {
+        let heights = now.support_heights.map(|top| top.value);
+        observe(&self.system.block, now.regime, &now.instant, heights, now.forcing)
     }
 
     /// The observed quantities now, right after these inputs have begun to act, with their derivatives at this time.
@@ -279,8 +280,7 @@ impl Follower {
                 None => now,
             },
         };
-        let heights = shown.support_heights.map(|top| top.value);
-        let seen = observe(&self.system.block, shown.regime, &shown.instant, heights, shown.forcing);
+        let seen = self.observed(&shown);
         if simulation.is_frozen() { seen.without_motion() } else { seen }
     }
 
@@ -335,20 +335,20 @@ pub fn advance(
 ) -> Result<(), SimulationError> {
     while simulation.time() < until && simulation.ending().is_none() {
         for follower in followers.iter_mut() {
-            follower.pass_kink(simulation, inputs);
+            follower.begin_piece(simulation, inputs);
         }
-        let (since, mut steps) = (simulation.time(), Steps::towards(simulation, until));
+        let mut steps = Steps::towards(simulation, until);
         loop {
-            let (before, peaks) = (simulation.time(), simulation.peaks());
+            let peaks = simulation.peaks();
             let Some((course, surface)) = steps.next(simulation, inputs)? else { break };
             for follower in followers.iter_mut() {
-                follower.take_step(course, surface, (before, &peaks), simulation, inputs);
+                follower.take_step(course, surface, &peaks, simulation);
             }
             let Some(surface) = surface else { continue };
             let mut happened = None;
             simulation.settle(inputs, &mut |event| happened = Some(*event))?;
             for follower in followers.iter_mut() {
-                follower.pass_event(surface, happened, simulation, inputs, since);
+                follower.pass_event(surface, happened, simulation);
             }
         }
     }

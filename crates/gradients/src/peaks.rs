@@ -2,9 +2,10 @@
 
 use rocking_block::block::ties::MOST_TIES;
 use rocking_block::excitation::Excitation;
-use rocking_block::numerics::roots::{Sample, sign_change};
-use rocking_block::simulation::peaks::{Channel, Channels, Peaks};
-use rocking_block::system::evaluation::Evaluation;
+use rocking_block::numerics::roots::sign_change;
+use rocking_block::simulation::follow::Course;
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::peaks::{Channel, Peaks};
 use rocking_block::system::instant::Pose;
 
 use crate::{BATCH, Number};
@@ -17,14 +18,17 @@ pub(crate) struct Stretch {
     /// Derivatives of the time of the event at its beginning; zeros if there is none.
     pub start_shift: [f64; BATCH],
     pub excitation: Excitation<Number>,
+    /// The way in which the run went along it.
+    pub course: Course,
     /// Time at its end (s).
     pub end: f64,
     /// The same of the event at its end.
     pub end_shift: [f64; BATCH],
 }
 
-/// The block some time (s) after the beginning of a stretch.
-pub(crate) type Within<'a> = dyn Fn(&'a Stretch, f64) -> Evaluation<'a, Number> + 'a;
+/// The observed quantities some time (s) after the beginning of a stretch, and the same with their rates along the motion added to their
+/// derivatives.
+pub(crate) type Within<'a> = dyn Fn(&Stretch, f64) -> [Observation<Number>; 2] + 'a;
 
 /// A quantity that has a peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,16 +61,16 @@ impl Raised {
         }
     }
 
-    /// Takes in a step from and to which the peaks have these values.
-    pub fn take_in(&mut self, before: &Peaks, after: &Peaks, step: &Stretch, slip: Number) {
+    /// Takes in a step from and to which the peaks have these values, and at whose end the foot has slipped by `slip`.
+    pub fn take_in(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: impl Fn() -> Stretch) {
         for (place, channel) in self.channels.iter_mut().zip(CHANNELS) {
             if after.of(channel) != before.of(channel) {
-                *place = Some(Box::new(*step));
+                *place = Some(Box::new(step()));
             }
         }
         for (tie, place) in self.tensions.iter_mut().enumerate() {
             if after.tension[tie] != before.tension[tie] {
-                *place = Some(Box::new(*step));
+                *place = Some(Box::new(step()));
             }
         }
         if after.slip != before.slip {
@@ -75,8 +79,8 @@ impl Raised {
     }
 
     /// The peaks of a run with these values.
-    pub fn peaks<'a>(&'a self, peaks: &Peaks, within: &Within<'a>) -> Peaks<Number> {
-        let of = |quantity: Quantity, value: f64, stretch: &'a Option<Box<Stretch>>| {
+    pub fn peaks(&self, peaks: &Peaks, within: &Within) -> Peaks<Number> {
+        let of = |quantity: Quantity, value: f64, stretch: &Option<Box<Stretch>>| {
             let eps = stretch.as_deref().map_or([0.0; BATCH], |stretch| derivatives(within, stretch, quantity, value));
             Number::new(value, eps)
         };
@@ -95,44 +99,48 @@ impl Raised {
 
 /// Derivatives of the peak of a quantity, which has reached this value in a step: at one of its ends, whose time may vary, or at a
 /// maximum inside, where the rate is zero.
-fn derivatives<'a>(within: &Within<'a>, stretch: &'a Stretch, quantity: Quantity, peak: f64) -> [f64; BATCH] {
+fn derivatives(within: &Within, stretch: &Stretch, quantity: Quantity, peak: f64) -> [f64; BATCH] {
     // Where the highest of these instants inside is between its neighbours there is a maximum.
     const PIECES: u32 = 8;
     let duration = stretch.end - stretch.start.time.re;
     let at = |elapsed: f64| samples(quantity, &within(stretch, elapsed));
     let ends = [(at(0.0), stretch.start_shift, -1.0), (at(duration), stretch.end_shift, 1.0)];
-    // Of several samples of a channel, those of both corners or directions, the greatest.
-    let greatest = |samples: &[Sample<Number>]| {
-        samples.iter().enumerate().max_by(|a, b| a.1.value.re.total_cmp(&b.1.value.re)).map_or(0, |(i, _)| i)
+    // Of several values of a channel, those of both corners or directions, the greatest.
+    let greatest = |samples: &[(Number, f64)]| {
+        samples.iter().enumerate().max_by(|(_, a), (_, b)| a.0.re.total_cmp(&b.0.re)).map_or(0, |(i, _)| i)
     };
     const SAME: f64 = 1e-12;
     for (samples, shift, outwards) in &ends {
-        let Some(Sample { value, rate }) = samples.get(greatest(samples)) else { continue };
-        if value.re >= peak - SAME * peak.abs() && outwards * rate.re >= 0.0 {
-            return std::array::from_fn(|i| value.eps[i] + rate.re * shift[i]);
+        let Some((value, rate)) = samples.get(greatest(samples)) else { continue };
+        if value.re >= peak - SAME * peak.abs() && outwards * rate >= 0.0 {
+            return std::array::from_fn(|i| value.eps[i] + rate * shift[i]);
         }
     }
     let times: Vec<f64> = (0..=PIECES).map(|i| duration * f64::from(i) / f64::from(PIECES)).collect();
     let highest = |time: &&f64| {
         let samples = at(**time);
-        samples.get(greatest(&samples)).map_or(f64::NEG_INFINITY, |sample| sample.value.re)
+        samples.get(greatest(&samples)).map_or(f64::NEG_INFINITY, |(value, _)| value.re)
     };
     let Some(&top) = times.iter().max_by(|a, b| highest(a).total_cmp(&highest(b))) else { return [f64::NAN; BATCH] };
     let which = greatest(&at(top));
-    let rate = |time: f64| at(time)[which].rate.re;
+    let rate = |time: f64| at(time)[which].1;
     let piece = duration / f64::from(PIECES);
     let (low, high) = if rate(top) >= 0.0 { (top, top + piece) } else { (top - piece, top) };
     let (low, high) = (low.max(0.0), high.min(duration));
     let time = sign_change(low, high, rate(low), rate(high), rate);
-    at(time)[which].value.eps
+    at(time)[which].0.eps
 }
 
-fn samples(quantity: Quantity, now: &Evaluation<Number>) -> Vec<Sample<Number>> {
-    match quantity {
-        Quantity::Tension(tie) => vec![now.tension(tie)],
-        Quantity::Channel(channel) => {
-            let channels: Channels<Number> = now.channels_inlined();
-            channels.candidates().into_iter().filter(|(of, _)| *of == channel).map(|(_, sample)| sample).collect()
-        }
-    }
+/// The values of a quantity, whose greatest is its peak, with their rates.
+fn samples(quantity: Quantity, [now, along]: &[Observation<Number>; 2]) -> Vec<(Number, f64)> {
+    let values = |x: &Observation<Number>| match quantity {
+        Quantity::Tension(tie) => vec![x.tension[tie]],
+        Quantity::Channel(Channel::Theta) => vec![x.theta, -x.theta],
+        Quantity::Channel(Channel::Reaction) => x.reaction.to_vec(),
+        Quantity::Channel(Channel::Horizontal) => vec![x.horizontal, -x.horizontal],
+        Quantity::Channel(Channel::Uplift) => x.uplift.to_vec(),
+        Quantity::Channel(Channel::FrictionDemand) => vec![x.friction_demand],
+    };
+    let with_rate = |(value, along): (Number, Number)| (value, along.eps[0] - value.eps[0]);
+    values(now).into_iter().zip(values(along)).map(with_rate).collect()
 }

@@ -99,7 +99,7 @@ impl<'a, T: Elementary> Change<'a, T> {
     /// The block in the present pose.
     pub(super) fn now(&mut self) -> Evaluation<'a, T> {
         self.counts.evaluations += 1;
-        Motion::from_pose(&self.system.block, &self.pose, self.excitation).at(self.pose.time, self.pose.state)
+        Motion::from_pose(&self.system.block, &self.pose, self.excitation).at_called(self.pose.time, self.pose.state)
     }
 
     /// Goes on from a placement on the present contacts.

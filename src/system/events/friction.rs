@@ -3,7 +3,7 @@
 use crate::block::{Block, Corner, Foot, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
-use crate::numerics::scalar::{CombinesWith, Elementary};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::event::EventKind;
@@ -18,12 +18,14 @@ pub(super) fn rest_to_limit<T: Elementary>(at: &Evaluation<T>, push: Corner) -> 
 where
     Dual<T>: CombinesWith<T>,
 {
-    let of = |x: &Instant<Dual<T>>| {
-        let normal = x.reaction[0] + x.reaction[1];
-        normal * at.block.friction + x.horizontal * push.sign()
-    };
-    let Dual { re, eps } = of(&at.rates());
+    let Dual { re, eps } = distance(at.block, &at.rates(), push);
     Sample { value: re, rate: eps }
+}
+
+/// The same of an instant.
+pub(super) fn distance<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, x: &Instant<T>, push: Corner) -> T {
+    let normal = x.reaction[0] + x.reaction[1];
+    normal * block.friction + x.horizontal * push.sign()
 }
 
 /// The speed of a foot that slides (m/s).

@@ -19,19 +19,18 @@ pub(super) fn slide<T: Elementary>(at: &Evaluation<T>) -> Sample<T>
 where
     Dual<T>: CombinesWith<T>,
 {
-    let block = at.block;
-    match (block.foundation, at.regime.pivot()) {
+    let Dual { re, eps } = distance(at.block, at.regime, &at.rates());
+    Sample { value: re, rate: eps }
+}
+
+/// The same of an instant.
+pub(super) fn distance<P: Elementary, T: CombinesWith<P>>(block: &Block<P>, regime: Regime, x: &Instant<T>) -> T {
+    match (block.foundation, regime.pivot()) {
         // It may be pressed on for a moment only, where the slide turns back.
-        (Foundation::Viscoelastic, _) => {
-            let pressure = pressure_if_gripped(block, at.regime, &at.rates());
-            Sample { value: -pressure.re, rate: -pressure.eps }
-        }
-        (Foundation::Rigid, Some(corner)) => {
-            let thrown = impact::thrown_by_grip(block, corner, &at.rates());
-            Sample { value: block.p * thrown.re, rate: block.p * thrown.eps }
-        }
+        (Foundation::Viscoelastic, _) => -pressure_if_gripped(block, regime, x),
+        (Foundation::Rigid, Some(corner)) => impact::thrown_by_grip(block, corner, x) * block.p,
         // Both corners stand on the rigid base, which neither throws up: they grip.
-        (Foundation::Rigid, None) => Sample { value: -block.gravity, rate: T::from(0.0) },
+        (Foundation::Rigid, None) => -T::from(block.gravity),
     }
 }
 

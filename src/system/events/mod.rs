@@ -163,6 +163,25 @@ impl Surface {
         }
     }
 
+    /// Its value alone at an instant.
+    pub fn value<T: Elementary>(self, at: &Evaluation<T>) -> T {
+        match self {
+            Surface::Reaction(corner) => at.instant.reaction[corner.index()],
+            Surface::Gap(corner) => landing::gap(&at.instant, at.support_heights, corner).value,
+            Surface::Held(corner) => held::pressed_on(at, corner).value,
+            Surface::Unloaded(corner) => held::unloading(at, corner).value,
+            Surface::Slide => grip::distance(at.block, at.regime, &at.instant),
+            Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
+            Surface::Speed => friction::speed(at).value,
+            Surface::Shortness(tie) => -tie::stretch(at, tie.into()).value,
+            Surface::Stretch(tie) => tie::stretch(at, tie.into()).value,
+            Surface::Tension(tie) => tie::taut(at, tie.into()),
+            Surface::Limpness(tie) => -tie::taut(at, tie.into()),
+            Surface::Strength(tie) => at.block.ties.all()[usize::from(tie)].strength - tie::taut(at, tie.into()),
+            Surface::QuarterTurn => quarter_turn::rest(&at.instant).value,
+        }
+    }
+
     /// Whether its value follows from the state and its rate from that of the state, not from rates of the inputs; and an event may
     /// leave it at zero.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
@@ -301,7 +320,7 @@ where
     #[inline]
     pub fn fallen(&self, now: &Evaluation<T>) -> Option<Surface> {
         if self.block.friction.value() > 0.0 && now.footing.grips() && now.regime != Regime::Separated {
-            let slides = |surface: &Surface| surface.sample(now).value.value() < -surface.rounding(&self.block);
+            let slides = |surface: &Surface| surface.value(now).value() < -surface.rounding(&self.block);
             // A foot that slides has other reactions.
             if let Some(surface) = Corner::BOTH.map(Surface::Friction).into_iter().find(slides) {
                 return Some(surface);

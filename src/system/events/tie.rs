@@ -25,6 +25,11 @@ where
     tie::tension_with_rate(at.block, &at.block.ties.all()[tie], &at.rates())
 }
 
+/// The same without its rate.
+pub(super) fn taut<T: Elementary>(at: &Evaluation<T>, tie: usize) -> T {
+    tie::tension_if_taut(at.block, &at.block.ties.all()[tie], &at.instant)
+}
+
 /// The strength of a taut tie less its tension (N).
 #[inline(never)]
 pub(super) fn rest_of_strength<T: Elementary>(at: &Evaluation<T>, tie: usize) -> Sample<T>

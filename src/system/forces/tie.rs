@@ -78,7 +78,8 @@ pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcin
 /// Whether a tie pulls.
 #[inline(always)]
 pub fn pulls(states: &TieStates) -> bool {
-    states.contains(&TieState::Taut)
+    // Of constant states the compiler knows the answer, other than of `contains`.
+    states.iter().any(|state| matches!(state, TieState::Taut))
 }
 
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
@@ -175,8 +176,14 @@ pub fn tension_with_rate<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<
 where
     Dual<R>: CombinesWith<R>,
 {
-    let Dual { re, eps } = taut_tension(tie, &stretch(block, tie, &Place::of(x)));
+    let Dual { re, eps } = tension_if_taut(block, tie, x);
     Sample { value: re, rate: eps }
+}
+
+/// Tension of a tie if it is taut (N), from an instant.
+#[inline]
+pub fn tension_if_taut<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, tie: &Tie<P>, x: &Instant<T>) -> T {
+    taut_tension(tie, &stretch(block, tie, &Place::of(x)))
 }
 
 /// A bound on the circular frequencies and rates of decay that ties give the block (rad/s): that of a free block.

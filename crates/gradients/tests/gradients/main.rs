@@ -8,3 +8,4 @@ mod differences;
 mod run;
 #[path = "../../../../tests/common/skipped.rs"]
 mod skipped;
+mod swing;
