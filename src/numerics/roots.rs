@@ -450,12 +450,31 @@ mod tests {
         assert!((root - 0.43).abs() < 1e-13, "{root}");
     }
 
+    /// The bottom of a dip is sought by its rate, however narrow it is; also after a function has left zero without a rate.
+    #[test]
+    fn sees_a_narrow_dip() {
+        for (power, at) in [(0, 0.43), (2, 0.43), (0, 0.9), (2, 0.9)] {
+            let dip = |t: f64| {
+                let [a, b] = [t - at, t - at - 1e-5];
+                let factor = t.powi(power);
+                let slope = if power == 0 { 0.0 } else { 2.0 * t };
+                Sample { value: factor * a * b, rate: slope * a * b + factor * (a + b) }
+            };
+            let root = first_fall(dip(0.0), dip(1.0), 1e-15, 1.0, dip).unwrap();
+            assert!((root - at).abs() < 1e-11, "{power}, {at}: {root}");
+        }
+    }
+
     /// A constant within rounding of zero is no fall.
     #[test]
     fn what_stays_at_zero_does_not_fall() {
         let still = |_: f64| Sample { value: -0.5e-15, rate: 0.0 };
         assert_eq!(first_fall(still(0.0), still(1.0), 1e-15, 1.0, still), None);
         assert!(!may_fall(still(0.0), still(1.0), 1e-15, 1.0));
+        // One that leaves zero may come back.
+        for end in [-0.5, 0.5] {
+            assert!(may_fall(still(0.0), Sample { value: end, rate: end }, 1e-15, 1.0));
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The block stepped from outside, as in Model Exchange: sizes of its states, peaks between them, events and energies.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime, Tie};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::exchange::{STATES, States, nominals};
 use rocking_block::simulation::outputs::Observation;
@@ -135,12 +135,16 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
         Inputs { a_gx: Ramp { value: 1.0, rate: 20.0 }, a_gz: Ramp { value: -2.0, rate: 30.0 }, ..Inputs::default() };
     let rates = Inputs { a_gx: Ramp::held(20.0), a_gz: Ramp::held(30.0), ..Inputs::default() };
     let close = |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-11 * size, "{a}, {b}");
-    for (theta, foundation) in
-        [(0.001, Foundation::Viscoelastic), (-0.1, Foundation::Viscoelastic), (0.1, Foundation::Rigid)]
-    {
+    let [on_supports, rigid] =
+        [Foundation::Viscoelastic, Foundation::Rigid].map(|foundation| block(foundation, 0.25, 30.0, 0.1));
+    let weight = on_supports.mass * on_supports.gravity;
+    let tie = Tie { ground: [-0.2, -0.1], stiffness: weight, pretension: weight, damping: weight, ..Tie::default() };
+    let sliding = Block { friction: 0.05, ..on_supports }.with_ties(&[tie]).unwrap();
+    for (theta, block) in [(0.001, on_supports), (-0.1, on_supports), (0.1, rigid), (0.001, sliding)] {
         let initial = Initial { theta, theta_dot: 0.3, vertical: None };
-        let mut simulation = start(block(foundation, 0.25, 30.0, 0.1), &initial);
+        let mut simulation = start(block, &initial);
         simulation.advance(0.003, &inputs, &mut |_| ()).unwrap();
+        assert_eq!(simulation.slides(), block.friction > 0.0);
         let (seen, energies) =
             simulation.directional(&inputs.moved_to(0.003), &simulation.derivatives(&inputs), &rates, 0.0);
         let moving = simulation.observe_rates(&inputs);
@@ -160,11 +164,18 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
         let expected = simulation.energy_rates(&inputs);
         let size = expected.kinetic.abs() + expected.potential.abs();
         assert!(size > 1.0, "{expected:?}");
+        assert_eq!(
+            expected.friction > 1e-3 * size && expected.ties > 1e-3 * size,
+            block.friction > 0.0,
+            "{expected:?}"
+        );
         for (a, b) in [
             (energies.kinetic, expected.kinetic),
             (energies.potential, expected.potential),
             (energies.total, expected.total),
-            (energies.total, energies.input - energies.dashpots),
+            (energies.total, energies.input - energies.dashpots - energies.friction - energies.ties),
+            (energies.friction, expected.friction),
+            (energies.ties, expected.ties),
             (energies.input, expected.input),
             (energies.dashpots, expected.dashpots),
             (energies.residual, 0.0),
@@ -174,6 +185,8 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
         for (state, expected) in [
             (6, Energies { input: 1.0, residual: -1.0, ..Energies::default() }),
             (7, Energies { dashpots: 1.0, residual: 1.0, ..Energies::default() }),
+            (8, Energies { friction: 1.0, residual: 1.0, ..Energies::default() }),
+            (9, Energies { ties: 1.0, residual: 1.0, ..Energies::default() }),
         ] {
             let direction = std::array::from_fn(|i| if i == state { 1.0 } else { 0.0 });
             assert_eq!(simulation.directional(&inputs, &direction, &Inputs::default(), 0.0).1, expected);

@@ -44,53 +44,71 @@ fn near(block: &Block, found: Velocities, exact: Velocities, case: &str) {
     assert!(pairs.iter().all(|(found, exact)| (found - exact).abs() < 1e-12), "{case}: {found:?}, expected {exact:?}");
 }
 
+/// A block in flight whose left corner closes its gap, and its velocities.
+fn falling(block: &Block, u_dot: f64) -> (Pose, Velocities) {
+    let (theta, theta_dot, v_dot) = (-0.2, 0.1, -1.0);
+    let free_height = match block.foundation {
+        Foundation::Rigid => 0.0,
+        Foundation::Viscoelastic => block.static_deflection(),
+    };
+    // Less the rise of L over that of the centre of mass, from rest.
+    let v = free_height - (block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta)));
+    let pose = Pose {
+        time: 0.0,
+        state: State::from([theta, theta_dot, v, v_dot]),
+        contacts: Contacts::touching([false; 2], 0.0),
+        footing: Footing::Free { u: 0.0, u_dot },
+        ties: NO_TIES,
+    };
+    (pose, Velocities { u_dot, v_dot, theta_dot })
+}
+
+/// The velocities after impulses at the left corner that leave it with a part of its vertical rate and, if μ times the vertical impulse
+/// allows that, without a horizontal one; and whether it does.
+fn landed(block: &Block, (pose, before): (Pose, Velocities), part: f64) -> (Velocities, bool) {
+    let (sin, cos) = libm::sincos(block.alpha + pose.state[0]);
+    let (across, height) = (block.r0 * sin, block.r0 * cos);
+    let Velocities { u_dot, v_dot, theta_dot } = before;
+    // Impulses change the velocity of the corner by W times them.
+    let both = -across * height / block.i0;
+    let w = Matrix2::new(1.0 + height * height / block.i0, both, both, 1.0 + across * across / block.i0);
+    let before = Vector2::new(u_dot - height * theta_dot, v_dot + across * theta_dot);
+    let rate = part * before.y;
+    let stop = w.try_inverse().unwrap() * (Vector2::new(0.0, rate) - before);
+    let stops = stop.x.abs() <= block.friction * stop.y;
+    let impulse = if stops {
+        stop
+    } else {
+        let push = block.friction * stop.x.signum();
+        Vector2::new(push, 1.0) * ((rate - before.y) / (w.m21 * push + w.m22))
+    };
+    let after = Velocities {
+        u_dot: u_dot + impulse.x,
+        v_dot: v_dot + impulse.y,
+        theta_dot: theta_dot + (across * impulse.y - height * impulse.x) / block.i0,
+    };
+    (after, stops)
+}
+
 /// A corner that comes down from flight rebounds from the rigid base with ε of its rate, and keeps ε of it on a support (17). It stops
 /// horizontally if Coulomb's limit allows that, and otherwise feels the limit.
 #[test]
 fn a_corner_from_flight_stops_or_slides() {
     let (mut stopped, mut slid) = (0, 0);
-    for foundation in [Foundation::Rigid, Foundation::Viscoelastic] {
+    for (foundation, part) in [(Foundation::Rigid, -EPSILON), (Foundation::Viscoelastic, EPSILON)] {
         for friction in [0.05, 0.2, 0.5] {
             for u_dot in [-3.0, -0.5, -0.1, 0.1, 0.5, 3.0] {
                 let block = block(foundation, friction);
-                let (theta, theta_dot, v_dot) = (-0.2, 0.1, -1.0);
-                let (sin, cos) = libm::sincos(block.alpha + theta);
-                let (across, height) = (block.r0 * sin, block.r0 * cos);
-                let (free_height, restitution) = match foundation {
-                    Foundation::Rigid => (0.0, -EPSILON),
-                    Foundation::Viscoelastic => (block.static_deflection(), EPSILON),
-                };
-                // Less the rise of L over that of the centre of mass, from rest.
-                let v = free_height - (block.b * libm::sin(theta) + block.h * (1.0 - libm::cos(theta)));
-                let pose = Pose {
-                    time: 0.0,
-                    state: State::from([theta, theta_dot, v, v_dot]),
-                    contacts: Contacts::touching([false; 2], 0.0),
-                    footing: Footing::Free { u: 0.0, u_dot },
-                    ties: NO_TIES,
-                };
-                // Impulses change the velocity of the corner by W times them.
-                let both = -across * height / block.i0;
-                let w = Matrix2::new(1.0 + height * height / block.i0, both, both, 1.0 + across * across / block.i0);
-                let before = Vector2::new(u_dot - height * theta_dot, v_dot + across * theta_dot);
-                let rate = restitution * before.y;
-                let stop = w.try_inverse().unwrap() * (Vector2::new(0.0, rate) - before);
-                let impulse = if stop.x.abs() <= friction * stop.y {
-                    stopped += 1;
-                    stop
+                let falling = falling(&block, u_dot);
+                let (exact, stops) = landed(&block, falling, part);
+                if stops {
+                    stopped += 1
                 } else {
-                    slid += 1;
-                    let push = friction * stop.x.signum();
-                    Vector2::new(push, 1.0) * ((rate - before.y) / (w.m21 * push + w.m22))
-                };
-                let exact = Velocities {
-                    u_dot: u_dot + impulse.x,
-                    v_dot: v_dot + impulse.y,
-                    theta_dot: theta_dot + (across * impulse.y - height * impulse.x) / block.i0,
-                };
+                    slid += 1
+                }
                 let case = format!("{foundation:?}, μ = {friction}, {u_dot} m/s");
-                assert!(exact.kinetic(&block) <= Velocities { u_dot, v_dot, theta_dot }.kinetic(&block), "{case}");
-                let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
+                assert!(exact.kinetic(&block) <= falling.1.kinetic(&block), "{case}");
+                let (after, found) = transition(&block, &falling.0, Surface::Gap(Corner::Left));
                 near(&block, found, exact, &case);
                 assert_eq!(after.event, Some(EventKind::Landing(Corner::Left)), "{case}");
                 assert_eq!(after.counts.impacts, 1, "{case}");
@@ -98,6 +116,34 @@ fn a_corner_from_flight_stops_or_slides() {
         }
     }
     assert!(stopped > 2 && slid > 2, "{stopped} stopped, {slid} slid");
+}
+
+/// Where friction turns a corner that comes down into the ground, ε of its rate would gain energy: it rebounds with as much of it as
+/// keeps the energy.
+#[test]
+fn a_rebound_gains_no_energy() {
+    let mut kept = 0;
+    for friction in [0.2, 0.5, 1.0] {
+        for u_dot in [-1.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 4.0] {
+            let block = Block { epsilon: 1.0, ..block(Foundation::Rigid, friction) };
+            let falling = falling(&block, u_dot);
+            let (exact, _) = landed(&block, falling, -1.0);
+            let (_, found) = transition(&block, &falling.0, Surface::Gap(Corner::Left));
+            let case = format!("μ = {friction}, {u_dot} m/s: {found:?}");
+            if exact.kinetic(&block) <= falling.1.kinetic(&block) {
+                near(&block, found, exact, &case);
+                continue;
+            }
+            kept += 1;
+            let across = block.r0 * libm::sin(block.alpha + falling.0.state[0]);
+            let rate = |of: Velocities| of.v_dot + across * of.theta_dot;
+            let part = rate(found) / rate(falling.1);
+            assert!(-1.0 < part && part < 0.0, "{part}, {case}");
+            assert!((found.kinetic(&block) / falling.1.kinetic(&block) - 1.0).abs() < 1e-12, "{case}");
+            near(&block, found, landed(&block, falling, part).0, &case);
+        }
+    }
+    assert!(kept > 2, "{kept} rebounds kept their energy");
 }
 
 /// Where a sliding block changes its pivot, e determines the vertical impulse, and μ times it slows the new pivot. A change that would
