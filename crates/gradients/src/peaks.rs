@@ -63,6 +63,9 @@ impl Raised {
 
     /// Takes in a step from and to which the peaks have these values, and at whose end the foot has slipped by `slip`.
     pub fn take_in(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: impl Fn() -> Stretch) {
+        if before == after {
+            return;
+        }
         for (place, channel) in self.channels.iter_mut().zip(CHANNELS) {
             if after.of(channel) != before.of(channel) {
                 *place = Some(Box::new(step()));
