@@ -224,7 +224,7 @@ pub fn sign_change(low: f64, high: f64, at_low: f64, at_high: f64, f: impl FnMut
 }
 
 /// The same within `width`.
-fn sign_change_within(
+pub fn sign_change_within(
     width: f64,
     low: f64,
     high: f64,

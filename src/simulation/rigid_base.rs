@@ -1,8 +1,11 @@
 //! A block on the rigid base → its rest, or swings about a corner, each to the next landing or to the end of the piece.
 
+use std::slice;
+
 use crate::block::{Block, Corner, Regime};
+use crate::excitation::{Forcing, ForcingSeries};
+use crate::numerics::bernstein::{Bernstein, Zero};
 use crate::numerics::control::LONGEST;
-use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Strain, strain};
 use crate::simulation::peaks::{Peaks, greater};
@@ -10,29 +13,104 @@ use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::stepping::StepStart;
 use crate::simulation::{Simulation, SimulationError};
+use crate::system::dynamics::instant;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, Surface};
-use crate::system::instant::{Powers, State};
+use crate::system::instant::{Footing, Instant, Powers, State};
 use crate::system::law::Law;
-use crate::system::swing::{Bounds, Swing};
+use crate::system::swing::{Bounds, ORDER, Swing};
 
-/// Whether no event but a landing can be within a swing.
-fn is_uneventful(bounds: &Bounds, gravity: f64) -> bool {
-    /// The least reaction, as a part of the weight.
-    const PRESSED: f64 = 0.01;
-    /// The greatest rotation (rad), below a quarter turn.
-    const UPRIGHT: f64 = 1.5;
-    bounds.is_certain && bounds.reaction[0] > PRESSED * gravity && bounds.theta < UPRIGHT
+/// The least reaction, as a part of the weight, above which the corner does not lift.
+const PRESSED: f64 = 0.01;
+
+/// A part of a swing, and the surface through which the motion falls at its end.
+#[derive(Clone, Copy)]
+struct Way {
+    part: f64,
+    surface: Option<Surface>,
 }
 
-/// Whether no peak can be within a swing, other than the rotation at its end.
+impl Way {
+    /// The way of a swing about `pivot` as far as the rotation decides it; none where that is unclear.
+    #[inline]
+    fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<Way> {
+        /// The greatest rotation (rad) that is below a quarter turn.
+        const UPRIGHT: f64 = 1.5;
+        let landing = match (bounds.is_certain, bounds.last < 0.0) {
+            (true, true) => Zero::At(swing.landing()),
+            (true, false) => Zero::None,
+            (false, _) => swing.first_landing(pivot),
+        };
+        let turn = if bounds.theta < UPRIGHT { Zero::None } else { swing.quarter_turn(pivot) };
+        match (landing, turn) {
+            (Zero::None, Zero::None) => Some(Way { part: 1.0, surface: None }),
+            (Zero::At(part), Zero::None) => Some(Way { part, surface: Some(Surface::Gap(pivot.other())) }),
+            (Zero::None, Zero::At(part)) => Some(Way { part, surface: Some(Surface::QuarterTurn) }),
+            (Zero::At(_), Zero::At(_)) | (Zero::Unclear, _) | (_, Zero::Unclear) => None,
+        }
+    }
+}
+
+/// Whether the corner is pressed on all the time, and no force exceeds its peak.
+#[inline]
 fn is_below_peaks(bounds: &Bounds, block: &Block, peaks: &Peaks) -> bool {
     let [least, most] = bounds.reaction;
-    let low = bounds.theta < peaks.theta && 2.0 * block.b * bounds.theta < peaks.uplift;
-    (bounds.is_monotone || low)
+    least > PRESSED * block.gravity
         && most * block.mass < peaks.reaction
         && bounds.horizontal * block.mass < peaks.horizontal
         && bounds.horizontal < peaks.friction_demand * least
+}
+
+/// Whether both reactions of a block at rest are above their round-off.
+fn is_pressed_down(now: &Evaluation) -> bool {
+    let rounding = Surface::Reaction(Corner::Left).rounding(now.block);
+    now.instant.reaction.iter().all(|&reaction| reaction > rounding)
+}
+
+/// The forces on a block at rest over a step, N_L/M, N_R/M and H/M (m/s²), as series in powers of the elapsed part.
+struct Standing([[f64; ORDER + 1]; 3]);
+
+impl Standing {
+    /// They are linear in the excitation.
+    fn of(block: &Block, footing: Footing<f64>, series: &ForcingSeries<{ ORDER + 1 }>, size: f64) -> Standing {
+        let under = |forcing: Forcing<f64>| {
+            let Instant { reaction: [left, right], horizontal, .. } =
+                instant(block, Regime::FullContact, [0.0; 4], footing, forcing);
+            [left, right, horizontal]
+        };
+        let none = under(Forcing::default());
+        let by = [
+            under(Forcing { x: 1.0, ..Forcing::default() }),
+            under(Forcing { z: 1.0, ..Forcing::default() }),
+            under(Forcing { moment: 1.0, ..Forcing::default() }),
+        ]
+        .map(|[left, right, shear]| [left - none[0], right - none[1], shear - none[2]]);
+        let (mut forces, mut power) = ([[0.0; ORDER + 1]; 3], 1.0);
+        for k in 0..ORDER + 1 {
+            let linear = |ramp: [f64; 2]| if k < 2 { ramp[k] } else { 0.0 };
+            let forcing = [series.x[k], linear(series.z), linear(series.moment)];
+            for (i, force) in forces.iter_mut().enumerate() {
+                force[k] = (forcing[0] * by[0][i] + forcing[1] * by[1][i] + forcing[2] * by[2][i]) * power;
+            }
+            power *= size;
+        }
+        for (force, none) in forces.iter_mut().zip(none) {
+            force[0] += none;
+        }
+        Standing(forces)
+    }
+
+    /// Up to a part of the step.
+    fn up_to(&self, part: f64) -> [Bernstein; 3] {
+        self.0.map(|mut powers| {
+            let mut power = 1.0;
+            for term in &mut powers {
+                *term *= power;
+                power *= part;
+            }
+            Bernstein::of(&powers)
+        })
+    }
 }
 
 /// The longest swing (s) under a pulse of this circular frequency (rad/s).
@@ -52,17 +130,77 @@ impl Simulation {
         here: &Evaluation,
     ) -> bool {
         let there = motion.at(stop, motion.state_of(here));
-        let rounding = Surface::Reaction(Corner::Left).rounding(here.block);
-        let mut reactions = here.instant.reaction.into_iter().chain(there.instant.reaction);
-        if !reactions.all(|reaction| reaction > rounding) {
+        if ![here, &there].iter().all(|now| is_pressed_down(now)) {
             return false;
         }
+        self.stay(here, &there);
+        true
+    }
+
+    /// Stays at rest from one instant to another.
+    fn stay(&mut self, here: &Evaluation, there: &Evaluation) {
         self.include_forces(here);
-        self.include_forces(&there);
+        self.include_forces(there);
         self.counts.evaluations += 1;
         self.counts.steps += 1;
-        self.go_to(&there, Powers::zeros());
-        true
+        self.go_to(there, Powers::zeros());
+    }
+
+    /// Stays at rest under a pulse, to the end of the piece or until a corner lifts. Returns
+    /// false, having done nothing, where it is unclear whether one does.
+    #[inline(never)]
+    pub(super) fn stays_under_pulse(
+        &mut self,
+        law: impl Law,
+        piece: &SmoothPiece,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<bool, SimulationError> {
+        let &SmoothPiece { block, excitation, stop, .. } = piece;
+        let longest = longest_swing(block.p, excitation.frequency());
+        let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
+        let (upright, begin) = (State::zeros(), self.pose.time);
+        let mut here = motion.at(self.pose.time, upright);
+        while self.pose.time < stop {
+            self.spend(budget, piece, longest)?;
+            let time = self.pose.time;
+            let remaining = stop - time;
+            let size = remaining / (remaining / longest).ceil().max(1.0);
+            let forces = Standing::of(block, here.footing, &excitation.series(time), size);
+            let [left, right, _] = forces.up_to(1.0);
+            let zeros = Corner::each(|corner| {
+                let form = if corner == Corner::Left { &left } else { &right };
+                form.first_zero(|part| motion.at(time + part * size, upright).instant.reaction[corner.index()])
+            });
+            let (part, lifts) = match zeros {
+                [Zero::None, Zero::None] => (1.0, None),
+                [Zero::At(part), Zero::None] => (part, Some(Corner::Left)),
+                [Zero::None, Zero::At(part)] => (part, Some(Corner::Right)),
+                [Zero::At(left), Zero::At(right)] if left <= right => (left, Some(Corner::Left)),
+                [Zero::At(_), Zero::At(right)] => (right, Some(Corner::Right)),
+                [Zero::Unclear, _] | [_, Zero::Unclear] => return Ok(time > begin),
+            };
+            let end = if part == 1.0 && size == remaining { stop } else { time + part * size };
+            let there = motion.at(end, upright);
+            if !is_pressed_down(&here) || end <= time || (lifts.is_none() && !is_pressed_down(&there)) {
+                return Ok(time > begin);
+            }
+            self.stay(&here, &there);
+            let [left, right, shear] = forces.up_to(part);
+            let total = left.combined(1.0, &right, 1.0);
+            self.search_peaks(&[left, right], &total, &shear, |this, place| {
+                this.include_forces(&motion.at(time + place * part * size, upright));
+            });
+            if let Some(corner) = lifts {
+                self.apply_or_stop(Surface::Reaction(corner), &there, piece, observer)?;
+                return Ok(true);
+            }
+            if piece.single {
+                return Ok(true);
+            }
+            here = there;
+        }
+        Ok(true)
     }
 
     /// Includes the forces of an instant in the peaks.
@@ -75,41 +213,79 @@ impl Simulation {
         *demand = greater(*demand, friction_demand);
     }
 
-    /// Whether N, H or the friction demand may exceed its peak within a part of a swing, by more than a hundredth of the tolerance,
-    /// and its values at both ends.
-    fn forces_rise(&self, block: &Block, swing: &Swing, part: f64) -> bool {
-        const SHARE: f64 = 0.01;
+    /// Includes N, H and the friction demand of a part of a swing in the peaks; returns false if the corner may lift.
+    #[inline(never)]
+    fn take_in_forces(&mut self, law: impl Law, piece: &SmoothPiece, swing: &Swing, part: f64, end: f64) -> bool {
+        /// Halvings of the part where bounds of the reaction are not close enough.
+        const HALVINGS: u32 = 3;
+        let &SmoothPiece { block, excitation, .. } = piece;
+        let [n, h] = swing.forces(part, block.gravity);
+        if !n.stays_above(PRESSED * block.gravity, HALVINGS) {
+            return false;
+        }
+        let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
+        let ([first, last], [shear, last_shear]) = (n.ends(), h.ends());
+        self.include_reaction(first, shear);
         let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let [[n, h], [n_end, h_end]] = [0.0, part].map(|part| swing.forces(part, block.gravity));
-        let demand = |n: Sample, h: Sample| {
-            let value = h.value / n.value;
-            Sample { value, rate: (h.rate - value * n.rate) / n.value }
-        };
-        let (demand, demand_end) = (demand(n, h), demand(n_end, h_end));
-        let rises = |most: f64, start: Sample, end: Sample| {
-            let most = greater(greater(most, start.value), end.value);
-            may_rise_inside(most + SHARE * self.settings.tolerance * most.abs(), start, end, part * swing.size)
-        };
-        rises(reaction / block.mass, n, n_end)
-            || rises(horizontal / block.mass, h, h_end)
-            || rises(horizontal / block.mass, h.negated(), h_end.negated())
-            || rises(friction_demand, demand, demand_end)
-            || rises(friction_demand, demand.negated(), demand_end.negated())
+        let last_shear = last_shear.abs();
+        if last * block.mass > reaction || last_shear * block.mass > horizontal || last_shear > friction_demand * last {
+            self.include_instant(&motion, swing, part, end);
+        }
+        let here = self.pose.time;
+        self.search_peaks(slice::from_ref(&n), &n, &h, |this, place| {
+            this.include_instant(&motion, swing, place * part, here + place * part * swing.size);
+        });
+        true
     }
 
-    /// Includes a part of a swing in the peaks, with the forces at its ends and the greatest rotation.
-    fn raise_peaks(&mut self, law: impl Law, piece: &SmoothPiece, swing: &Swing, [part, end]: [f64; 2], state: State) {
-        let motion = Motion::<_, 4>::under(law, piece.block, &self.pose, piece.excitation);
-        self.include_forces(&motion.at(self.pose.time, self.pose.state));
-        self.include_forces(&motion.at(end, state));
-        self.counts.evaluations += 2;
-        let away = |part: f64| {
-            let [theta, slope] = swing.theta_at(part);
-            let sample = Sample { value: theta, rate: slope };
-            if self.pose.contacts.regime() == Regime::TiltingLeft { sample.negated() } else { sample }
-        };
-        let theta = greatest(self.peaks.theta, away(0.0), away(part), part, away);
-        self.raise_rotation(theta);
+    /// Finds the places at which N/M, H/M or the friction demand exceeds its peak and its values at both ends, and passes them to `include`,
+    /// which raises the peaks. `total` is the sum of the reactions.
+    fn search_peaks(
+        &mut self,
+        reactions: &[Bernstein],
+        total: &Bernstein,
+        shear: &Bernstein,
+        include: impl Fn(&mut Simulation, f64),
+    ) {
+        /// Of the tolerance: as much may a force exceed its peak unseen.
+        const SHARE: f64 = 0.01;
+        /// A limit of the search for a peak of the friction demand, which takes two or three rounds.
+        const MOST: u32 = 8;
+        let visible = 1.0 + SHARE * self.settings.tolerance;
+        let per_mass = visible / self.system.block.mass;
+        for reaction in reactions {
+            if let Some(place) = reaction.highest(per_mass * self.peaks.reaction) {
+                include(self, place);
+            }
+        }
+        for side in [1.0, -1.0] {
+            if let Some(place) = shear.combined(side, total, 0.0).highest(per_mass * self.peaks.horizontal) {
+                include(self, place);
+            }
+            // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
+            for _ in 0..MOST {
+                let excess = shear.combined(side, total, -visible * self.peaks.friction_demand);
+                let Some(place) = excess.highest(0.0) else { break };
+                include(self, place);
+            }
+        }
+    }
+
+    /// Includes the forces after a part of a swing in the peaks, by the equations of motion.
+    fn include_instant(&mut self, motion: &Motion<impl Law>, swing: &Swing, part: f64, time: f64) {
+        let [theta, theta_dot] = swing.at(part);
+        self.counts.evaluations += 1;
+        self.include_forces(&motion.at(time, State::from([theta, theta_dot, 0.0, 0.0])));
+    }
+
+    /// Includes N/M and H/M (m/s²) in the peaks.
+    #[inline]
+    fn include_reaction(&mut self, n: f64, h: f64) {
+        let mass = self.system.block.mass;
+        let Peaks { reaction, horizontal, friction_demand, .. } = &mut self.peaks;
+        *reaction = greater(*reaction, mass * n);
+        *horizontal = greater(*horizontal, mass * h.abs());
+        *friction_demand = greater(*friction_demand, h.abs() / n);
     }
 
     /// Includes a rotation (rad) about a corner in the peaks.
@@ -147,16 +323,21 @@ impl Simulation {
             self.counts.evaluations += 1;
             self.counts.steps += 1;
             let bounds = swing.bounds(block, pivot);
-            let lands = bounds.is_certain && bounds.last < 0.0;
-            let part = if lands { swing.landing() } else { 1.0 };
-            let end = if swing.size == remaining && !lands { stop } else { time + part * swing.size };
+            let way = Way::of(&swing, &bounds, pivot);
+            let Way { part, surface } = way.unwrap_or(Way { part: 1.0, surface: None });
+            let end = if swing.size == remaining && surface.is_none() { stop } else { time + part * swing.size };
             let [theta, theta_dot] = swing.at(part);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
-            let is_known = is_uneventful(&bounds, block.gravity) && (lands || end > time);
-            if is_known && is_below_peaks(&bounds, block, &self.peaks) {
-                self.go_along(end, state, swing.work(part));
-            } else if is_known && !self.forces_rise(block, &swing, part) {
-                self.raise_peaks(law, piece, &swing, [part, end], state);
+            let is_known = way.is_some() && (surface.is_some() || end > time);
+            if is_known
+                && (is_below_peaks(&bounds, block, &self.peaks) || self.take_in_forces(law, piece, &swing, part, end))
+            {
+                if !bounds.is_monotone
+                    && bounds.theta > self.peaks.theta
+                    && let Some(highest) = swing.highest(pivot, part, self.peaks.theta)
+                {
+                    self.raise_rotation(swing.at(highest)[0].abs());
+                }
                 self.go_along(end, state, swing.work(part));
             } else {
                 match self.examine(law, &swing, [part, end], state, start.of_piece, piece, observer)? {
@@ -168,9 +349,9 @@ impl Simulation {
                     Finished::Lasts => {}
                 }
             }
-            if lands {
+            if let Some(surface) = surface {
                 let now = self.now(block, excitation);
-                return self.apply_or_stop(Surface::Gap(pivot.other()), &now, piece, observer);
+                return self.apply_or_stop(surface, &now, piece, observer);
             }
             (start.of_piece, most) = (false, longest);
             if self.pose.time >= stop || piece.single {

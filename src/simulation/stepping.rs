@@ -147,6 +147,13 @@ impl Simulation {
         {
             return self.apply_or_stop(surface, &here, piece, observer);
         }
+        if law.is_at_rest()
+            && !excitation.is_linear()
+            && excitation.has_series()
+            && self.stays_under_pulse(law, piece, budget, observer)?
+        {
+            return Ok(());
+        }
         let steady = excitation.is_constant();
         let is_upright = law.is_at_rest() && excitation.is_linear();
         let limits = self.limits(law, excitation.frequency());

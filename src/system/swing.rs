@@ -24,9 +24,11 @@
 #[cfg(feature = "lanes")]
 mod tangent;
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::block::{Block, Corner, Foot, Lever};
 use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::roots::Sample;
+use crate::numerics::bernstein::{Bernstein, Zero};
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
 pub const ORDER: usize = 16;
@@ -64,18 +66,18 @@ pub struct Bounds {
     pub horizontal: f64,
 }
 
-/// `1/k`.
-const fn reciprocals() -> Series {
-    let mut reciprocals = [0.0; ORDER + 1];
-    let mut k = 1;
+/// `k`, or `1/k` and 0 for 0.
+const fn numbers(inverse: bool) -> Series {
+    let (mut numbers, mut k) = ([0.0; ORDER + 1], 1);
     while k < ORDER + 1 {
-        reciprocals[k] = 1.0 / k as f64;
+        numbers[k] = if inverse { 1.0 / k as f64 } else { k as f64 };
         k += 1;
     }
-    reciprocals
+    numbers
 }
 
-const RECIPROCAL: Series = reciprocals();
+static NUMBER: Series = numbers(false);
+static RECIPROCAL: Series = numbers(true);
 
 impl Swing {
     /// The swing from `[t, θ, θ̇]` on, at most `longest` (s), if the last terms of θ̇ may be `allowed` (rad/s per second of the swing).
@@ -137,11 +139,12 @@ impl Swing {
             }
             let n = k + 2;
             theta[n] = turning * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
-            slope[n] = theta[n] * n as f64;
+            slope[n] = theta[n] * NUMBER[n];
             let (mut across, mut up) = (0.0, 0.0);
-            for j in 1..n + 1 {
-                across += slope[j] * q[n - j];
-                up -= slope[j] * x[n - j];
+            let (slopes, xs, qs) = (&slope[1..n + 1], &x[..n], &q[..n]);
+            for j in 0..n {
+                across += slopes[j] * qs[n - 1 - j];
+                up -= slopes[j] * xs[n - 1 - j];
             }
             (x[n], q[n]) = (across * RECIPROCAL[n], up * RECIPROCAL[n]);
             *order = n;
@@ -190,37 +193,76 @@ impl Swing {
         [theta, slope]
     }
 
-    /// N/M and H/M (m/s²) after a part of the swing, by the series: less accurate than by the equations of motion.
-    #[inline]
-    pub fn forces(&self, part: f64, gravity: f64) -> [Sample; 2] {
+    /// N/M and H/M (m/s²) up to a part of the swing, by the series: at its end less accurate than by the equations of motion.
+    pub fn forces(&self, part: f64, gravity: f64) -> [Bernstein; 2] {
         let Swing { size, order, ref x, ref q, ref forcing, .. } = *self;
-        let per_second = 1.0 / (size * size);
-        let mut forces = [Sample::default(); 2];
-        for k in (0..order - 1).rev() {
-            let squares = ((k + 1) * (k + 2)) as f64;
-            let mut terms = [q[k + 2] * per_second * squares, x[k + 2] * per_second * squares + forcing.x[k]];
-            if k < 2 {
-                terms[0] += forcing.z[k];
-            }
-            for (force, term) in forces.iter_mut().zip(terms) {
-                force.rate = force.rate * part + force.value;
-                force.value = force.value * part + term;
-            }
+        let (mut n, mut h) = ([0.0; ORDER], [0.0; ORDER]);
+        let (per_second, mut power) = (1.0 / (size * size), 1.0);
+        for k in 0..order - 1 {
+            let squares = per_second * (NUMBER[k + 1] * NUMBER[k + 2]);
+            let z = if k < 2 { forcing.z[k] } else { 0.0 };
+            (n[k], h[k]) = ((q[k + 2] * squares + z) * power, (x[k + 2] * squares + forcing.x[k]) * power);
+            power *= part;
         }
-        let [n, h] = forces;
-        [Sample { value: n.value + gravity, rate: n.rate / size }, Sample { value: h.value, rate: h.rate / size }]
+        n[0] += gravity;
+        [Bernstein::of(&n[..order - 1]), Bernstein::of(&h[..order - 1])]
+    }
+
+    /// The part of the swing after which a block that leaves the base, or stands off it, comes down.
+    pub fn first_landing(&self, corner: Corner) -> Zero {
+        /// Round-off of an acceleration, relative to its change over the swing.
+        const ROUNDING: f64 = 1e-12;
+        /// The least part after which a block that leaves the base without a rate comes down other than by round-off.
+        const LEAST: f64 = 1e-3;
+        let theta = self.away_from(corner, 1.0);
+        let zeros = match theta {
+            [0.0, 0.0, second, third, ..] if second.abs() <= ROUNDING * third => 3,
+            [0.0, 0.0, ..] => 2,
+            [0.0, ..] => 1,
+            _ => 0,
+        };
+        match Bernstein::of(&theta[zeros..self.order + 1]).zero() {
+            Zero::At(part) if zeros > 1 && part < LEAST => Zero::Unclear,
+            zero => zero,
+        }
+    }
+
+    /// The part of the swing after which the block has made a quarter turn about a corner.
+    pub fn quarter_turn(&self, corner: Corner) -> Zero {
+        let mut rest = self.away_from(corner.other(), 1.0);
+        rest[0] += FRAC_PI_2;
+        Bernstein::of(&rest[..self.order + 1]).zero()
+    }
+
+    /// The part of the swing at which the rotation away from a corner is greatest, up to `part`, if it exceeds `most` (rad) and that at
+    /// both ends.
+    pub fn highest(&self, corner: Corner, part: f64, most: f64) -> Option<f64> {
+        Bernstein::of(&self.away_from(corner, part)[..self.order + 1]).highest(most).map(|place| place * part)
+    }
+
+    /// The series of the rotation away from a corner, in powers of the elapsed part of a `part` of the swing.
+    fn away_from(&self, corner: Corner, part: f64) -> Series {
+        let (mut theta, mut power) = (self.theta, -corner.sign());
+        for term in &mut theta {
+            *term *= power;
+            power *= part;
+        }
+        theta
     }
 
     /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
     #[inline]
     pub fn work(&self, part: f64) -> f64 {
         let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
-        let mut work = 0.0;
+        let (mut work, mut velocity) = (0.0, [0.0; ORDER + 1]);
+        for n in 1..order + 1 {
+            velocity[n] = x[n] * NUMBER[n];
+        }
         for n in (1..order + 1).rev() {
-            let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * n as f64;
-            power += (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * (n - 1) as f64;
+            let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
+            power += (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
             for j in 0..forcing.terms.min(n) {
-                power -= x[n - j] * forcing.x[j] * (n - j) as f64;
+                power -= velocity[n - j] * forcing.x[j];
             }
             work = work * part + power * RECIPROCAL[n];
         }
@@ -233,44 +275,36 @@ impl Swing {
         let Swing { size, order, ref theta, ref x, ref q, ref forcing } = *self;
         let away = -corner.sign();
         let per_second = 1.0 / (size * size);
-        let (mut spread, mut steepest, mut bend) = (0.0, 0.0, 0.0);
-        for k in (1..order + 1).rev() {
+        let mut spread = theta[1].abs() + theta[2].abs();
+        let (mut steepest, mut bend) = (theta[2].abs() * 2.0, 0.0);
+        for k in 3..order.min(ORDER) + 1 {
             let term = theta[k].abs();
             spread += term;
-            if k > 1 {
-                steepest += term * k as f64;
-            }
-            if k > 2 {
-                bend += term * (k * (k - 1)) as f64;
-            }
+            steepest += term * NUMBER[k];
+            bend += term * (NUMBER[k] * NUMBER[k - 1]);
         }
         let [last, _] = self.theta_at(1.0);
         let (first, last) = (theta[0] * away, last * away);
         // If θ̈ points to the base all the time, a block that stands off the base or leaves it comes back at most once.
         let turns_back = bend + theta[2] * (2.0 * away) < 0.0;
         let leaves = first > 0.0 || (first == 0.0 && theta[1] * away > 0.0);
-        let (mut reaction, mut horizontal) = ([0.0; 2], [0.0; 2]);
-        for k in (0..order - 1).rev() {
-            let squares = ((k + 1) * (k + 2)) as f64;
-            let mut n = q[k + 2] * per_second * squares;
-            if k < 2 {
-                n += forcing.z[k];
-            }
-            let h = x[k + 2] * per_second * squares + forcing.x[k];
-            if k == 0 {
-                (reaction[0], horizontal[0]) = (n + block.gravity, h);
-            } else {
-                reaction[1] += n.abs();
-                horizontal[1] += h.abs();
-            }
+        let (mut reaction, mut horizontal) = (0.0, 0.0);
+        for k in 4..order.min(ORDER) + 1 {
+            let squares = per_second * (NUMBER[k] * NUMBER[k - 1]);
+            reaction += (q[k] * squares).abs();
+            horizontal += (x[k] * squares + forcing.x[k - 2]).abs();
         }
+        reaction += (q[3] * (6.0 * per_second) + forcing.z[1]).abs();
+        horizontal += (x[3] * (6.0 * per_second) + forcing.x[1]).abs();
+        let first_reaction = block.gravity + forcing.z[0] + q[2] * (2.0 * per_second);
+        let first_horizontal = x[2] * (2.0 * per_second) + forcing.x[0];
         Bounds {
             is_certain: first > spread || (turns_back && leaves),
             last,
             is_monotone: theta[1].abs() > steepest,
             theta: first.abs() + spread,
-            reaction: [reaction[0] - reaction[1], reaction[0] + reaction[1]],
-            horizontal: horizontal[0].abs() + horizontal[1],
+            reaction: [first_reaction - reaction, first_reaction + reaction],
+            horizontal: first_horizontal.abs() + horizontal,
         }
     }
 
@@ -375,23 +409,23 @@ mod tests {
             const STEPS: u32 = 40;
             let Case { ref block, corner, .. } = case;
             let (swing, motion) = (case.swing(1e-13), case.motion());
-            let bounds = swing.bounds(block, corner);
+            let (bounds, forces) = (swing.bounds(block, corner), swing.forces(1.0, block.gravity));
             let (rate, height) = (block.alpha * block.p, block.gravity * block.r0 * block.alpha);
             let (size, mut work) = (swing.size / f64::from(STEPS), 0.0);
             let mut now = motion.at(0.5, State::from([case.start[0], case.start[1], 0.0, 0.0]));
             for step in 0..=STEPS {
                 let part = f64::from(step) / f64::from(STEPS);
-                let ([theta, theta_dot], [n, h]) = (swing.at(part), swing.forces(part, block.gravity));
+                let ([theta, theta_dot], [n, h]) = (swing.at(part), forces.map(|force| force.at(part)));
                 let off = [(theta - now.state[0]) / block.alpha, (theta_dot - now.state[1]) / rate, (swing.work(part) - work) / height];
                 prop_assert!(off.iter().all(|off| off.abs() < 1e-11), "{}: {:?}", part, off);
                 let (found, i) = (now.rates(), corner.index());
                 let reaction = found.reaction[i];
-                let off = [n.value - reaction.re, h.value - found.horizontal.re].map(|off| off / block.gravity);
+                let off = [n - reaction.re, h - found.horizontal.re].map(|off| off / block.gravity);
                 prop_assert!(off.iter().all(|off| off.abs() < 1e-8), "{}: {:?}", part, off);
                 let [least, most] = bounds.reaction;
                 let slack = 1e-8 * block.gravity;
-                prop_assert!(least - slack <= n.value && n.value <= most + slack, "N {} beyond {:?}", n.value, bounds);
-                prop_assert!(h.value.abs() <= bounds.horizontal + slack, "H {} beyond {:?}", h.value, bounds);
+                prop_assert!(least - slack <= n && n <= most + slack, "N {} beyond {:?}", n, bounds);
+                prop_assert!(h.abs() <= bounds.horizontal + slack, "H {} beyond {:?}", h, bounds);
                 prop_assert!(theta.abs() <= bounds.theta * (1.0 + 1e-14), "{} beyond {:?}", theta, bounds);
                 let next = Step::attempt(now.time, size, now.state, motion.rate_of(&now), &motion);
                 work += next.work[0];
@@ -399,19 +433,48 @@ mod tests {
             }
         }
 
-        /// With certain bounds, θ first comes to zero at the landing.
+        /// θ first comes to zero at the landing, and with certain bounds there alone; a quarter turn is the first, too.
         #[test]
-        fn a_certain_landing_is_the_first(case in case()) {
+        fn a_landing_is_the_first(case in case()) {
             let (swing, away) = (case.swing(1e-10), -case.corner.sign());
             let bounds = swing.bounds(&case.block, case.corner);
-            prop_assume!(bounds.is_certain);
-            let part = if bounds.last < 0.0 { swing.landing() } else { 1.0 };
-            prop_assert_eq!(part < 1.0, bounds.last < 0.0);
-            let [before, after] = [part * (1.0 - 1e-13), part * (1.0 + 1e-13)].map(|part| away * swing.at(part)[0]);
-            prop_assert!(bounds.last >= 0.0 || (before >= 0.0 && after <= 0.0), "{} to {} at {}", before, after, part);
-            for i in 1..50 {
-                let on_the_way = away * swing.at(part * f64::from(i) / 50.0)[0];
-                prop_assert!(on_the_way > 0.0, "{} before {}", on_the_way, part);
+            let (found, quarter) = (swing.first_landing(case.corner), swing.quarter_turn(case.corner));
+            let landing = match bounds.is_certain {
+                true if bounds.last < 0.0 => Zero::At(swing.landing()),
+                true => Zero::None,
+                false => found,
+            };
+            match (landing, found) {
+                (Zero::At(certain), Zero::At(found)) => prop_assert!((certain / found - 1.0).abs() < 1e-12),
+                _ => prop_assert_eq!(landing, found),
+            }
+            for (zero, height) in [(landing, [away, 0.0]), (quarter, [-away, FRAC_PI_2])] {
+                let rest = |part: f64| height[0] * swing.at(part)[0] + height[1];
+                let part = match zero {
+                    Zero::None => 1.0,
+                    Zero::At(part) => {
+                        let [before, after] = [part * (1.0 - 1e-13), part * (1.0 + 1e-13)].map(rest);
+                        prop_assert!(before >= 0.0 && after <= 0.0, "{} to {} at {}", before, after, part);
+                        part
+                    }
+                    Zero::Unclear => continue,
+                };
+                for i in 1..50 {
+                    let on_the_way = rest(part * f64::from(i) / 50.0);
+                    prop_assert!(on_the_way > 0.0, "{} before {}", on_the_way, part);
+                }
+            }
+        }
+
+        /// No rotation on the way exceeds the highest one.
+        #[test]
+        fn the_highest_rotation_is_found(case in case(), part in 0.1..1.0_f64) {
+            let (swing, away) = (case.swing(1e-10), -case.corner.sign());
+            let at = |part: f64| away * swing.at(part)[0];
+            let ends = at(0.0).max(at(part));
+            let highest = swing.highest(case.corner, part, ends).map_or(ends, at);
+            for i in 0..=100 {
+                prop_assert!(at(part * f64::from(i) / 100.0) <= highest * (1.0 + 1e-14), "{} of {}", i, highest);
             }
         }
     }

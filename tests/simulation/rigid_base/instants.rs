@@ -96,6 +96,28 @@ fn the_limit_of_lifting_is_that_of_statics() {
     }
 }
 
+/// Under one sine the block lifts where that reaches `g tan α`, after few evaluations, and its forces until then are those of statics.
+#[test]
+fn a_block_at_rest_lifts_where_a_pulse_reaches_the_limit_of_statics() {
+    for (amplitude, period) in [(4.0, 1.0), (-3.0, 0.2), (2.6, 40.0)] {
+        let block = block(0.25, 1.0, 0.0);
+        let limit = block.gravity * block.alpha.tan();
+        let pulse = Pulse { shape: PulseShape::OneSine, amplitude, period, start: 0.1, ..Pulse::NONE };
+        let mut simulation = at_rest(block, pulse, &Inputs::default());
+        let mut events = Vec::new();
+        let until = 0.1 + 0.3 * period;
+        simulation.advance_to_event(until, 0.0, &Inputs::default(), &mut |event| events.push(*event)).unwrap();
+        let exact = 0.1 + (limit / f64::abs(amplitude)).asin() * period / std::f64::consts::TAU;
+        close(simulation.time(), exact, exact);
+        assert!(events.is_empty() && simulation.is_at_event());
+        let peaks = simulation.peaks();
+        close(peaks.horizontal, block.mass * limit, block.mass * limit);
+        close(peaks.reaction, block.mass * block.gravity, block.mass * block.gravity);
+        close(peaks.friction_demand, block.alpha.tan(), 1.0);
+        assert!(simulation.counts().evaluations < 20, "{:?}", simulation.counts());
+    }
+}
+
 /// A jump of a pulse or of inputs lifts the block at that instant, and reading outputs does not change the run.
 #[test]
 fn a_jump_lifts_the_block_in_the_instant_of_the_jump() {
