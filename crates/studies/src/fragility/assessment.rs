@@ -1,5 +1,8 @@
 //! Cases and a measure → its curve with intervals and quality.
 
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
 use crate::fragility::bootstrap::{Bootstrap, bootstrap};
 use crate::fragility::clusters::{self, Independence};
 use crate::fragility::data::Data;
@@ -57,7 +60,8 @@ pub struct Assessment {
     pub without: usize,
     /// Confidence level of the intervals.
     confidence: f64,
-    records: Vec<usize>,
+    /// Covariance of the coefficients, clustered by record where records repeat.
+    covariance: Option<DMatrix<f64>>,
     bootstrap: Option<Bootstrap>,
 }
 
@@ -82,9 +86,12 @@ impl Assessment {
             pairs.iter().filter_map(|(case, measure)| Some((*measure, rocking_peak(case)?))).unzip();
         let probabilities = fit.probabilities(data.observations());
         let records: Vec<usize> = pairs.iter().map(|(case, _)| case.motion).collect();
+        let covariance = clusters::covariance(&data, &fit, &records);
+        let independence = Independence::of(&records);
         let (median, dispersion, bootstrap) = match uncertainty {
             Uncertainty::Profile => {
-                let profile = Profile::new(&data, &fit, confidence, &records)?;
+                let deviate = independence.deviate(confidence);
+                let profile = Profile::clustered(&data, &fit, deviate, covariance.clone())?;
                 (profile.median(), profile.dispersion(), None)
             }
             Uncertainty::Bootstrap(samples, seed) => {
@@ -100,11 +107,11 @@ impl Assessment {
             brier: brier(data.observations(), &probabilities),
             efficiency: efficiency(&rocking, &peaks),
             rocking: rocking.len(),
-            independence: Independence::of(&records),
-            standard_errors: standard_errors(&data, &fit, &records),
+            independence,
+            standard_errors: standard_errors(covariance.as_ref(), &fit),
             without: cases.len() - pairs.len(),
             confidence,
-            records,
+            covariance,
             bootstrap,
             data,
             fit,
@@ -118,10 +125,13 @@ impl Assessment {
                 let at = |&measure: &f64| found.interval(self.confidence, |fit| fit.probability(&[measure]));
                 measures.iter().map(at).collect()
             }
-            None => match Profile::new(&self.data, &self.fit, self.confidence, &self.records) {
-                Ok(profile) => measures.iter().map(|&measure| profile.probability(measure)).collect(),
-                Err(_) => unreachable!("the data have one measure"),
-            },
+            None => {
+                let deviate = self.independence.deviate(self.confidence);
+                match Profile::clustered(&self.data, &self.fit, deviate, self.covariance.clone()) {
+                    Ok(profile) => measures.par_iter().map(|&measure| profile.probability(measure)).collect(),
+                    Err(_) => unreachable!("the data have one measure"),
+                }
+            }
         }
     }
 
@@ -145,9 +155,9 @@ fn rocking_peak(case: &Case) -> Option<f64> {
     case.peak.filter(|peak| *peak >= LEAST_ROCKING)
 }
 
-/// Standard errors of the coefficients, clustered by record.
-fn standard_errors(data: &Data, fit: &Fit, records: &[usize]) -> Vec<f64> {
-    match clusters::covariance(data, fit, records) {
+/// Standard errors of the coefficients of a fit from their covariance, clustered by record.
+fn standard_errors(covariance: Option<&DMatrix<f64>>, fit: &Fit) -> Vec<f64> {
+    match covariance {
         Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
         None => vec![f64::INFINITY; fit.coefficients.len()],
     }
@@ -186,7 +196,7 @@ impl Surface {
         let fit = data.fit(link)?;
         let probabilities = fit.probabilities(data.observations());
         let [auc, brier] = [auc, brier].map(|score| score(data.observations(), &probabilities));
-        let standard_errors = standard_errors(&data, &fit, &records);
+        let standard_errors = standard_errors(clusters::covariance(&data, &fit, &records).as_ref(), &fit);
         Ok(Surface { data, fit, standard_errors, auc, brier })
     }
 }

@@ -28,7 +28,8 @@ impl Data {
     /// [`FitError::NotConverged`] for data that are nearly separable.
     pub fn fit(&self, link: Link) -> Result<Fit, FitError> {
         let observations = self.observations();
-        let Maximum { coefficients, covariance, log_likelihood } = maximize(&Design::full(observations), link)?;
+        let Maximum { coefficients, covariance, log_likelihood } =
+            maximize(&Design::full(observations), link, DVector::zeros(1 + self.measures()))?;
         let total: f64 = observations.iter().map(|row| row.weight).sum();
         let mean = observations.iter().map(|row| row.weight * row.fraction).sum::<f64>() / total;
         let null_log_likelihood = total * (mean * libm::log(mean) + (1.0 - mean) * libm::log1p(-mean));
@@ -105,13 +106,13 @@ pub(super) struct Maximum {
     pub log_likelihood: f64,
 }
 
-/// Maximizes the likelihood by Newton's method from coefficients of zero, halving steps that decrease it.
+/// Maximizes the likelihood by Newton's method from these coefficients, halving steps that decrease it.
 ///
 /// The log-likelihood of both links is concave; data that are not separable have exactly one maximum.
-pub(super) fn maximize(design: &Design, link: Link) -> Result<Maximum, FitError> {
+pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Result<Maximum, FitError> {
     const MAX_ITERATIONS: u32 = 100;
     const MAX_HALVINGS: u32 = 60;
-    let mut at = DVector::zeros(design.x.ncols());
+    let mut at = start;
     let (mut best, mut terms) = design.terms(link, &at);
     let mut length = f64::INFINITY;
     for _ in 0..MAX_ITERATIONS {
