@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::excitation::{Excitation, Forcing, Inputs};
 use crate::simulation::Simulation;
+use crate::system::evaluation::Evaluation;
+use crate::system::events::EventKind;
 use crate::system::forces::{self, energy};
 
 /// Energy sums since the start, per unit mass (m²/s²).
@@ -26,12 +28,40 @@ pub struct EnergySums {
 }
 
 impl EnergySums {
+    /// The works that a solver outside integrates: of the excitation, and the energies taken by the dashpots, by friction and by the
+    /// dashpots of the ties.
+    pub(super) fn works(&self) -> [f64; WORKS] {
+        [self.input, self.dashpots, self.friction, self.ties]
+    }
+
+    /// The same sums with these works.
+    pub(super) fn with_works(self, [input, dashpots, friction, ties]: [f64; WORKS]) -> EnergySums {
+        EnergySums { input, dashpots, friction, ties, ..self }
+    }
+
+    /// Includes the energy that was lost in an event.
+    pub(super) fn lose(&mut self, event: Option<EventKind>, energy: f64) {
+        match event.and_then(EventKind::tie) {
+            Some(_) => self.ties += energy,
+            None => self.impacts += energy,
+        }
+    }
+
+    /// Whether all sums are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        let EnergySums { initial, impacts, constraint, .. } = *self;
+        [initial, impacts, constraint].into_iter().chain(self.works()).all(f64::is_finite)
+    }
+
     /// Adds the works that [dissipative](forces::dissipated) forces have taken.
     pub(super) fn add(&mut self, [friction, ties]: [f64; forces::DISSIPATIVE]) {
         self.friction += friction;
         self.ties += ties;
     }
 }
+
+/// The number of [`EnergySums::works`].
+pub(super) const WORKS: usize = 2 + forces::DISSIPATIVE;
 
 /// Energies at one time (J), and their sums since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -58,12 +88,28 @@ pub struct Energies {
     pub residual: f64,
 }
 
+impl Energies {
+    /// The changes of the energies while none is lost in events.
+    pub(super) fn changing(kinetic: f64, potential: f64, [input, dashpots, friction, ties]: [f64; WORKS]) -> Energies {
+        let total = kinetic + potential;
+        let residual = total - input + dashpots + friction + ties;
+        Energies { total, kinetic, potential, input, dashpots, friction, ties, residual, ..Energies::default() }
+    }
+}
+
+/// The rates of [`EnergySums::works`] now (W).
+pub(super) fn powers(now: &Evaluation) -> [f64; WORKS] {
+    let [input, dashpots] = now.instant.powers(now.block, now.regime, now.forcing);
+    let [friction, ties] = now.dissipated();
+    [input, dashpots, friction, ties].map(|power| power * now.block.mass)
+}
+
 impl Simulation {
     /// Energies and their sums now (J).
     pub fn energies(&self) -> Energies {
         let (block, excitation) = (self.block(), Excitation::none());
         let now = self.now(block, &excitation);
-        let (kinetic, potential) = energy(block, now.regime, &now.forcing.ties, &now.instant);
+        let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.instant);
         let EnergySums { initial, input, dashpots, friction, ties, impacts, constraint } = self.sums;
         let [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint] =
             [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint]
@@ -90,24 +136,9 @@ impl Simulation {
         }
         self.shown(inputs, |now| {
             let block = now.block;
-            let (kinetic, potential) =
-                energy(block, now.regime, &now.forcing.ties, &now.with_rates(Forcing::default()));
-            let [input, dashpots] = now.instant.powers(block, now.regime, now.forcing);
-            let [friction, ties] = now.dissipated();
-            let [kinetic, potential, input, dashpots, friction, ties] =
-                [kinetic.eps, potential.eps, input, dashpots, friction, ties].map(|part| part * block.mass);
-            let total = kinetic + potential;
-            Energies {
-                total,
-                kinetic,
-                potential,
-                input,
-                dashpots,
-                friction,
-                ties,
-                residual: total - input + dashpots + friction + ties,
-                ..Energies::default()
-            }
+            let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.with_rates(Forcing::default()));
+            let [kinetic, potential] = [kinetic.eps, potential.eps].map(|part| part * block.mass);
+            Energies::changing(kinetic, potential, powers(now))
         })
     }
 }

@@ -13,10 +13,11 @@ use crate::excitation::{Excitation, Inputs};
 use crate::numerics::dop853::DenseOutput;
 use crate::numerics::dual::Dual64;
 use crate::numerics::roots::Sample;
+use crate::simulation::energies::{WORKS, powers};
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
 use crate::simulation::peaks::Peaks;
-use crate::simulation::{Energies, EnergySums, Pending, Simulation, SimulationError};
+use crate::simulation::{Energies, Pending, Simulation, SimulationError};
 use crate::system::dynamics::{foot_height, instant, instant_held};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, ROUNDING, Surface, watched, watched_beyond};
@@ -26,7 +27,7 @@ use crate::system::instant::{Footing, Held, Powers, State};
 use crate::system::law::{AnyLaw, Law};
 
 /// The number of continuous states.
-pub const STATES: usize = 10;
+pub const STATES: usize = 6 + WORKS;
 
 /// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, and the energies taken by the dashpots, by
 /// friction and by the dashpots of the ties (J).
@@ -123,16 +124,15 @@ impl Simulation {
     pub fn states(&self, inputs: &Inputs) -> States {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let x = self.now(block, &excitation).instant;
-        let EnergySums { input, dashpots, friction, ties, .. } = self.sums;
-        let works = [input, dashpots, friction, ties].map(|work| work * block.mass);
+        let works = self.sums.works().map(|work| work * block.mass);
         let [theta_dot, v_dot, u_dot] = if self.is_frozen() { [0.0; 3] } else { [x.theta_dot, x.v_dot, x.u_dot] };
-        [x.theta, theta_dot, x.v, v_dot, x.u, u_dot, works[0], works[1], works[2], works[3]]
+        with_works([x.theta, theta_dot, x.v, v_dot, x.u, u_dot], works)
     }
 
     /// Sets the continuous states at `time` (s); the contacts stay. A block that is held keeps the rates, and with them the
     /// energies, of the end of its run.
     pub fn set_states(&mut self, time: f64, states: &States) {
-        let [theta, theta_dot, v, v_dot, u, u_dot, input, dashpots, friction, ties] = *states;
+        let [theta, theta_dot, v, v_dot, u, u_dot, ref works @ ..] = *states;
         let (system, regime) = (Arc::clone(&self.system), self.regime());
         let block = &system.block;
         if time != self.pose.time {
@@ -157,9 +157,7 @@ impl Simulation {
                 *u_dot = at_end;
             }
         }
-        let EnergySums { initial, impacts, constraint, .. } = self.sums;
-        let [input, dashpots, friction, ties] = [input, dashpots, friction, ties].map(|work| work / block.mass);
-        self.sums = EnergySums { initial, input, dashpots, friction, ties, impacts, constraint };
+        self.sums = self.sums.with_works(works.map(|work| work / block.mass));
     }
 
     /// The derivatives of the states, per second; zeros once the run has ended.
@@ -170,10 +168,7 @@ impl Simulation {
         let (block, excitation) = (self.block(), self.excitation(inputs));
         let now = self.now(block, &excitation);
         let x = &now.instant;
-        let [input, dashpots] = x.powers(block, now.regime, now.forcing);
-        let [friction, ties] = now.dissipated();
-        let [input, dashpots, friction, ties] = [input, dashpots, friction, ties].map(|power| power * block.mass);
-        [x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot, input, dashpots, friction, ties]
+        with_works([x.theta_dot, x.theta_ddot, x.v_dot, x.v_ddot, x.u_dot, x.u_ddot], powers(&now))
     }
 
     /// The event indicators: an event is due where one falls below zero.
@@ -367,13 +362,10 @@ impl Simulation {
         let support_heights = Motion::from_pose(block, &self.pose, &excitation).support_heights(held_since);
         let support_heights = support_heights.map(|top| Dual64::new(top.value, time * top.rate));
         let seen = observe(block, now.regime, &x, support_heights, forcing);
-        let (kinetic, potential) = energy(block, now.regime, &now.forcing.ties, &x);
+        let (kinetic, potential) = energy(block, now.regime, &now.forcing, &x);
         let [kinetic, potential] = [kinetic, potential].map(|part| part.eps * block.mass);
-        let [.., input, dashpots, friction, ties] = states;
-        let total = kinetic + potential;
-        let residual = total - input + dashpots + friction + ties;
-        let energies =
-            Energies { total, kinetic, potential, input, dashpots, friction, ties, residual, ..Energies::default() };
+        let [_, _, _, _, _, _, works @ ..] = states;
+        let energies = Energies::changing(kinetic, potential, works);
         if self.is_frozen() { (seen.without_motion(), energies) } else { (seen, energies) }
     }
 
@@ -396,6 +388,11 @@ impl Simulation {
     }
 }
 
+/// The states of this motion with these works, or their derivatives.
+fn with_works(motion: [f64; 6], works: [f64; WORKS]) -> States {
+    std::array::from_fn(|i| if i < 6 { motion[i] } else { works[i - 6] })
+}
+
 /// Typical magnitudes of the states for error control, none of them zero.
 pub fn nominals(block: &Block) -> States {
     let Block { alpha, p, r0, mass, gravity, omega_v, foundation, .. } = *block;
@@ -404,7 +401,7 @@ pub fn nominals(block: &Block) -> States {
         Foundation::Rigid => (r0 * alpha * alpha, p),
     };
     let barrier = mass * gravity * r0 * alpha * alpha;
-    [alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p, barrier, barrier, barrier, barrier]
+    with_works([alpha, alpha * p, vertical, vertical * rate, r0 * alpha, r0 * alpha * p], [barrier; WORKS])
 }
 
 /// The indicator of a surface with its `offset`, as a part of the function's size.

@@ -58,7 +58,7 @@ impl Simulation {
         let seen = seen.map(|x| Dual::new(x.re, x.eps[0]));
         let peaks = Peaks { tension: seen.tension.map(|tension| tension.eps), ..channels(&seen).peak_sensitivity() };
         let seen = if self.is_frozen() { seen.without_motion() } else { seen };
-        let (kinetic, potential) = energy(block, begins.regime, &begins.forcing.ties, &begins.instant);
+        let (kinetic, potential) = energy(block, begins.regime, &begins.forcing, &begins.instant);
         let [kinetic, potential] = [kinetic, potential].map(|part| (part * block.mass).eps[0]);
         let energies = Energies { total: kinetic + potential, kinetic, potential, ..Energies::default() };
         InitialDerivatives { observed: seen.map(|x| x.eps), energies, peaks }

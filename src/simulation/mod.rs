@@ -21,14 +21,14 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Corner, Regime, TieStates};
+use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::control::StepControl;
 use crate::system::System;
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, EventKind, Surface, Transition, TransitionCounts};
 use crate::system::instant::{Footing, Pose, State};
-use peaks::{Peaks, greater};
+use peaks::Peaks;
 
 pub use crate::system::beginning::Initial;
 pub use ending::{Ending, Progress, SimulationError};
@@ -141,9 +141,7 @@ impl Simulation {
         let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
         simulation.peaks.include(&shown.channels());
-        for (tie, peak) in simulation.peaks.tension.iter_mut().enumerate().take(block.ties.all().len()) {
-            *peak = greater(*peak, shown.tension(tie).value);
-        }
+        simulation.peaks.include_tensions(&shown);
         simulation
     }
 
@@ -251,7 +249,6 @@ impl Simulation {
     /// knows the parameters, checks the block.
     pub fn is_valid(&self) -> bool {
         let Simulation { settings, pulse, pose, piece, control, sums, last_event, .. } = self;
-        let sums = [sums.initial, sums.input, sums.dashpots, sums.friction, sums.ties, sums.impacts, sums.constraint];
         let others = [*last_event, pulse.amplitude, pulse.period, pulse.start, pulse.phase, pulse.cycles];
         let [least, most] = Settings::TOLERANCES;
         (least..=most).contains(&settings.tolerance)
@@ -264,7 +261,8 @@ impl Simulation {
             && self.slip.total.is_finite()
             && self.pending.is_none_or(|pending| pending.surface.is_of(self.block()))
             && self.foreseen_surface().is_none_or(|surface| surface.is_of(self.block()))
-            && sums.into_iter().chain(others).all(f64::is_finite)
+            && sums.is_finite()
+            && others.into_iter().all(f64::is_finite)
     }
 
     /// Sets the clock without motion, to adopt the rounding of a master's clock.
@@ -336,11 +334,6 @@ impl Simulation {
         self.pose.footing
     }
 
-    /// The states of the ties.
-    pub fn ties(&self) -> TieStates {
-        self.pose.ties
-    }
-
     /// Time of the last event (s); the start if there was none.
     pub fn last_event(&self) -> f64 {
         self.last_event
@@ -377,10 +370,7 @@ impl Simulation {
         self.sums.constraint += constraint;
         let after = self.now(now.block, now.excitation);
         let lost = now.energy() - after.energy();
-        match event.and_then(EventKind::tie) {
-            Some(_) => self.sums.ties += lost,
-            None => self.sums.impacts += lost,
-        }
+        self.sums.lose(event, lost);
         let Some(kind) = event else { return Ok(after) };
         if kind == EventKind::Overturning {
             self.ending = Some((Ending::Overturned, time));

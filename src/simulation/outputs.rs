@@ -1,7 +1,7 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
 use crate::block::ties::MOST_TIES;
-use crate::block::{Block, Corner, Regime};
+use crate::block::{Block, Corner, Regime, TieStates};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -249,6 +249,11 @@ impl Simulation {
             Some((Ending::Separated | Ending::Toppled, _)) => self.settings.on_separation == OnSeparation::Hold,
             Some((Ending::Overturned, _)) => self.settings.on_overturning == OnOverturning::Hold,
         }
+    }
+
+    /// The states of the ties.
+    pub fn ties(&self) -> TieStates {
+        self.pose.ties
     }
 
     /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has

@@ -128,6 +128,13 @@ impl Peaks {
         });
     }
 
+    /// Includes the tensions of the ties at one instant.
+    pub fn include_tensions(&mut self, now: &Evaluation) {
+        for (tie, peak) in self.tension.iter_mut().enumerate().take(now.block.ties.all().len()) {
+            *peak = greater(*peak, now.tension(tie).value);
+        }
+    }
+
     /// Whether a value may rise to a new peak between two instants, above those at both.
     #[inline(always)]
     pub fn may_rise_inside(&self, start: &Channels, end: &Channels, duration: f64) -> bool {

@@ -1,6 +1,6 @@
 //! A pose → the equations of motion at any time while its contacts last, and all that follows from them at one instant.
 
-use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime, TieState};
+use crate::block::{Block, Contacts, Corner, Foot, Lever, Regime};
 use crate::excitation::{Excitation, Forcing};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -8,7 +8,7 @@ use crate::numerics::scalar::{CombinesWith, Elementary, Real, Scalar};
 use crate::numerics::{Equations, Rate, State};
 use crate::system::dynamics::{instant_held, instant_held_with_rates, instant_of, instant_with_rates};
 
-use crate::system::forces::{self, energy, tie};
+use crate::system::forces::{self, energy};
 use crate::system::instant::{Footing, Held, Instant, Pose};
 use crate::system::law::{AnyLaw, Law};
 
@@ -155,8 +155,8 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             return Rate { state: State::first_of([theta, theta_dot, w, w_dot]), quadratures };
         }
         let x = &at.instant;
-        let [friction, ties] = at.dissipated();
-        let state = State::first_of([theta, theta_dot, w, w_dot, x.u_dot, x.u_ddot, friction, ties]);
+        let [one, other] = at.dissipated();
+        let state = State::first_of([theta, theta_dot, w, w_dot, x.u_dot, x.u_ddot, one, other]);
         Rate { state, quadratures }
     }
 
@@ -175,7 +175,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         footing: Footing<T>,
         held: Held<T>,
     ) -> Evaluation<'a, T> {
-        let forcing = Forcing { ties: self.law.ties(), ..self.excitation.at(time) };
+        let forcing = self.law.acting(self.excitation.at(time));
         let instant = instant_held(self.block, [theta, theta_dot], held, footing, forcing);
         let [left, right] = instant.corner;
         Evaluation {
@@ -300,7 +300,7 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
         support_heights: [Sample<R>; 2],
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (law.foundation(), law.regime());
-        let forcing = Forcing { ties: law.ties(), ..excitation.at(time) };
+        let forcing = law.acting(excitation.at(time));
         instant_of(block, foundation, regime, state.0, footing, forcing, |instant| Evaluation {
             block,
             excitation,
@@ -366,20 +366,12 @@ where
     pub fn rates(&self) -> Instant<Dual<T>> {
         self.with_rates(self.forcing_rate())
     }
-
-    /// Tension of a tie (N) and its rate (N/s).
-    pub fn tension(&self, tie: usize) -> Sample<T> {
-        match self.forcing.ties[tie] {
-            TieState::Taut => tie::tension_with_rate(self.block, &self.block.ties.all()[tie], &self.rates()),
-            TieState::Slack | TieState::Limp | TieState::Broken => Sample::default(),
-        }
-    }
 }
 
 impl<T: Elementary> Evaluation<'_, T> {
     /// Kinetic and potential energy per unit mass, together (m²/s²).
     pub fn energy(&self) -> T {
-        let (kinetic, potential) = energy(self.block, self.regime, &self.forcing.ties, &self.instant);
+        let (kinetic, potential) = energy(self.block, self.regime, &self.forcing, &self.instant);
         kinetic + potential
     }
 
@@ -397,8 +389,8 @@ impl<T: Elementary> Evaluation<'_, T> {
         self.instant.u - (sin * self.block.h - sin * sin / (cos + 1.0) * offset)
     }
 
-    /// Powers per mass (m²/s³) taken by friction and by the dashpots of the ties.
+    /// Powers per mass (m²/s³) taken by the dissipative forces other than the supports.
     pub fn dissipated(&self) -> [T; forces::DISSIPATIVE] {
-        forces::dissipated(self.block, &self.forcing.ties, &self.instant)
+        forces::dissipated(self.block, &self.forcing, &self.instant)
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::block::ties::NO_TIES;
 use crate::block::{Block, Corner, Foundation, Regime, TieStates};
+use crate::excitation::Forcing;
 use crate::numerics::scalar::Elementary;
-use crate::system::instant::Footing;
-use crate::system::instant::Pose;
+use crate::system::instant::{Footing, Pose};
 
 /// Which equations of motion hold while the contacts last.
 ///
@@ -64,6 +64,12 @@ pub trait Law: Copy {
     #[inline(always)]
     fn ties(self) -> TieStates {
         NO_TIES
+    }
+
+    /// The forcing with the forces that act under this law.
+    #[inline(always)]
+    fn acting<T>(self, forcing: Forcing<T>) -> Forcing<T> {
+        Forcing { ties: self.ties(), ..forcing }
     }
 }
 

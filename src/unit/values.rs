@@ -2,7 +2,7 @@
 //!
 //! Names every parameter of modelDescription.xml, once.
 
-use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie, Ties};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::exchange::TIES;
@@ -136,6 +136,15 @@ impl Values {
             })?;
         }
         block.with_ties(&ties)
+    }
+
+    /// Makes the block with the numbers of `of`, whose values are the parameters and are not checked.
+    pub fn varied_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
+        let block = match self.given_block(&of) {
+            (GivenBlock::Dimensionless(given), common) => Block::of_dimensionless(&given, &common),
+            (GivenBlock::Physical(given), common) => Block::of_physical(&given, &common),
+        };
+        Block { ties: Ties::of(&self.ties(of)), ..block }
     }
 
     /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.

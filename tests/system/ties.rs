@@ -109,9 +109,10 @@ fn ties_pull_shorten_and_store() {
             near(mass * x.u_ddot, force[0], "M ü");
             near(mass * (x.v_ddot + block.gravity), force[1], "M (v̈ + g)");
             near(mass * block.i0 * x.theta_ddot, force[2], "I0 θ̈");
-            let potential = |ties| mass * forces::energy(&block, Regime::Separated, &ties, &x).1;
-            near(potential(ties) - potential(NO_TIES), stored, "stored energy");
-            near(mass * forces::dissipated(&block, &ties, &x)[1], taken, "power");
+            let (tied, untied) = (Forcing { ties, ..Forcing::default() }, Forcing::default());
+            let potential = |forcing: &Forcing<f64>| mass * forces::energy(&block, Regime::Separated, forcing, &x).1;
+            near(potential(&tied) - potential(&untied), stored, "stored energy");
+            near(mass * forces::dissipated(&block, &tied, &x)[1], taken, "power");
         }
     }
 }

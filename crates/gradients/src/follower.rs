@@ -288,7 +288,7 @@ impl Follower {
     pub fn energies_and_ground(&self, simulation: &Simulation, inputs: &Inputs) -> ([Number; 2], [Number; 2]) {
         let excitation = self.varied.excitation(inputs, simulation.pulse().acts_at(simulation.time()));
         let (block, now) = (&self.system.block, self.at(&self.pose, &excitation));
-        let (kinetic, potential) = energy(block, now.regime, &now.forcing.ties, &now.instant);
+        let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.instant);
         let ground = excitation.at(self.pose.time);
         ([kinetic * block.mass, (kinetic + potential) * block.mass], [ground.x, ground.z])
     }

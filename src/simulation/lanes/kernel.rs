@@ -150,11 +150,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
             | Surface::Slide
             | Surface::Friction(_)
             | Surface::Speed
-            | Surface::Shortness(_)
-            | Surface::Stretch(_)
-            | Surface::Tension(_)
-            | Surface::Limpness(_)
-            | Surface::Strength(_) => {
+            | Surface::Tie(..) => {
                 unreachable!("a block that is held, slides, or has friction or ties is not stepped in a lane")
             }
         }

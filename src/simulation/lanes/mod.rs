@@ -19,6 +19,7 @@ use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
 use crate::simulation::{AtEvent, Simulation, SimulationError};
 use crate::system::events::{Event, Surface};
+use crate::system::forces;
 use crate::system::instant::Pose;
 use crate::system::instant::State;
 use crate::system::law::Gripping;
@@ -177,8 +178,7 @@ impl Lane {
         let Simulation { pose, system, .. } = &self.simulation;
         let regime = pose.contacts.regime();
         let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-        let Block { foundation, friction, ref ties, .. } = system.block;
-        let plain = foundation == Foundation::Viscoelastic && friction == 0.0 && ties.is_empty();
+        let plain = system.block.foundation == Foundation::Viscoelastic && !forces::switch(&system.block);
         if !plain || !gripping || self.ground.is_none() {
             return None;
         }

@@ -34,7 +34,7 @@ mod tie;
 use serde::{Deserialize, Serialize};
 
 use crate::block::ties::MOST_TIES;
-use crate::block::{Block, Corner, Foundation, Regime, TieState};
+use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
@@ -49,6 +49,7 @@ pub(crate) use change::ROUNDING;
 pub use change::{Path, TransitionCounts};
 pub use event::{Event, EventKind};
 pub use lift_off::gap_opening;
+pub use tie::TieSurface;
 
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -68,16 +69,8 @@ pub enum Surface {
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
     Speed,
-    /// The stretch of a slack tie, with opposite sign (m).
-    Shortness(u8),
-    /// The stretch of a limp tie (m).
-    Stretch(u8),
-    /// The tension of a taut tie (N).
-    Tension(u8),
-    /// The tension that a limp tie would have if taut, with opposite sign (N).
-    Limpness(u8),
-    /// The strength of a taut tie less its tension (N).
-    Strength(u8),
+    /// A function of a tie, by its place in the list.
+    Tie(u8, TieSurface),
     /// The rest of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
 }
@@ -117,12 +110,8 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
     }
     for (i, tie) in (0..).zip(block.ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
         let place = 2 + 2 * usize::from(i);
-        (watched[place], watched[place + 1]) = match law.ties()[usize::from(i)] {
-            TieState::Slack => (Some(Surface::Shortness(i)), None),
-            TieState::Taut => (Some(Surface::Tension(i)), (tie.strength > 0.0).then_some(Surface::Strength(i))),
-            TieState::Limp => (Some(Surface::Stretch(i)), Some(Surface::Limpness(i))),
-            TieState::Broken => (None, None),
-        };
+        let of_tie = tie::watched(tie, law.ties()[usize::from(i)]);
+        [watched[place], watched[place + 1]] = of_tie.map(|surface| surface.map(|surface| Surface::Tie(i, surface)));
     }
     watched
 }
@@ -154,11 +143,7 @@ impl Surface {
             Surface::Slide => grip::slide(at),
             Surface::Friction(push) => friction::rest_to_limit(at, push),
             Surface::Speed => friction::speed(at),
-            Surface::Shortness(tie) => tie::stretch(at, tie.into()).negated(),
-            Surface::Stretch(tie) => tie::stretch(at, tie.into()),
-            Surface::Tension(tie) => tie::tension(at, tie.into()),
-            Surface::Limpness(tie) => tie::tension(at, tie.into()).negated(),
-            Surface::Strength(tie) => tie::rest_of_strength(at, tie.into()),
+            Surface::Tie(tie, surface) => surface.sample(tie.into(), at),
             Surface::QuarterTurn => quarter_turn::rest(&at.instant),
         }
     }
@@ -173,11 +158,7 @@ impl Surface {
             Surface::Slide => grip::distance(at.block, at.regime, &at.instant),
             Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
             Surface::Speed => friction::speed(at).value,
-            Surface::Shortness(tie) => -tie::stretch(at, tie.into()).value,
-            Surface::Stretch(tie) => tie::stretch(at, tie.into()).value,
-            Surface::Tension(tie) => tie::taut(at, tie.into()),
-            Surface::Limpness(tie) => -tie::taut(at, tie.into()),
-            Surface::Strength(tie) => at.block.ties.all()[usize::from(tie)].strength - tie::taut(at, tie.into()),
+            Surface::Tie(tie, surface) => surface.value(tie.into(), at),
             Surface::QuarterTurn => quarter_turn::rest(&at.instant).value,
         }
     }
@@ -186,29 +167,20 @@ impl Surface {
     /// leave it at zero.
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
-            Surface::Gap(_) | Surface::Slide | Surface::Speed | Surface::Shortness(_) | Surface::Stretch(_) => true,
+            Surface::Gap(_) | Surface::Slide | Surface::Speed => true,
+            Surface::Tie(_, surface) => surface.follows_from_state(),
             Surface::Reaction(_) => match foundation {
                 Foundation::Viscoelastic => true,
                 Foundation::Rigid => false,
             },
-            Surface::Held(_)
-            | Surface::Unloaded(_)
-            | Surface::Friction(_)
-            | Surface::Tension(_)
-            | Surface::Limpness(_)
-            | Surface::Strength(_)
-            | Surface::QuarterTurn => false,
+            Surface::Held(_) | Surface::Unloaded(_) | Surface::Friction(_) | Surface::QuarterTurn => false,
         }
     }
 
     /// Whether the block has the watched tie, if this surface belongs to one.
     pub fn is_of(self, block: &Block) -> bool {
         match self {
-            Surface::Shortness(tie)
-            | Surface::Stretch(tie)
-            | Surface::Tension(tie)
-            | Surface::Limpness(tie)
-            | Surface::Strength(tie) => usize::from(tie) < block.ties.all().len(),
+            Surface::Tie(tie, _) => usize::from(tie) < block.ties.all().len(),
             Surface::Reaction(_)
             | Surface::Gap(_)
             | Surface::Held(_)
@@ -229,10 +201,7 @@ impl Surface {
             Surface::Slide => grip::rounding(block),
             Surface::Friction(_) => friction::rounding_of_limit(block),
             Surface::Speed => friction::rounding_of_speed(block),
-            Surface::Shortness(tie) | Surface::Stretch(tie) => tie::rounding_of_stretch(block, tie.into()),
-            Surface::Tension(tie) | Surface::Limpness(tie) | Surface::Strength(tie) => {
-                tie::rounding_of_tension(block, tie.into())
-            }
+            Surface::Tie(tie, surface) => surface.rounding(tie.into(), block),
             Surface::QuarterTurn => ROUNDING * quarter_turn::SIZE,
         }
     }
@@ -291,24 +260,7 @@ where
             }
             Surface::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
             Surface::Speed => Some(change.slide_or_grip(None, now)),
-            Surface::Shortness(tie) | Surface::Limpness(tie) => {
-                change.set_tie(tie.into(), TieState::Taut);
-                Some(EventKind::Taut(tie))
-            }
-            Surface::Tension(tie) => {
-                let stretch = tie::stretch(now, tie.into()).value.value();
-                let damped = self.block.ties.all()[usize::from(tie)].damping.value() > 0.0 && stretch > 0.0;
-                change.set_tie(tie.into(), if damped { TieState::Limp } else { TieState::Slack });
-                Some(EventKind::Slack(tie))
-            }
-            Surface::Stretch(tie) => {
-                change.set_tie(tie.into(), TieState::Slack);
-                None
-            }
-            Surface::Strength(tie) => {
-                change.set_tie(tie.into(), TieState::Broken);
-                Some(EventKind::Break(tie))
-            }
+            Surface::Tie(tie, surface) => change.switch_tie(tie, surface, now),
             Surface::QuarterTurn => Some(EventKind::Overturning),
         };
         let Change { pose, counts, path, .. } = change;

@@ -18,7 +18,7 @@ pub mod support;
 pub mod tie;
 pub mod weight;
 
-use crate::block::{Block, Regime, TieStates};
+use crate::block::{Block, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 use crate::system::instant::{Instant, Place};
@@ -52,10 +52,10 @@ pub const DISSIPATIVE: usize = 2;
 #[inline(always)]
 pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
-    ties: &TieStates,
+    forcing: &Forcing<T>,
     x: &Instant<T>,
 ) -> [T; DISSIPATIVE] {
-    [friction::power(x.horizontal, x.slip_rate), tie::power(block, ties, x)]
+    [friction::power(x.horizontal, x.slip_rate), tie::power(block, &forcing.ties, x)]
 }
 
 /// A bound on the circular frequencies and rates of decay that the forces between block and ground give (rad/s).
@@ -78,24 +78,20 @@ pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f6
     tie::static_stiffness(block, place)
 }
 
-/// Potential energy of weight, supports and ties in these states (m²/s²), zero at rest without ties.
-fn potential<P: Elementary, T: CombinesWith<P>>(
+/// Kinetic energy, and potential energy of weight, supports and ties, per unit mass (m²/s²); their sum is zero at rest without ties.
+pub fn energy<P: Elementary, T: CombinesWith<P>, F>(
     block: &Block<P>,
     regime: Regime,
-    ties: &TieStates,
-    x: &Instant<T>,
-) -> T {
-    let untied = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
-    if block.ties.is_empty() { untied } else { untied + tie::energy(block, ties, x) }
-}
-
-/// Kinetic and potential energy per unit mass (m²/s²); their sum is zero at rest.
-pub fn energy<P: Elementary, T: CombinesWith<P>>(
-    block: &Block<P>,
-    regime: Regime,
-    ties: &TieStates,
+    forcing: &Forcing<F>,
     x: &Instant<T>,
 ) -> (T, T) {
     let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
-    (kinetic, potential(block, regime, ties, x))
+    let untied = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
+    let potential = if block.ties.is_empty() { untied } else { untied + tie::energy(block, &forcing.ties, x) };
+    (kinetic, potential)
+}
+
+/// Whether forces of the block switch on and off: friction, and the forces between block and ground.
+pub fn switch(block: &Block) -> bool {
+    block.friction > 0.0 || act_at_rest(block)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::block::{Block, Ties};
+use crate::block::Block;
 use crate::excitation::{Excitation, Inputs, Pulse, Ramp};
 use crate::ground::{Ground, Varied};
 use crate::numerics::gradient::Along;
@@ -15,7 +15,7 @@ use crate::unit::instance::Unit;
 use crate::unit::instance::access::{input, known, output};
 use crate::unit::life_cycle::Phase;
 use crate::unit::outputs::{source, state};
-use crate::unit::values::{GivenBlock, Values};
+use crate::unit::values::Values;
 use crate::unit::variables::{Fmi3Variable, Input, Kind, Output, Role, VARIABLES, Variable};
 use rocking_records::{Record, Unit as RecordUnit};
 
@@ -229,11 +229,7 @@ impl Unit {
             record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), place))
         });
         let of = |variable| direction.along(values, variable);
-        let block = match values.given_block(of) {
-            (GivenBlock::Dimensionless(given), common) => Block::of_dimensionless(&given, &common),
-            (GivenBlock::Physical(given), common) => Block::of_physical(&given, &common),
-        };
-        let block = Block { ties: Ties::of(&values.ties(of)), ..block };
+        let block = values.varied_block(of);
         let time = Along::new(simulation.time(), [direction.time]);
         let motion = records.each_ref().map(|record| record.as_ref().map_or(0.0, |record| record.at(time).eps[0]));
         let input = |input: Input, motion: f64| Ramp {

@@ -48,11 +48,9 @@ impl Unit {
             Fault::new(error.to_string())
         })?;
         let after = simulation.states(&self.acting);
-        // Events leave the works unchanged, except for the energy of a tie that breaks.
+        // Events leave the works unchanged, except for the last one: the energy of a spring that breaks.
         self.states[..6].copy_from_slice(&after[..6]);
-        if !simulation.block().ties.is_empty() {
-            self.states[9] = after[9];
-        }
+        self.states[STATES - 1] = after[STATES - 1];
         self.last_inputs = self.inputs;
         let next_time = [simulation.next_stop(), Some(end)].into_iter().flatten().reduce(f64::min);
         Ok(AfterEvent {

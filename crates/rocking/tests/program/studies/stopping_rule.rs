@@ -1,6 +1,5 @@
 //! End of runs without a duration, and the rule that counts a separation as overturning.
 
-use rocking_block::block::ties::NO_TIES;
 use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime, Tie};
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
 use rocking_block::ground::Ground;
@@ -33,7 +32,7 @@ fn the_barrier_is_the_least_potential_energy_at_alpha() {
         energy(
             block,
             regime,
-            &NO_TIES,
+            &Forcing::<f64>::default(),
             &instant(block, regime, [block.alpha, 0.0, height, 0.0], footing, Forcing::default()),
         )
         .1
@@ -69,7 +68,7 @@ fn the_barrier_of_an_uneven_block_is_the_lower_one_of_both_sides() {
             let heights = (-8000..8000).map(|i| deflection * f64::from(i) / 2000.0);
             let potentials = heights.map(|height| {
                 let x = instant(&block, regime, [theta, 0.0, height, 0.0], Footing::AT_START, Forcing::default());
-                energy(&block, regime, &NO_TIES, &x).1
+                energy(&block, regime, &Forcing::<f64>::default(), &x).1
             });
             potentials.fold(f64::INFINITY, f64::min)
         };
