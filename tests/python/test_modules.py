@@ -11,7 +11,7 @@ SOURCES = sorted(folder for depth in ("src", "*/src", "*/*/src") for folder in R
 
 
 def modules(source: pathlib.Path) -> dict[str, str]:
-    """The code of each module by its path, as in `run::table`; unit tests, comments and the crate's root are left out."""
+    """The code of each module by its path, as in `run::table`, without unit tests, comments and the crate's root."""
     found = {}
     for file in source.rglob("*.rs"):
         parts = file.relative_to(source).with_suffix("").parts
@@ -33,8 +33,8 @@ def flat(tree: str) -> list[str]:
 def imports(name: str, code: str, names: set[str]) -> set[str]:
     """The other modules that a module imports. Its own parts belong to it."""
     found = set()
-    uses = re.findall(r"\buse ([^;]+);", code)
-    for path in [path for use in uses for path in flat(re.sub(r"\s+", " ", use))] + re.findall(r"\bcrate(?:::\w+)+", code):
+    used = [path for use in re.findall(r"\buse ([^;]+);", code) for path in flat(re.sub(r"\s+", " ", use))]
+    for path in used + re.findall(r"\bcrate(?:::\w+)+", code):
         parts = path.split(" as ")[0].split("::")
         at = [] if parts[0] == "crate" else name.split("::")
         while parts and parts[0] in ("crate", "self", "super"):
