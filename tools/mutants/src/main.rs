@@ -51,6 +51,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let text = std::fs::read_to_string(&arguments.list).map_err(|e| format!("{}: {e}", arguments.list.display()))?;
     let mut mutants = list::read(&text)?;
     mutants.retain(|mutant| arguments.places.iter().any(|place| Path::new(&mutant.file).starts_with(place)));
+    mutants.sort_by_key(|m| arguments.places.iter().position(|place| Path::new(&m.file).starts_with(place)));
     let mut table = Table::open(&arguments.out.join("outcomes.csv"))?;
     let left_out: BTreeSet<u32> =
         mutants.iter().filter(|m| table.of(m).is_some_and(Outcome::cannot_run)).map(|m| m.number).collect();

@@ -139,11 +139,20 @@ fn error(message: &Value) -> Option<CompileError> {
     }
     let mut spans: Vec<&Value> = message["spans"].as_array()?.iter().collect();
     spans.sort_by_key(|span| span["is_primary"] != true);
+    let spans: Vec<&Value> = spans.into_iter().map(call).collect();
     let file = text(&spans.first()?["file_name"]);
     let byte = |value: &Value| value.as_u64().unwrap_or_default() as usize;
     let places = spans.iter().filter(|span| span["file_name"] == file.as_str());
     let places = places.map(|span| byte(&span["byte_start"])..byte(&span["byte_end"])).collect();
     Some(CompileError { file, places, code: text(&message["code"]["code"]), text: text(&message["rendered"]) })
+}
+
+/// Returns the place at which a macro is called, if a place is inside one.
+fn call(span: &Value) -> &Value {
+    match &span["expansion"]["span"] {
+        Value::Null => span,
+        outer => call(outer),
+    }
 }
 
 impl Program {
