@@ -71,12 +71,19 @@ mod tests {
         let line = [along(3.0 * beta.cos()), along(3.0 * beta.sin())];
         for (measure, power) in [(Measure::Pga, 1), (Measure::Pgv, 1), (Measure::Sa(0.5), 1), (Measure::Arias, 2)] {
             let whole = measure.of(&along(3.0), 9.81).unwrap();
-            let [least, median, greatest] =
-                rot_d(measure, [&line[0], &line[1]], [0.0, 50.0, 100.0], 9.81).unwrap().unwrap();
+            let [least, quarter, median, greatest] =
+                rot_d(measure, [&line[0], &line[1]], [0.0, 25.0, 50.0, 100.0], 9.81).unwrap().unwrap();
             near(greatest, whole, 1e-12);
             assert!(least.abs() < 1e-12 * whole, "{measure}: {least}");
             // Of the 180 directions those 45° to both sides of the line are in the middle.
             near(median, 45.0_f64.to_radians().cos().powi(power) * whole, 1e-12);
+            // Of the two on either side of a quarter, 22° and 23° from the least, the second is the nearer by 3 to 1.
+            let [below, above] = [22.0_f64, 23.0].map(|angle| angle.to_radians().sin().powi(power));
+            near(quarter, (0.25 * below + 0.75 * above) * whole, 1e-12);
+        }
+        let [most, none] = [37.0, 127.0].map(|angle| rotated(&line[0], &line[1], angle).unwrap().acceleration);
+        for ((most, none), along) in most.into_iter().zip(none).zip(along(3.0).acceleration) {
+            assert!((most - along).abs() < 1e-14 && none.abs() < 1e-14, "{most} along {along}, {none} across");
         }
         let circle = [0.0, 0.5 * std::f64::consts::PI].map(|phase: f64| {
             record_of(&(0..4000).map(|i| (0.002 * f64::from(i) + phase).sin()).collect::<Vec<_>>(), 0.01)
