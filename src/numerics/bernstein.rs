@@ -33,37 +33,35 @@ pub enum Zero {
     Unclear,
 }
 
-/// `1/C(n, k)`.
-const fn inverse_binomials() -> [[f64; DEGREE + 1]; DEGREE + 1] {
-    let mut inverse = [[1.0; DEGREE + 1]; DEGREE + 1];
-    let mut n = 0;
-    while n <= DEGREE {
+/// `C(j, k)` in row k and column j.
+static BINOMIAL: [[f64; DEGREE + 1]; DEGREE + 1] = binomials();
+
+const fn binomials() -> [[f64; DEGREE + 1]; DEGREE + 1] {
+    let mut binomials = [[0.0; DEGREE + 1]; DEGREE + 1];
+    let mut j = 0;
+    while j <= DEGREE {
         let (mut k, mut binomial) = (0, 1);
-        while k <= n {
-            inverse[n][k] = 1.0 / binomial as f64;
-            binomial = binomial * (n - k) / (k + 1);
+        while k <= j {
+            binomials[k][j] = binomial as f64;
+            binomial = binomial * (j - k) / (k + 1);
             k += 1;
         }
-        n += 1;
+        j += 1;
     }
-    inverse
+    binomials
 }
-
-static INVERSE_BINOMIAL: [[f64; DEGREE + 1]; DEGREE + 1] = inverse_binomials();
 
 impl Bernstein {
     /// The polynomial with these coefficients of the powers, one to [`DEGREE`] + 1 of them.
     pub fn of(from: &[f64]) -> Bernstein {
         let degree = DEGREE.min(from.len() - 1);
         let (mut powers, mut coefficients) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
-        let inverse = &INVERSE_BINOMIAL[degree];
         for k in 0..degree + 1 {
             powers[k] = from[k];
-            coefficients[k] = from[k] * inverse[k];
-        }
-        for first in 1..degree + 1 {
-            for j in (first..degree + 1).rev() {
-                coefficients[j] += coefficients[j - 1];
+            // Columns beyond the degree are not used; sums of the same length for all degrees stay in registers.
+            let (row, part) = (&BINOMIAL[k], from[k] / BINOMIAL[k][degree]);
+            for j in 0..DEGREE + 1 {
+                coefficients[j] += part * row[j];
             }
         }
         Bernstein { degree, powers, coefficients }
