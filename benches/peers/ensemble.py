@@ -1,7 +1,7 @@
 """Compares this project's program with other solvers on blocks of many sizes under a one-sine pulse, on the rigid base and on supports.
 
     benches/peers/run --quick                         # builds Boost.odeint's program, installs heyoka
-    .venv/bin/python benches/peers/ensemble.py        # about three minutes; needs target/release/rocking
+    .venv/bin/python benches/peers/ensemble.py        # about two minutes; needs target/release/rocking
 
 heyoka compiles a Taylor integrator of adaptive order for the equation of motion, for one block or for one block per lane of a vector.
 Impacts are terminal events; a callback in Python changes the pivot, and ends the run of a block that comes to rest. It takes part on the
@@ -43,7 +43,7 @@ def options(amplitude, least, greatest, foundation):
     """Returns the options of `rocking` for an ensemble."""
     pulse = ["--pulse", "one-sine", "--amplitude", amplitude, "--period", PERIOD]
     sizes = ["--p-min", least, "--p-max", greatest]
-    base = ["--foundation", "rigid"] if foundation == "rigid" else ["--eta", ETA, "--xi-v", XI_V]
+    base = ["--foundation", "rigid"] if foundation == "rigid" else ["--foundation", f"{ETA},{XI_V},0"]
     return [str(x) for x in [*pulse, "--alpha", ALPHA, *base, "--duration", END, *sizes]]
 
 

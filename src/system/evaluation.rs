@@ -301,7 +301,11 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (law.foundation(), law.regime());
         let forcing = law.acting(excitation.at(time));
-        instant_of(block, foundation, regime, state.0, footing, forcing, |instant| Evaluation {
+        // The closure is short, so that it is inlined: otherwise it is compiled without the vectors of lanes.
+        let (instant, rate) = instant_of(block, foundation, regime, state.0, footing, forcing, |instant| {
+            (instant, rate_of(law, block, &instant, forcing))
+        });
+        Evaluation {
             block,
             excitation,
             time,
@@ -310,10 +314,10 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
             footing,
             forcing,
             instant,
-            rate: rate_of(law, block, &instant, forcing),
+            rate,
             support_heights,
             held: None,
-        })
+        }
     }
 
     /// Rate at which the forcing changes.
