@@ -105,7 +105,7 @@ impl Bernstein {
         [self.coefficients[0], self.coefficients[self.degree]]
     }
 
-    /// Whether bounds show that it exceeds `floor` everywhere: those of the whole, or of parts after up to so many halvings.
+    /// Whether bounds show that it exceeds `floor` everywhere: those of the whole, or of its parts after at most `halvings`.
     pub fn stays_above(&self, floor: f64, halvings: u32) -> bool {
         if self.all().iter().all(|&b| b > floor) {
             return true;
@@ -131,7 +131,7 @@ impl Bernstein {
         self.first_zero(|place| self.at(place))
     }
 
-    /// The same of other `values`, of which the polynomial is a close approximation.
+    /// The first zero of a function with these `values`, which the polynomial approximates closely.
     pub fn first_zero(&self, mut values: impl FnMut(f64) -> f64) -> Zero {
         /// Halvings of the interval, as long as there may be several zeros.
         const HALVINGS: u32 = 4;

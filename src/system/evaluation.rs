@@ -61,7 +61,7 @@ impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
         Motion::under(AnyLaw::of(block, pose), block, pose, excitation)
     }
 
-    /// [`Motion::at`] as one function, for numbers of which each copy is much to compile.
+    /// [`Motion::at`] as one function: with derivatives, each inlined copy would take long to compile.
     #[inline(never)]
     pub fn at_called(&self, time: T, state: State<T>) -> Evaluation<'a, T> {
         self.at(time, state)

@@ -123,8 +123,8 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// The interval of a feature from its estimate and its gradient with respect to the coefficients, of which `other` is the one
-    /// that remains.
+    /// The interval of a feature from its estimate and its gradient with respect to the coefficients. `other` is the coefficient that
+    /// is fitted again for each value of the feature.
     ///
     /// `of` gives x and offset of [`Profile::statistic`] for a value of the feature and a logarithm of the measure.
     fn interval(&self, estimate: f64, gradient: [f64; 2], other: f64, of: impl Fn(f64, f64) -> (f64, f64)) -> Interval {
