@@ -6,9 +6,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Physical};
+use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Given, Physical};
 use rocking_block::words::Words;
-use rocking_gradients::Given;
 
 use crate::options::{choice, invalid};
 use crate::tie::Tie;

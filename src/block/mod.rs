@@ -22,7 +22,7 @@ use parameters::{check_common, not_negative, open_range, positive};
 pub use contact::{Contact, Contacts, Regime};
 pub use foundation::{Creep, Foundation};
 pub use geometry::{Corner, Foot, Lever};
-pub use parameters::{BlockError, Common, Dimensionless, Physical};
+pub use parameters::{BlockError, Common, Dimensionless, Given, Physical};
 pub use ties::{Tie, TieState, TieStates, Ties};
 
 /// A block on its foundation, in both parameterizations; one of `f64` is valid by construction. Lanes hold several blocks on
@@ -93,6 +93,14 @@ impl Block {
             positive("inertia", inertia)?;
         }
         Block::of_physical(physical, common).checked()
+    }
+
+    /// The block with these parameters. Errors name the first parameter that is not valid.
+    pub fn from_given(given: &Given, common: &Common) -> Result<Block, BlockError> {
+        match given {
+            Given::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
+            Given::Physical(physical) => Block::from_physical(physical, common),
+        }
     }
 
     /// Returns the block with these ties, at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
@@ -200,6 +208,14 @@ impl<T: Elementary> Block<T> {
             stiffness: physical.stiffness,
             damping: physical.damping,
             ..Block::unfinished(common, b, r0, gamma)
+        }
+    }
+
+    /// The block with these parameters, which are not checked.
+    pub fn of_given(given: &Given<T>, common: &Common<T>) -> Block<T> {
+        match given {
+            Given::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, common),
+            Given::Physical(physical) => Block::of_physical(physical, common),
         }
     }
 

@@ -32,6 +32,15 @@ pub struct Physical<T = f64> {
     pub inertia: Option<T>,
 }
 
+/// A block in one of the two parameterizations, from which the other follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Given<T = f64> {
+    /// The paper's parameters.
+    Dimensionless(Dimensionless<T>),
+    /// Sizes, stiffness and damping.
+    Physical(Physical<T>),
+}
+
 /// Parameters common to both parameterizations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Common<T = f64> {

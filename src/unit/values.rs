@@ -2,7 +2,7 @@
 //!
 //! Names every parameter of modelDescription.xml, once.
 
-use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie, Ties};
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Tie, Ties};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::exchange::TIES;
@@ -54,14 +54,6 @@ impl std::ops::IndexMut<Variable> for Values {
     fn index_mut(&mut self, variable: Variable) -> &mut f64 {
         &mut self.numbers[variable as usize]
     }
-}
-
-/// The group of block parameters that `parameterization` selects.
-pub enum GivenBlock<T> {
-    /// The paper's parameters.
-    Dimensionless(Dimensionless<T>),
-    /// Sizes, stiffness and damping.
-    Physical(Physical<T>),
 }
 
 /// The variables of a tie.
@@ -122,10 +114,7 @@ impl Values {
     /// Makes the block from the parameters.
     pub fn block(&self) -> Result<Block, BlockError> {
         let (given, common) = self.given_block(|variable| self[variable]);
-        let block = match given {
-            GivenBlock::Dimensionless(dimensionless) => Block::from_dimensionless(&dimensionless, &common),
-            GivenBlock::Physical(physical) => Block::from_physical(&physical, &common),
-        }?;
+        let block = Block::from_given(&given, &common)?;
         let ties = self.ties(|variable| self[variable]);
         for (tie, TieVariables { name, .. }) in ties.iter().zip(TIE_VARIABLES) {
             // The limits of the variables leave nothing else to refuse.
@@ -140,11 +129,8 @@ impl Values {
 
     /// Makes the block with the numbers of `of`, whose values are the parameters and are not checked.
     pub fn varied_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
-        let block = match self.given_block(&of) {
-            (GivenBlock::Dimensionless(given), common) => Block::of_dimensionless(&given, &common),
-            (GivenBlock::Physical(given), common) => Block::of_physical(&given, &common),
-        };
-        Block { ties: Ties::of(&self.ties(of)), ..block }
+        let (given, common) = self.given_block(&of);
+        Block { ties: Ties::of(&self.ties(of)), ..Block::of_given(&given, &common) }
     }
 
     /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.
@@ -165,7 +151,7 @@ impl Values {
     }
 
     /// Returns the parameters of the block, with the numbers of `of`.
-    pub fn given_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (GivenBlock<T>, Common<T>) {
+    pub fn given_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> (Given<T>, Common<T>) {
         let common = Common {
             mass: of(Variable::Mass),
             gamma: of(Variable::Gamma),
@@ -182,7 +168,7 @@ impl Values {
             } else {
                 of(Variable::PhysicalHeight)
             };
-            GivenBlock::Physical(Physical {
+            Given::Physical(Physical {
                 width: of(Variable::PhysicalWidth),
                 height,
                 stiffness: of(Variable::PhysicalK),
@@ -190,7 +176,7 @@ impl Values {
                 inertia: self.has_inertia().then(|| of(Variable::PhysicalInertia)),
             })
         } else {
-            GivenBlock::Dimensionless(Dimensionless {
+            Given::Dimensionless(Dimensionless {
                 alpha: of(Variable::DimensionlessAlpha),
                 p: of(Variable::DimensionlessP),
                 eta: of(Variable::DimensionlessEta),

@@ -1,11 +1,11 @@
 //! One run with derivatives, whose instructions `scripts/instructions --gradients` counts:
 //! `gradients_of_run (sine | record | rigid-sine | rigid-record) COUNT`, where COUNT is the number of parameters; 0 is the run alone.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings, Simulation};
-use rocking_gradients::{BATCH, Follower, Given, Parameters, Varied, advance};
+use rocking_gradients::{BATCH, Follower, Parameters, Varied, advance};
 use rocking_records::ReadOptions;
 
 const RECORD: &[u8] = include_bytes!("../../../records/np01002p_4225a_a.smc");

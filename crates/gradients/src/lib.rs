@@ -21,4 +21,4 @@ pub const BATCH: usize = 4;
 pub type Number = rocking_block::numerics::gradient::Gradient<BATCH>;
 
 pub use follower::{EventGradient, Follower, Grazing, advance};
-pub use varied::{Given, Parameters, Varied, unit};
+pub use varied::{Parameters, Varied, unit};

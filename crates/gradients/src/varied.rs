@@ -1,21 +1,11 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
-use rocking_block::block::parameters::Common;
-use rocking_block::block::{Block, Dimensionless, Foundation, Physical, Tie, Ties};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given, Physical, Tie, Ties};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
 
 use crate::{BATCH, Number};
-
-/// The parameters of a block in the way in which they are given: those of the other way follow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Given<T = f64> {
-    /// The paper's parameters.
-    Dimensionless(Dimensionless<T>),
-    /// Sizes, stiffness and damping.
-    Physical(Physical<T>),
-}
 
 /// The real parameters of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -233,10 +223,7 @@ impl Varied {
             *varied.number(name)?.eps.get_mut(i)? = 1.0;
         }
         let Parameters { given, common, ties, initial, pulse, scale } = varied;
-        let derived = match &given {
-            Given::Dimensionless(dimensionless) => Block::of_dimensionless(dimensionless, &common),
-            Given::Physical(physical) => Block::of_physical(physical, &common),
-        };
+        let derived = Block::of_given(&given, &common);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
         let block = with_values(Block { ties: Ties::of(&ties), ..derived }, block);
         Some(Varied { block, initial, pulse, ground })

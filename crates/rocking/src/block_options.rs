@@ -7,9 +7,8 @@ use crate::choices;
 use crate::explicit_options::ExplicitOptions;
 use crate::run_options::warn_of_soft_supports;
 use crate::tie::tie;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Tie};
 use rocking_block::words::Words;
-use rocking_gradients::Given;
 
 /// The parameters of a block.
 #[derive(Args)]
@@ -145,11 +144,7 @@ impl BlockOptions {
 
     fn checked(&self) -> anyhow::Result<Block> {
         let (given, common) = self.given()?;
-        let block = match given {
-            Given::Dimensionless(dimensionless) => Block::from_dimensionless(&dimensionless, &common)?,
-            Given::Physical(physical) => Block::from_physical(&physical, &common)?,
-        };
-        Ok(self.extended.tied(block)?)
+        Ok(self.extended.tied(Block::from_given(&given, &common)?)?)
     }
 
     /// Returns the parameters, in the way in which they are given.

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use rocking_block::block::{Common, Dimensionless, Foundation, Tie};
+use rocking_block::block::{Common, Dimensionless, Foundation, Given, Tie};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::Initial;
-use rocking_gradients::{Given, Parameters};
+use rocking_gradients::Parameters;
 use rocking_records::{ReadOptions, Unit};
 use serde_json::Value;
 

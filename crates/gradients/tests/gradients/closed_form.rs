@@ -1,8 +1,8 @@
 //! Derivatives against closed forms, which are evaluated in numbers with derivatives themselves.
 
-use rocking_block::block::{Common, Dimensionless, Foundation};
+use rocking_block::block::{Common, Dimensionless, Foundation, Given};
 use rocking_block::numerics::scalar::{Elementary, Scalar};
-use rocking_gradients::{BATCH, Given, Number};
+use rocking_gradients::{BATCH, Number};
 
 use crate::cases::reference;
 use crate::run::Run;

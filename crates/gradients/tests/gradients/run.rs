@@ -8,7 +8,7 @@ use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 use rocking_block::system::instant::Pose;
-use rocking_gradients::{Follower, Given, Grazing, Number, Parameters, Varied, advance};
+use rocking_gradients::{Follower, Grazing, Number, Parameters, Varied, advance};
 
 /// A run whose rows are evenly spaced.
 #[derive(Clone, Debug)]
@@ -48,11 +48,7 @@ impl Run {
 
     pub fn block(&self) -> Block {
         let Parameters { given, common, ties, .. } = &self.parameters;
-        let block = match given {
-            Given::Dimensionless(of) => Block::from_dimensionless(of, common),
-            Given::Physical(of) => Block::from_physical(of, common),
-        };
-        block.unwrap().with_ties(ties).unwrap()
+        Block::from_given(given, common).unwrap().with_ties(ties).unwrap()
     }
 
     fn begin(&self) -> (Simulation, Ground) {

@@ -13,9 +13,8 @@ use crate::sweep::parameters::ParameterValues;
 use crate::sweep::records;
 use rocking_block::ground::Ground;
 use rocking_block::simulation::Settings;
-use rocking_block::unit::values::{GivenBlock, Values};
+use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
-use rocking_gradients::Given;
 use rocking_records::Column;
 
 /// The tables of the file.
@@ -48,10 +47,6 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
         tests.push(test(source, &section, value, folder, &values, &mut files)?);
     }
     let (given, common) = values.given_block(|variable| values[variable]);
-    let given = match given {
-        GivenBlock::Dimensionless(dimensionless) => Given::Dimensionless(dimensionless),
-        GivenBlock::Physical(physical) => Given::Physical(physical),
-    };
     let default = Options::default();
     let level = fit.number("level", |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
     let tolerance = fit.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;

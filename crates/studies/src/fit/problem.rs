@@ -1,10 +1,10 @@
 //! A block, tests of it and the names of free parameters → a checked problem.
 
-use rocking_block::block::{Block, BlockError, Common, Tie};
+use rocking_block::block::{Block, BlockError, Common, Given, Tie};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
-use rocking_gradients::{Given, Parameters};
+use rocking_gradients::Parameters;
 
 use crate::run::Run;
 use crate::run::table::columns;
@@ -152,11 +152,7 @@ impl Problem {
 
     /// The block with these parameters.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
-        let block = match &parameters.given {
-            Given::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, &parameters.common),
-            Given::Physical(physical) => Block::from_physical(physical, &parameters.common),
-        };
-        block?.with_ties(&parameters.ties)
+        Block::from_given(&parameters.given, &parameters.common)?.with_ties(&parameters.ties)
     }
 
     /// The run of a test with these parameters.

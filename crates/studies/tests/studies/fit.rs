@@ -2,10 +2,9 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
-use rocking_gradients::Given;
 use rocking_studies::fit::{Estimate, Fit, Free, Options, Problem, Test, fit};
 use rocking_studies::output::runner::pool;
 use rocking_studies::run::{Row, Run};

@@ -1,9 +1,9 @@
 //! The strength at which a block overturns moves with a parameter as the derivatives of a run near it predict.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
-use rocking_gradients::{Given, Parameters};
+use rocking_gradients::Parameters;
 use rocking_studies::run::Run;
 use rocking_studies::search::{Scan, Shaking, Threshold, overturning};
 
