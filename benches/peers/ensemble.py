@@ -4,8 +4,9 @@
     .venv/bin/python benches/peers/ensemble.py        # about two minutes; needs target/release/rocking
 
 heyoka compiles a Taylor integrator of adaptive order for the equation of motion, for one block or for one block per lane of a vector.
-Impacts are terminal events; a callback in Python changes the pivot, and ends the run of a block that comes to rest. It takes part on the
-rigid base. Blocks that overturn go on turning there until the end, while the program and odeint.cpp end their runs. The program also
+Impacts are terminal events; a callback in Python changes the pivot, and ends the run of a block that comes to rest. diffrax takes all
+blocks at once, in its compiled form. Both take part on the rigid base. Blocks that overturn go on turning there until the end, or
+until their next impact or the end of the pulse, while the program and odeint.cpp end their runs. The program also
 follows reactions, separation, works and peaks, and writes a table; its time is that of all blocks less that of a tenth of them, so that
 its start does not count. The programs take turns, and the shortest CPU time counts. The error is the largest |Δθ|/α of 12 blocks at the
 end, compared with heyoka at 1e-15.
@@ -23,6 +24,7 @@ import time
 from pathlib import Path
 
 import cases
+import diffrax_peer
 import heyoka
 import numpy as np
 
@@ -157,20 +159,24 @@ def compare(name, ensemble):
     print(f"\n{describe(name, ensemble)}, rigid base")
     for tolerance in TOLERANCES:
         peers = {lanes: Peer(lanes, tolerance) for lanes in LANES}
-        theirs = dict.fromkeys(LANES, math.inf)
+        peers["vmap"] = diffrax_peer.Peer(ALPHA, PERIOD, END, GRAVITY, tolerance)
+        at_once = peers["vmap"].run(ensemble[0], sizes)
+        theirs = dict.fromkeys(peers, math.inf)
 
-        def heyoka_turn(peers=peers, theirs=theirs):
-            for lanes in LANES:
+        def their_turn(peers=peers, theirs=theirs):
+            for name, peer in peers.items():
                 before = time.process_time()
-                peers[lanes].run(ensemble[0], sizes)
-                theirs[lanes] = min(theirs[lanes], 1e6 * (time.process_time() - before) / BLOCKS)
+                peer.run(ensemble[0], sizes)
+                theirs[name] = min(theirs[name], 1e6 * (time.process_time() - before) / BLOCKS)
 
-        line = turns(ensemble, "rigid", tolerance, heyoka_turn)
-        error = np.abs(peers[1].run(ensemble[0], some) - exact)[stays].max() / ALPHA
+        line = turns(ensemble, "rigid", tolerance, their_turn)
+        errors = [peers[1].run(ensemble[0], some), at_once[:: len(sizes) // 12][:12]]
+        errors = [np.abs(found - exact)[stays].max() / ALPHA for found in errors]
         own = [program_theta(ensemble, p, tolerance) for p in some[stays]]
         own = max(abs(theta - there) for theta, there in zip(own, exact[stays], strict=True) if theta is not None) / ALPHA
         columns = "  ".join(f"{lanes}: {theirs[lanes]:.1f}" for lanes in LANES)
-        print(f"  {tolerance:.0e}: {line}; heyoka in lanes {columns}; errors {own:.1e} and {error:.1e} alpha", flush=True)
+        line += f"; heyoka in lanes {columns}; diffrax {theirs['vmap']:.1f}"
+        print(f"  {tolerance:.0e}: {line}; errors {own:.1e}, {errors[0]:.1e}, {errors[1]:.1e} alpha", flush=True)
 
 
 def describe(name, ensemble):
