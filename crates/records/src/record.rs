@@ -111,8 +111,13 @@ impl Record {
         }
         let end = self.acceleration.len();
         let mut i = guess.min(end);
-        // A caller that goes from sample to sample needs the next one.
-        if i < end && self.sample_time(i + 1) <= time && time < self.sample_time(i + 2) {
+        // Usually it is the guess or, for a caller that goes from sample to sample, the next one. The loops below are compiled for long
+        // searches, and begin slowly.
+        let holds = |i: usize| i <= end && self.sample_time(i) <= time && time < self.sample_time(i + 1);
+        if holds(i) {
+            return Some(i);
+        }
+        if holds(i + 1) {
             return Some(i + 1);
         }
         while i > 0 && self.sample_time(i) > time {

@@ -40,3 +40,17 @@ pub fn assert_refused(text: &str, expected: &str) {
 pub fn accelerations(text: &str, options: &ReadOptions) -> Record {
     parsed(text, options).unwrap_or_else(|error| panic!("{error}"))
 }
+
+/// The last sample at or before a time is found from any guess, also where times of samples round either way.
+#[test]
+fn a_sample_is_found_from_any_guess() {
+    let record = Record { start_time: 0.3, ..accelerations("0 1 2 3 4 5", &unit_and_step(Unit::G, 0.1)) };
+    let times: Vec<f64> = (0..=6).map(|i| 0.3 + f64::from(i) * 0.1).collect();
+    for time in times.iter().flat_map(|time| [time.next_down(), *time, time.next_up(), time + 0.05]) {
+        let found = times.iter().rposition(|sample| *sample <= time);
+        assert_eq!(record.sample_at(time), found, "{time}");
+        for guess in [0, 1, 2, 3, 4, 5, 6, 7, usize::MAX] {
+            assert_eq!(record.sample_near(time, guess), found, "{time} from {guess}");
+        }
+    }
+}
