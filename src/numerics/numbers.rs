@@ -70,6 +70,14 @@ impl<R: Scalar, const N: usize> Numbers<R, N> {
     }
 }
 
+impl<const N: usize> Numbers<f64, N> {
+    /// Whether all numbers are finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        self.0.iter().all(|x| x.is_finite())
+    }
+}
+
 impl<R: Scalar, const N: usize> Default for Numbers<R, N> {
     #[inline(always)]
     fn default() -> Self {

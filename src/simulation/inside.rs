@@ -91,7 +91,7 @@ pub(super) fn first_event<L: Law, const N: usize>(
     let law = inside.motion.law();
     let turns_far = turn_in_flight::<4, 4>(law, &here.state, &there.state, duration) > SMALL_TURN;
     for surface in watched(law).into_iter().flatten() {
-        let (start, end) = (surface.sample(here), surface.sample(there));
+        let [start, end] = [here, there].map(|now| surface.sample_on(law.foundation(), now));
         let rounding = rounding(law, surface, here.block, [start, end]);
         let hidden = turns_far && matches!(surface, Surface::Gap(_));
         if !hidden && !roots::may_fall(start, end, rounding, duration) {

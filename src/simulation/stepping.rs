@@ -142,7 +142,10 @@ impl Simulation {
         // After an event the block is evaluated once more, which is not counted, rather than copied.
         let start_of = |pose: &Pose| Motion::<_, 4>::under(law, block, pose, excitation).at(pose.time, pose.state);
         let mut here = start_of(&self.pose);
+        // Reactions of supports do not jump with the excitation.
+        let may_have_fallen = law.foundation() == Foundation::Rigid || law.has_friction();
         if start.of_piece
+            && may_have_fallen
             && let Some(surface) = self.system.fallen(&here)
         {
             return self.apply_or_stop(surface, &here, piece, observer);
@@ -176,7 +179,7 @@ impl Simulation {
             let step = self.accepted_step(stop, &motion, &here, &limits)?;
             let there = motion.at(step.end_time, step.end);
             let end_rate = motion.rate_of(&there);
-            if !step.end.0.iter().chain(&end_rate.state.0).all(|x| x.is_finite()) {
+            if !(step.end.is_finite() && end_rate.state.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
             let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
@@ -329,7 +332,7 @@ impl Simulation {
             attempt = self.control.reject(&attempt, factor);
             let size = attempt.size;
             if size < shortest {
-                return Err(if here.rate.state.0.iter().all(|x| x.is_finite()) && error.is_finite() {
+                return Err(if here.rate.state.is_finite() && error.is_finite() {
                     SimulationError::StepTooSmall { time, size, tolerance: self.settings.tolerance }
                 } else {
                     SimulationError::NotFinite { time }

@@ -174,7 +174,7 @@ impl Pose {
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         let Pose { time, state, contacts, footing, ties: _ } = self;
-        time.is_finite() && state.0.iter().all(|x| x.is_finite()) && contacts.is_finite() && footing.is_finite()
+        time.is_finite() && state.is_finite() && contacts.is_finite() && footing.is_finite()
     }
 }
 
