@@ -106,7 +106,7 @@ impl Block {
     /// Returns the block with these ties, at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
     pub fn with_ties(self, ties: &[Tie]) -> Result<Block, BlockError> {
         if ties.len() > ties::MOST_TIES {
-            return Err(BlockError::Ties { count: ties.len(), most: ties::MOST_TIES });
+            return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: ties::EXPECTED });
         }
         ties.iter().try_for_each(Tie::check)?;
         Ok(Block { ties: Ties::of(ties), ..self })

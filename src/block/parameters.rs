@@ -111,14 +111,6 @@ pub enum BlockError {
         /// Half the width of the base (m).
         half_width: f64,
     },
-    /// More ties than a block may have.
-    #[error("{count} ties; expected at most {most}")]
-    Ties {
-        /// Their number.
-        count: usize,
-        /// The maximum number of ties of a block.
-        most: usize,
-    },
     /// A friction with which a corner that slides on the rigid base would jam: the equations of motion would have no solution, or
     /// two.
     #[error(
@@ -140,7 +132,6 @@ impl BlockError {
             BlockError::OutOfRange { name, .. } => name,
             BlockError::Restitution { .. } => "restitution_factor",
             BlockError::Eccentricity { .. } => "eccentricity",
-            BlockError::Ties { .. } => "ties",
             BlockError::Jams { .. } => "friction",
         }
     }

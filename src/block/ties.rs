@@ -9,6 +9,9 @@ use crate::numerics::scalar::Elementary;
 /// Maximum number of ties of a block.
 pub const MOST_TIES: usize = 8;
 
+/// [`MOST_TIES`], in errors.
+pub(super) const EXPECTED: &str = "at most 8 ties";
+
 /// A tendon, guy or restraint, which pulls a point of the block towards a point of the ground along the line between them. It never
 /// pushes.
 ///
@@ -41,17 +44,7 @@ pub struct Ties<T = f64> {
 impl<T: From<f64> + Copy> Ties<T> {
     /// No tie.
     pub fn none() -> Ties<T> {
-        let zero = T::from(0.0);
-        let none = Tie {
-            block: [zero; 2],
-            ground: [zero; 2],
-            stiffness: zero,
-            pretension: zero,
-            slack: zero,
-            damping: zero,
-            strength: zero,
-        };
-        Ties { ties: [none; MOST_TIES], count: 0 }
+        Ties { ties: [Tie::default().map(T::from); MOST_TIES], count: 0 }
     }
 
     /// These ties, which are not checked; none beyond [`MOST_TIES`].
@@ -76,6 +69,21 @@ impl<T> Ties<T> {
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.count == 0
+    }
+}
+
+impl<T: Copy> Tie<T> {
+    /// The same with each number changed by `f`.
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Tie<U> {
+        Tie {
+            block: self.block.map(&f),
+            ground: self.ground.map(&f),
+            stiffness: f(self.stiffness),
+            pretension: f(self.pretension),
+            slack: f(self.slack),
+            damping: f(self.damping),
+            strength: f(self.strength),
+        }
     }
 }
 

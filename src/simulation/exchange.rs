@@ -26,22 +26,17 @@ use crate::system::instant::Pose;
 use crate::system::instant::{Footing, Held, Powers, State};
 use crate::system::law::{AnyLaw, Law};
 
+pub use crate::system::events::INDICATORS;
+
 /// The number of continuous states.
 pub const STATES: usize = 6 + WORKS;
 
-/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, and the energies taken by the dashpots, by
-/// friction and by the dashpots of the ties (J).
+/// θ (rad), θ̇ (rad/s), v (m), v̇ (m/s), u (m), u̇ (m/s), work of the excitation, and the energies taken by the dashpots and by
+/// other [dissipative](crate::system::forces::dissipated) forces (J).
 ///
 /// While the foot grips, u and u̇ follow from the others, and so do v and v̇ on the rigid base: there these
 /// states are integrated, but the motion does not depend on them. Each event sets them to the values that follow.
 pub type States = [f64; STATES];
-
-/// The number of ties of a block that is stepped by an importer's solver: those among the variables of the FMU.
-pub const TIES: usize = 2;
-
-/// The number of event indicators: one for each corner, one for the quarter turn, one for a foot that slides without friction or a
-/// corner that is held, two for friction, and two for each tie.
-pub const INDICATORS: usize = 6 + 2 * TIES;
 
 /// Depth of a corner below the rigid base when its landing is found, as a fraction of R0: far less than the height of the last
 /// bounce, which begins with 1e-9 p.
@@ -318,7 +313,7 @@ impl Simulation {
         let mut inside = Inside { motion, between: Between::Known(between), evaluations: 0 };
         self.update_peaks(&here, there, near, &mut inside);
         self.take_in_slip(&here, there);
-        self.take_in_tensions(&here, there, &mut inside);
+        self.peaks.include_tensions_of_step(&here, there, |elapsed| inside.at(elapsed));
     }
 
     /// The observation and the energies with their exact derivatives in the direction whose components are `states`, the values of

@@ -4,8 +4,8 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Corner;
 use crate::block::ties::MOST_TIES;
+use crate::block::{Corner, Tie};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -132,6 +132,22 @@ impl Peaks {
     pub fn include_tensions(&mut self, now: &Evaluation) {
         for (tie, peak) in self.tension.iter_mut().enumerate().take(now.block.ties.all().len()) {
             *peak = greater(*peak, now.tension(tie).value);
+        }
+    }
+
+    /// Includes the tensions of a step between two instants; `inside` gives the instant at a time after the first one.
+    pub fn include_tensions_of_step<'a>(
+        &mut self,
+        here: &Evaluation,
+        there: &Evaluation,
+        mut inside: impl FnMut(f64) -> Evaluation<'a>,
+    ) {
+        for (tie, Tie { strength, .. }) in here.block.ties.all().iter().enumerate() {
+            let [start, end] = [here, there].map(|now| now.tension(tie));
+            let duration = there.time - here.time;
+            let most = greatest(self.tension[tie], start, end, duration, |elapsed| inside(elapsed).tension(tie));
+            // An impact may leave a dashpot with more, at which the tie breaks.
+            self.tension[tie] = if *strength > 0.0 { most.min(*strength) } else { most };
         }
     }
 

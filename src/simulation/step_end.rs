@@ -1,8 +1,7 @@
 //! A step between two instants → the first event inside, peaks, works, and the present instant at its end.
 
-use crate::block::{Block, Foundation, Tie};
+use crate::block::{Block, Foundation};
 use crate::numerics::control::near_a_peak;
-use crate::numerics::roots;
 use crate::simulation::inside::{Fall, Inside, first_event};
 use crate::simulation::peaks::{Channels, Peaks, greater};
 use crate::simulation::smooth_piece::SmoothPiece;
@@ -82,7 +81,7 @@ impl Simulation {
         }
         if N > 4 {
             self.sums.add([beyond[6], beyond[7]]);
-            self.take_in_tensions(here, &there, &mut inside);
+            self.peaks.include_tensions_of_step(here, &there, |elapsed| inside.at(elapsed));
         } else {
             work[0] += here.footing.free_work(&there.footing);
         }
@@ -109,23 +108,6 @@ impl Simulation {
             self.slip.now += way;
             self.slip.total += way.abs();
             self.peaks.slip = greater(self.peaks.slip, self.slip.now.abs());
-        }
-    }
-
-    /// Includes the tensions of a step in the peaks.
-    pub(super) fn take_in_tensions<L: Law, const N: usize>(
-        &mut self,
-        here: &Evaluation,
-        there: &Evaluation,
-        inside: &mut Inside<L, N>,
-    ) {
-        let duration = there.time - here.time;
-        for (tie, Tie { strength, .. }) in self.system.block.ties.all().iter().enumerate() {
-            let most = self.peaks.tension[tie];
-            let (start, end) = (here.tension(tie), there.tension(tie));
-            let most = roots::greatest(most, start, end, duration, |elapsed| inside.at(elapsed).tension(tie));
-            // An impact may leave a dashpot with more, at which the tie breaks.
-            self.peaks.tension[tie] = if *strength > 0.0 { most.min(*strength) } else { most };
         }
     }
 

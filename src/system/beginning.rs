@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::ties::NO_TIES;
 use crate::block::{Block, Foot, Foundation, Regime};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
@@ -36,7 +35,7 @@ where
     pub fn beginning(&self, initial: &Initial<T>, time: T, excitation: &Excitation<T>) -> Pose<T> {
         match self.block.foundation {
             Foundation::Viscoelastic => self.beginning_on_supports(initial, time, excitation),
-            Foundation::Rigid => self.tied(beginning_on_rigid_base(initial, time), excitation),
+            Foundation::Rigid => self.switched(beginning_on_rigid_base(initial, time), excitation),
         }
     }
 
@@ -47,24 +46,13 @@ where
         });
         let contacts = Contacts::touching(touching, time);
         let footing = Footing::Grips { offset: T::from(0.0) };
-        let pose = Pose { time, state: State::zeros(), contacts, footing, ties: NO_TIES };
-        let pose = Pose { state: placement.state(contacts.regime()).into(), ..pose };
-        let pose = self.tied(pose, excitation);
+        let state = placement.state(contacts.regime()).into();
+        let pose = self.switched(Pose::untied(time, state, contacts, footing), excitation);
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = Change::begin(self, &pose, excitation);
         change.grip_at_start(&mut placement);
         change.settle(contacts.regime(), placement);
         debug_assert!(!change.path.overflows(), "{:?}", change.path);
-        change.pose
-    }
-
-    /// A pose at the beginning with its ties as they are stretched.
-    fn tied(&self, pose: Pose<T>, excitation: &Excitation<T>) -> Pose<T> {
-        if self.block.ties.is_empty() {
-            return pose;
-        }
-        let mut change = Change::begin(self, &pose, excitation);
-        change.begin_ties();
         change.pose
     }
 }
@@ -103,17 +91,13 @@ impl<T: Elementary> Placement<T> {
 fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose<T> {
     let zero = T::from(0.0);
     let lean = if initial.theta.value() != 0.0 { initial.theta } else { initial.theta_dot }.value();
-    Pose {
-        time,
-        state: State::from([initial.theta, initial.theta_dot, zero, zero]),
-        // A block that leans to the left stands on L alone.
-        contacts: Contacts::touching([lean <= 0.0, lean >= 0.0], time),
-        footing: Footing::Grips { offset: zero },
-        ties: NO_TIES,
-    }
+    let state = State::from([initial.theta, initial.theta_dot, zero, zero]);
+    // A block that leans to the left stands on L alone.
+    let contacts = Contacts::touching([lean <= 0.0, lean >= 0.0], time);
+    Pose::untied(time, state, contacts, Footing::Grips { offset: zero })
 }
 
-/// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of the ties, near `middle`,
+/// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of other forces, near `middle`,
 /// where they bear the weight alone. The rotation, of this sine and cosine, stays.
 fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T {
     const DOUBLINGS: u32 = 60;
@@ -149,7 +133,7 @@ fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f6
     -(supports + forces::static_stiffness(block, &place))
 }
 
-/// The force (N) by which the supports push more than the weight and the ties pull, with the middle of the base at this height.
+/// The force (N) by which the supports push more than the weight and other forces pull, with the middle of the base at this height.
 fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
     let (place, pushes) = stands(block, turn, middle);
     let zero = T::from(0.0);

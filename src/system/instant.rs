@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::block::ties::NO_TIES;
 use crate::block::{Block, Contacts, Corner, TieStates};
 use crate::numerics;
 use crate::numerics::dual::Dual;
@@ -168,6 +169,13 @@ pub struct Pose<T = f64> {
     pub footing: Footing<T>,
     /// The states of the ties.
     pub ties: TieStates,
+}
+
+impl<T> Pose<T> {
+    /// A pose in which no tie pulls.
+    pub fn untied(time: T, state: State<T>, contacts: Contacts<T>, footing: Footing<T>) -> Pose<T> {
+        Pose { time, state, contacts, footing, ties: NO_TIES }
+    }
 }
 
 impl Pose {

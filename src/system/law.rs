@@ -73,9 +73,9 @@ pub trait Law: Copy {
     }
 }
 
-/// A law that is known at run time.
+/// A law that is known at run time; the horizontal motion is integrated too if it is `EXTENDED`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AnyLaw {
+pub struct AnyLaw<const EXTENDED: bool = false> {
     regime: Regime,
     foundation: Foundation,
     grips: bool,
@@ -105,13 +105,15 @@ impl AnyLaw {
 
     /// The same as a law under which the horizontal motion is integrated too, if it is one.
     #[inline]
-    pub fn extended(self) -> Option<Extended> {
-        (self.slides || self.tied).then_some(Extended(self))
+    pub fn extended(self) -> Option<AnyLaw<true>> {
+        let AnyLaw { regime, foundation, grips, held, has_friction, slides, tied, ties } = self;
+        (slides || tied).then_some(AnyLaw { regime, foundation, grips, held, has_friction, slides, tied, ties })
     }
 }
 
-impl Law for AnyLaw {
+impl<const EXTENDED: bool> Law for AnyLaw<EXTENDED> {
     const KNOWN: bool = false;
+    const EXTENDED: bool = EXTENDED;
 
     #[inline(always)]
     fn regime(self) -> Regime {
@@ -141,45 +143,6 @@ impl Law for AnyLaw {
     #[inline(always)]
     fn ties(self) -> TieStates {
         self.ties
-    }
-}
-
-/// A law under which the horizontal motion is integrated too.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extended(AnyLaw);
-
-impl Law for Extended {
-    const KNOWN: bool = false;
-    const EXTENDED: bool = true;
-
-    #[inline(always)]
-    fn regime(self) -> Regime {
-        self.0.regime
-    }
-
-    #[inline(always)]
-    fn foundation(self) -> Foundation {
-        self.0.foundation
-    }
-
-    #[inline(always)]
-    fn grips(self) -> bool {
-        self.0.grips
-    }
-
-    #[inline(always)]
-    fn held(self) -> Option<Corner> {
-        self.0.held
-    }
-
-    #[inline(always)]
-    fn has_friction(self) -> bool {
-        self.0.has_friction
-    }
-
-    #[inline(always)]
-    fn ties(self) -> TieStates {
-        self.0.ties
     }
 }
 

@@ -5,8 +5,8 @@
 use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Tie, Ties};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
-use crate::simulation::exchange::TIES;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
+use crate::system::events::TIES;
 use crate::unit::fmi3_variables::Fmi3Values;
 use crate::unit::variables::{Choice, Parameter, Text, VARIABLES, Variable, choices};
 
@@ -56,48 +56,33 @@ impl std::ops::IndexMut<Variable> for Values {
     }
 }
 
-/// The variables of a tie.
-struct TieVariables {
-    name: &'static str,
-    block: [Variable; 2],
-    ground: [Variable; 2],
-    stiffness: Variable,
-    pretension: Variable,
-    slack: Variable,
-    damping: Variable,
-    strength: Variable,
-}
-
-const TIE_VARIABLES: [TieVariables; TIES] = [
-    TieVariables {
-        name: "tie_1",
-        block: [Variable::Tie1BlockX, Variable::Tie1BlockZ],
-        ground: [Variable::Tie1GroundX, Variable::Tie1GroundZ],
-        stiffness: Variable::Tie1Stiffness,
-        pretension: Variable::Tie1Pretension,
-        slack: Variable::Tie1Slack,
-        damping: Variable::Tie1Damping,
-        strength: Variable::Tie1Strength,
-    },
-    TieVariables {
-        name: "tie_2",
-        block: [Variable::Tie2BlockX, Variable::Tie2BlockZ],
-        ground: [Variable::Tie2GroundX, Variable::Tie2GroundZ],
-        stiffness: Variable::Tie2Stiffness,
-        pretension: Variable::Tie2Pretension,
-        slack: Variable::Tie2Slack,
-        damping: Variable::Tie2Damping,
-        strength: Variable::Tie2Strength,
-    },
+/// The names and the variables of the ties.
+const TIE_VARIABLES: [(&str, Tie<Variable>); TIES] = [
+    (
+        "tie_1",
+        Tie {
+            block: [Variable::Tie1BlockX, Variable::Tie1BlockZ],
+            ground: [Variable::Tie1GroundX, Variable::Tie1GroundZ],
+            stiffness: Variable::Tie1Stiffness,
+            pretension: Variable::Tie1Pretension,
+            slack: Variable::Tie1Slack,
+            damping: Variable::Tie1Damping,
+            strength: Variable::Tie1Strength,
+        },
+    ),
+    (
+        "tie_2",
+        Tie {
+            block: [Variable::Tie2BlockX, Variable::Tie2BlockZ],
+            ground: [Variable::Tie2GroundX, Variable::Tie2GroundZ],
+            stiffness: Variable::Tie2Stiffness,
+            pretension: Variable::Tie2Pretension,
+            slack: Variable::Tie2Slack,
+            damping: Variable::Tie2Damping,
+            strength: Variable::Tie2Strength,
+        },
+    ),
 ];
-
-impl TieVariables {
-    /// Returns the variables that are read only if the stiffness is above zero.
-    fn needing_stiffness(&self) -> [Variable; 8] {
-        let &TieVariables { block: [block_x, block_z], ground: [ground_x, ground_z], .. } = self;
-        [block_x, block_z, ground_x, ground_z, self.pretension, self.slack, self.damping, self.strength]
-    }
-}
 
 const ON_SUPPORTS: &str = "foundation = Viscoelastic";
 
@@ -116,7 +101,7 @@ impl Values {
         let (given, common) = self.given_block(|variable| self[variable]);
         let block = Block::from_given(&given, &common)?;
         let ties = self.ties(|variable| self[variable]);
-        for (tie, TieVariables { name, .. }) in ties.iter().zip(TIE_VARIABLES) {
+        for (tie, (name, _)) in ties.iter().zip(TIE_VARIABLES) {
             // The limits of the variables leave nothing else to refuse.
             tie.check().map_err(|_| BlockError::OutOfRange {
                 name,
@@ -135,19 +120,8 @@ impl Values {
 
     /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.
     pub fn ties<T>(&self, of: impl Fn(Variable) -> T) -> Vec<Tie<T>> {
-        let count = TIE_VARIABLES.iter().rposition(|tie| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
-        TIE_VARIABLES[..count]
-            .iter()
-            .map(|tie| Tie {
-                block: tie.block.map(&of),
-                ground: tie.ground.map(&of),
-                stiffness: of(tie.stiffness),
-                pretension: of(tie.pretension),
-                slack: of(tie.slack),
-                damping: of(tie.damping),
-                strength: of(tie.strength),
-            })
-            .collect()
+        let count = TIE_VARIABLES.iter().rposition(|(_, tie)| self[tie.stiffness] > 0.0).map_or(0, |last| last + 1);
+        TIE_VARIABLES[..count].iter().map(|(_, tie)| tie.map(&of)).collect()
     }
 
     /// Returns the parameters of the block, with the numbers of `of`.
@@ -242,15 +216,12 @@ impl Values {
     }
 
     fn has_ties(&self) -> bool {
-        TIE_VARIABLES.iter().any(|tie| self[tie.stiffness] > 0.0)
+        TIE_VARIABLES.iter().any(|(_, tie)| self[tie.stiffness] > 0.0)
     }
 
     /// Returns the setting that a parameter needs to be read, if the others lack it.
     fn lacks(&self, parameter: Parameter) -> Option<&'static str> {
         let (physical, rigid) = (self.is_physical(), self.foundation() == Foundation::Rigid);
-        if let Some(tie) = TIE_VARIABLES.iter().find(|tie| tie.needing_stiffness().contains(&parameter.variable())) {
-            return (self[tie.stiffness] == 0.0).then_some(tie.stiffness.name());
-        }
         match parameter {
             Parameter::DimensionlessAlpha
             | Parameter::DimensionlessP
@@ -286,7 +257,42 @@ impl Values {
                 self[Text::RecordHorizontal].is_empty().then_some("record.horizontal")
             }
             Parameter::RecordVerticalChannel => self[Text::RecordVertical].is_empty().then_some("record.vertical"),
-            _ => None,
+            Parameter::Tie1BlockX
+            | Parameter::Tie1BlockZ
+            | Parameter::Tie1GroundX
+            | Parameter::Tie1GroundZ
+            | Parameter::Tie1Pretension
+            | Parameter::Tie1Slack
+            | Parameter::Tie1Damping
+            | Parameter::Tie1Strength => (self[Variable::Tie1Stiffness] == 0.0).then_some("tie_1.stiffness"),
+            Parameter::Tie2BlockX
+            | Parameter::Tie2BlockZ
+            | Parameter::Tie2GroundX
+            | Parameter::Tie2GroundZ
+            | Parameter::Tie2Pretension
+            | Parameter::Tie2Slack
+            | Parameter::Tie2Damping
+            | Parameter::Tie2Strength => (self[Variable::Tie2Stiffness] == 0.0).then_some("tie_2.stiffness"),
+            Parameter::PhysicalWidth
+            | Parameter::PhysicalCenterHeight
+            | Parameter::PhysicalInertia
+            | Parameter::PhysicalK
+            | Parameter::PhysicalC
+            | Parameter::Parameterization
+            | Parameter::Mass
+            | Parameter::Eccentricity
+            | Parameter::Epsilon
+            | Parameter::G
+            | Parameter::Friction
+            | Parameter::Foundation
+            | Parameter::Tie1Stiffness
+            | Parameter::Tie2Stiffness
+            | Parameter::OnSeparation
+            | Parameter::OnOverturning
+            | Parameter::InitialTheta
+            | Parameter::InitialThetaDot
+            | Parameter::InitialSettled
+            | Parameter::PulseShape => None,
         }
     }
 

@@ -39,6 +39,15 @@ fn tied() -> Block {
     plain.with_ties(&ties).unwrap()
 }
 
+/// A block has up to eight ties.
+#[test]
+fn nine_ties_are_refused() {
+    let (block, tie) = (tied(), tied().ties.all()[0]);
+    assert_eq!(block.with_ties(&[tie; 8]).unwrap().ties.all().len(), 8);
+    let error = block.with_ties(&[tie; 9]).unwrap_err();
+    assert_eq!(error.to_string(), "ties = 9 is not valid; expected at most 8 ties");
+}
+
 /// The ties that there are, with their numbers.
 fn real(block: &Block) -> impl Iterator<Item = (usize, &Tie)> {
     block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0)

@@ -171,19 +171,7 @@ impl<T: Elementary> Parameters<T> {
                 eccentricity: of(eccentricity),
                 friction: of(friction),
             },
-            ties: self
-                .ties
-                .iter()
-                .map(|tie| Tie {
-                    block: tie.block.map(&of),
-                    ground: tie.ground.map(&of),
-                    stiffness: of(tie.stiffness),
-                    pretension: of(tie.pretension),
-                    slack: of(tie.slack),
-                    damping: of(tie.damping),
-                    strength: of(tie.strength),
-                })
-                .collect(),
+            ties: self.ties.iter().map(|tie| tie.map(&of)).collect(),
             initial: Initial {
                 theta: of(self.initial.theta),
                 theta_dot: of(self.initial.theta_dot),

@@ -119,6 +119,12 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
 /// The number of surfaces of [`watched_beyond`].
 pub const BEYOND: usize = 2 + 2 * MOST_TIES;
 
+/// The number of ties among the variables of the FMU.
+pub const TIES: usize = 2;
+
+/// The number of Model Exchange's event indicators: the surfaces of [`watched`] and, with [`TIES`] ties, of [`watched_beyond`].
+pub const INDICATORS: usize = 4 + 2 + 2 * TIES;
+
 impl Surface {
     /// Value and rate at an instant.
     #[inline(always)]

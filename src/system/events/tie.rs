@@ -4,14 +4,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, Tie, TieState};
+use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
+use crate::system::System;
 use crate::system::evaluation::Evaluation;
 use crate::system::events::change::{Change, ROUNDING};
 use crate::system::events::event::EventKind;
 use crate::system::forces::tie;
-use crate::system::instant::Place;
+use crate::system::instant::{Place, Pose};
 
 /// A function of a tie that is watched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -144,14 +146,23 @@ where
         self.pose.ties[i] = state;
         event
     }
+}
 
-    /// Sets the states of the ties at the beginning; one beyond its strength is broken.
-    pub(in crate::system) fn begin_ties(&mut self) {
-        let (block, x) = (&self.system.block, &self.now().instant);
+impl<T: Elementary> System<T>
+where
+    Dual<T>: CombinesWith<T>,
+{
+    /// The pose at the beginning with its ties as they are stretched; one beyond its strength is broken.
+    pub(in crate::system) fn switched(&self, mut pose: Pose<T>, excitation: &Excitation<T>) -> Pose<T> {
+        let block = &self.block;
+        if block.ties.is_empty() {
+            return pose;
+        }
+        let place = Place::of(&Change::begin(self, &pose, excitation).now().instant);
         for (i, tie) in block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness.value() > 0.0) {
-            let stretch = tie::stretch(block, tie, &Place::of(x));
+            let stretch = tie::stretch(block, tie, &place);
             let (tension, strength) = (tie::taut_tension(tie, &stretch).value(), tie.strength.value());
-            self.pose.ties[i] = if stretch.length.value() <= rounding_of_stretch(block, i) {
+            pose.ties[i] = if stretch.length.value() <= rounding_of_stretch(block, i) {
                 TieState::Slack
             } else if tension < 0.0 {
                 TieState::Limp
@@ -161,5 +172,6 @@ where
                 TieState::Taut
             };
         }
+        pose
     }
 }
