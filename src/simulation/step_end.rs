@@ -88,8 +88,8 @@ impl Simulation {
         self.go_to(&there, work);
         if law.held().is_some() {
             // The corner lifts and lands so often that only the energy tells.
-            let ties = if N > 4 { beyond[7] } else { 0.0 };
-            let made = there.energy() - here.energy() - work[0] + work[1] + ties;
+            let dissipated = if N > 4 { beyond[6] + beyond[7] } else { 0.0 };
+            let made = there.energy() - here.energy() - work[0] + work[1] + dissipated;
             self.sums.constraint += made;
             self.sums.impacts -= made;
         }

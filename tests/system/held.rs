@@ -275,3 +275,27 @@ fn a_corner_of_a_sliding_block_is_held() {
     }
     assert!(became.iter().all(|&count| count > 10), "{became:?} held, lifted");
 }
+
+/// The energy balance counts the work of friction once where a corner of a sliding block is held.
+#[test]
+fn friction_is_counted_once_while_a_corner_is_held() {
+    let block = squat(&Common { friction: 0.6, ..Common::default() });
+    let (theta, theta_dot) = (libm::asin((1.0 - 1e-6) * block.static_deflection() / block.b), -0.02);
+    let (sin, cos) = libm::sincos(theta);
+    // L stands still near its free height.
+    let v_dot = -(corner_arm(&block, 0.0) * cos + block.h * sin) * theta_dot;
+    let initial = Initial { theta, theta_dot, vertical: Some((-(1.0 - cos) * block.h, v_dot)) };
+    let mut held = 0;
+    for (i, a_gx) in (0..2000).flat_map(|i| [(i, -30.0), (i, 30.0)]) {
+        let m_y = Ramp::held(1e-3 * f64::from(i) * block.mass * block.gravity * block.b);
+        let inputs = Inputs { a_gx: Ramp::held(a_gx), m_y, ..Inputs::default() };
+        let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &inputs);
+        simulation.advance(1e-4, &inputs, &mut |_| ()).unwrap();
+        let (seen, energies) = (simulation.observe(&inputs), simulation.energies());
+        if seen.regime == Regime::FullContact && seen.reaction[0] == 0.0 && simulation.slides() {
+            held += 1;
+            assert!(energies.residual.abs() < 1e-4 * energies.friction, "{energies:?}");
+        }
+    }
+    assert!(held > 10, "{held}");
+}
