@@ -67,21 +67,8 @@ impl<R: Real, const N: usize> Step<R, N> {
     ) -> Step<R, N> {
         let (mut k, mut q) = Step::begin(first);
         for stage in 1..12 {
-            let increment = match stage {
-                1 => increment!(k, 1),
-                2 => increment!(k, 2),
-                3 => increment!(k, 3),
-                4 => increment!(k, 4),
-                5 => increment!(k, 5),
-                6 => increment!(k, 6),
-                7 => increment!(k, 7),
-                8 => increment!(k, 8),
-                9 => increment!(k, 9),
-                10 => increment!(k, 10),
-                _ => increment!(k, 11),
-            };
             let Rate { state, quadratures } =
-                equations.rate(time + size * NODES[stage], &(start + increment.times(size)));
+                equations.rate(time + size * NODES[stage], &(start + increment(&k, stage).times(size)));
             (k[stage], q[stage]) = (state, quadratures);
         }
         Step::finish(time, size, start, k, q)
@@ -123,6 +110,24 @@ impl<R: Real, const N: usize> Step<R, N> {
     }
 }
 
+/// The sum of the weighted stages that leads to a stage from 1 to 11.
+#[inline(always)]
+fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; 12], stage: usize) -> State<R, N> {
+    match stage {
+        1 => increment!(k, 1),
+        2 => increment!(k, 2),
+        3 => increment!(k, 3),
+        4 => increment!(k, 4),
+        5 => increment!(k, 5),
+        6 => increment!(k, 6),
+        7 => increment!(k, 7),
+        8 => increment!(k, 8),
+        9 => increment!(k, 9),
+        10 => increment!(k, 10),
+        _ => increment!(k, 11),
+    }
+}
+
 /// State at the end of a step that is known to be accurate, in numbers with derivatives; the values have the bits of [`Step::attempt`].
 #[inline(always)]
 pub fn follow<T: Scalar, const N: usize>(
@@ -134,20 +139,7 @@ pub fn follow<T: Scalar, const N: usize>(
     let mut k = [State::zeros(); 12];
     k[0] = rate(time, start);
     for stage in 1..12 {
-        let increment = match stage {
-            1 => increment!(k, 1),
-            2 => increment!(k, 2),
-            3 => increment!(k, 3),
-            4 => increment!(k, 4),
-            5 => increment!(k, 5),
-            6 => increment!(k, 6),
-            7 => increment!(k, 7),
-            8 => increment!(k, 8),
-            9 => increment!(k, 9),
-            10 => increment!(k, 10),
-            _ => increment!(k, 11),
-        };
-        k[stage] = rate(time + size * NODES[stage], start + increment * size);
+        k[stage] = rate(time + size * NODES[stage], start + increment(&k, stage) * size);
     }
     start + increment!(k, 12) * size
 }

@@ -52,15 +52,8 @@ impl<R: Real, const N: usize> ShortStep<R, N> {
     ) -> ShortStep<R, N> {
         let (mut k, mut q) = ShortStep::begin(first);
         for stage in 1..6 {
-            let increment = match stage {
-                1 => short_increment!(k, 1),
-                2 => short_increment!(k, 2),
-                3 => short_increment!(k, 3),
-                4 => short_increment!(k, 4),
-                _ => short_increment!(k, 5),
-            };
             let Rate { state, quadratures } =
-                equations.rate(time + size * SHORT_NODES[stage], &(start + increment.times(size)));
+                equations.rate(time + size * SHORT_NODES[stage], &(start + increment(&k, stage).times(size)));
             (k[stage], q[stage]) = (state, quadratures);
         }
         ShortStep::finish(size, start, k, q)
@@ -95,6 +88,18 @@ impl<R: Real, const N: usize> ShortStep<R, N> {
     }
 }
 
+/// The sum of the weighted stages that leads to a stage from 1 to 5.
+#[inline(always)]
+fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; 6], stage: usize) -> State<R, N> {
+    match stage {
+        1 => short_increment!(k, 1),
+        2 => short_increment!(k, 2),
+        3 => short_increment!(k, 3),
+        4 => short_increment!(k, 4),
+        _ => short_increment!(k, 5),
+    }
+}
+
 /// State at the end of a short step that is known to be accurate, in numbers with derivatives; the values have the bits of
 /// [`ShortStep::attempt`].
 #[inline(always)]
@@ -107,14 +112,7 @@ pub fn follow<T: Scalar, const N: usize>(
     let mut k = [State::zeros(); 6];
     k[0] = rate(time, start);
     for stage in 1..6 {
-        let increment = match stage {
-            1 => short_increment!(k, 1),
-            2 => short_increment!(k, 2),
-            3 => short_increment!(k, 3),
-            4 => short_increment!(k, 4),
-            _ => short_increment!(k, 5),
-        };
-        k[stage] = rate(time + size * SHORT_NODES[stage], start + increment * size);
+        k[stage] = rate(time + size * SHORT_NODES[stage], start + increment(&k, stage) * size);
     }
     start + short_increment!(k, 6) * size
 }
