@@ -1,0 +1,75 @@
+//! Rows of a run, and its stops.
+
+use super::*;
+use rocking_block::block::{Common, Dimensionless, Foundation};
+use rocking_records::{ReadOptions, Record, Unit, parse};
+
+/// Times of the rows of a block at rest, and the number of stops; panics beyond `most` stops.
+fn rows(ground: &Ground, duration: f64, output_step: f64, most: usize) -> (Vec<f64>, usize) {
+    let dimensionless = Dimensionless { alpha: 0.2, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let block = Block::from_dimensionless(&dimensionless, &common).unwrap();
+    let at_rest = Run::at_rest(block, Settings::default());
+    let run = Run { ground: ground.clone(), duration: Some(duration), output_step, ..at_rest };
+    let mut simulation = run.begin();
+    let mut schedule = run.schedule(&simulation);
+    let (mut rows, mut stops) = (vec![simulation.time()], 0);
+    while let Some(stop) = schedule.next_stop(&simulation) {
+        stops += 1;
+        assert!(
+            stops <= most,
+            "{duration} s in rows of {output_step} s do not end: {stops} stops, the last at {stop} s"
+        );
+        simulation.advance(stop, schedule.inputs(), &mut |_| ()).unwrap();
+        if schedule.stopped(&run, &simulation).is_some() {
+            rows.push(simulation.time());
+        }
+    }
+    (rows, stops)
+}
+
+/// Durations of a whole number of decimal steps, their neighbouring numbers, and others.
+#[test]
+fn every_run_ends_with_one_row_at_its_end() {
+    let still = |start_time: f64, time_step: f64| {
+        let unit = Some(Unit::MetrePerSecondSquared);
+        let options = ReadOptions { unit, time_step: Some(time_step), ..ReadOptions::default() };
+        let record = parse("still", "0\n".repeat(40).as_bytes(), &options).unwrap();
+        Ground { horizontal: Some(Record { start_time, ..record }), vertical: None }
+    };
+    let grounds = [Ground::default(), still(0.0, 0.015), still(-0.3, 0.01), still(1e5, 0.007)];
+    let steps = [0.0001, 0.001, 0.0025, 0.007, 0.01, 0.015, 0.02, 0.03, 0.1, 1.0 / 3.0, 0.7];
+    let mut pairs: Vec<(f64, f64, usize)> = Vec::new();
+    for step in steps {
+        for count in 1..=160_usize {
+            // As written by a user: 60 steps of 0.015 are 0.9.
+            let decimal: f64 = format!("{:.10}", count as f64 * step).parse().unwrap();
+            pairs.extend([decimal, decimal.next_up(), decimal.next_down()].map(|duration| (duration, step, count)));
+            pairs.push(((count as f64 - 0.37) * step, step, count));
+        }
+    }
+    for (number, (duration, step, count)) in pairs.into_iter().enumerate() {
+        let ground = &grounds[number % grounds.len()];
+        let (times, stops) = rows(ground, duration, step, count + 41);
+        let start = ground.start();
+        // At 1e5 s, rounding of the time exceeds the distance of a decimal duration from its last row.
+        let end = start + duration;
+        assert_eq!(times.last(), Some(&end), "{duration} s, {step} s");
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{duration} s, {step} s: {times:?}");
+        assert!(stops < times.len() + 40);
+        if start < 1e5 && step != 1.0 / 3.0 {
+            assert_eq!(times.len(), count + 1, "{duration} s, {step} s");
+        }
+    }
+}
+
+/// Invalid steps leave the rows at the start and the end.
+#[test]
+fn invalid_steps_make_no_rows() {
+    for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        assert_eq!(rows(&Ground::default(), 1.0, step, 1).0, [0.0, 1.0], "{step}");
+    }
+    for duration in [0.0, -1.0, f64::NAN] {
+        assert_eq!(rows(&Ground::default(), duration, 0.1, 1).0, [0.0], "{duration}");
+    }
+}
