@@ -123,7 +123,8 @@ pub fn strain<P: Scalar, T: CombinesWith<P>>(
     Strain {
         reaction,
         horizontal,
-        uplift: Corner::each(|corner| uplift(regime, x, support_heights, corner)),
+        // No closure: it would not be inlined into the lanes, and compiled without their vectors.
+        uplift: [uplift(regime, x, support_heights, Corner::Left), uplift(regime, x, support_heights, Corner::Right)],
         friction_demand: friction_demand(regime, horizontal, reaction[0] + reaction[1]),
     }
 }

@@ -113,6 +113,7 @@ impl<T> Footing<T> {
     }
 
     /// The same with its rates of change along the motion in the dual parts.
+    #[inline(always)]
     pub fn with_rates(self, x: &Instant<T>) -> Footing<Dual<T>>
     where
         T: Scalar,
