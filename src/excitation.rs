@@ -39,6 +39,7 @@ impl<T: Scalar> Ramp<T> {
 }
 
 impl<T: Elementary> Ramp<T> {
+    #[inline(always)]
     fn minus(self, force: Ramp<T>, mass: T) -> Ramp<T> {
         // No force needs no divisions.
         if force.value.is_zero() && force.rate.is_zero() {
@@ -174,6 +175,7 @@ pub struct Excitation<T = f64> {
 
 impl<T: Elementary> Excitation<T> {
     /// The excitation of a block of this mass (kg), with a pulse if there is one that acts.
+    #[inline]
     pub fn new(inputs: &Inputs<T>, pulse: Option<&Pulse<T>>, mass: T) -> Excitation<T> {
         let mut x = inputs.a_gx.minus(inputs.f_x, mass);
         let (constant, wave) = pulse.map_or((None, None), |pulse| (pulse.constant(), pulse.wave()));
@@ -265,6 +267,7 @@ impl<T: Scalar> Excitation<T> {
 
 impl Excitation {
     /// The excitation of `block` from `time` to the pulse's next kink.
+    #[inline]
     pub fn from_time(time: f64, inputs: &Inputs, pulse: &Pulse, block: &Block) -> Excitation {
         Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), block.mass)
     }
@@ -275,6 +278,7 @@ impl Excitation {
     }
 
     /// The reference time and the ground accelerations from there on, horizontal and vertical, where nothing else acts.
+    #[inline]
     pub fn ground_alone(&self) -> Option<(f64, [Ramp; 2])> {
         (self.wave.is_none() && self.moment == Ramp::default()).then_some((self.time, [self.x, self.z]))
     }

@@ -100,11 +100,13 @@ impl Ground {
     }
 
     /// Returns the piece that begins where `piece` ends.
+    #[inline]
     pub fn piece_after(&self, piece: &Piece) -> Piece {
         self.piece_near(piece.end, piece.samples)
     }
 
     /// Returns the piece from `time` (s) on; the search for the samples before `time` begins at these indices.
+    #[inline(always)]
     fn piece_near(&self, time: f64, [mut horizontal, mut vertical]: [usize; 2]) -> Piece {
         let mut end = f64::INFINITY;
         let mut ramp = |record: &Option<Record>, near: &mut usize| match record {
@@ -133,6 +135,7 @@ pub fn fingerprint(record: &Record) -> String {
 /// Returns the line of a record from `time` (s) on, and the time of its end (s).
 ///
 /// `near` is the index of [`Record::sample_near`] and receives the index found.
+#[inline]
 fn ramp_from(record: &Record, time: f64, near: &mut usize) -> (Ramp, f64) {
     let Some(i) = record.sample_near(time, *near) else { return (Ramp::default(), record.start_time) };
     *near = i;

@@ -88,6 +88,7 @@ impl Record {
     }
 
     /// Returns the time of a sample (s).
+    #[inline]
     pub fn sample_time(&self, i: usize) -> f64 {
         self.start_time + i as f64 * self.time_step
     }
@@ -105,6 +106,7 @@ impl Record {
     }
 
     /// Returns the same as [`Record::sample_at`], searching from a guess.
+    #[inline]
     pub fn sample_near(&self, time: f64, guess: usize) -> Option<usize> {
         if time < self.start_time {
             return None;

@@ -19,6 +19,9 @@ const BATCHES_AHEAD: u64 = 4;
 /// Maximum number of runs per batch; a row is never split.
 pub(crate) const MAX_RUNS: u64 = 512;
 
+/// The same without vectors: enough that passing on the rows takes little time.
+const MAX_SINGLE_RUNS: u64 = 16;
+
 /// A study: a table of rows, each from one or several runs.
 pub trait Study: Sync {
     /// Description and columns of the table.
@@ -91,13 +94,9 @@ pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, rayon::ThreadPo
 }
 
 /// Rows per batch: enough to fill the lanes of this width most of the time, few enough to occupy all threads.
-///
-/// One without vectors.
 pub(crate) fn batch(width: Option<VectorWidth>, rows: u64, runs_in_a_row: u64, threads: u64) -> u64 {
-    if width.is_none() {
-        return 1;
-    }
-    rows.div_ceil(BATCHES_AHEAD * threads).min(MAX_RUNS / runs_in_a_row).max(1)
+    let (ahead, most) = if width.is_none() { (AHEAD, MAX_SINGLE_RUNS) } else { (BATCHES_AHEAD, MAX_RUNS) };
+    rows.div_ceil(ahead * threads).min(most / runs_in_a_row).max(1)
 }
 
 /// Makes rows of `runs_in_a_row` runs in batches and passes them to `take` in order, as [`in_order`] does.

@@ -15,7 +15,7 @@ const RUNS_PER_LANE: usize = 8;
 /// Numbers of steps taken in lanes and alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LaneUse {
-    /// Steps taken in lanes, including short ones rejected for their error.
+    /// Steps taken in lanes, including short ones that were ruled out.
     pub in_lanes: u64,
     /// Steps of single runs.
     pub alone: u64,
@@ -165,7 +165,8 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
         let most = |(_, waiting): &(usize, &mut Vec<Box<Lane>>)| waiting.len();
         let Some((number, waiting)) = self.waiting.iter_mut().enumerate().max_by_key(most) else { return false };
         let (lanes, count) = (self.width.lanes(), waiting.len().min(self.width.lanes()));
-        group.extend(waiting.drain(..count));
+        // The last that came are still in the processor's cache.
+        group.extend(waiting.drain(waiting.len() - count..));
         let taken = if count > 1 { step_group(self.width, Kind::numbered(number), group) } else { 0 };
         if count > 1 {
             self.lane_use.in_lanes += u64::from(taken.count_ones());

@@ -238,7 +238,7 @@ impl Run {
             (None, Some(rule)) => rule.end(block),
             (None, None) => start,
         };
-        Schedule {
+        let mut schedule = Schedule {
             start,
             duration,
             output_step: if output_step > 0.0 { output_step } else { f64::INFINITY },
@@ -247,8 +247,11 @@ impl Run {
             next_check,
             end,
             rows: 0,
+            next_row: end,
             stop: start,
-        }
+        };
+        schedule.find_next_row();
+        schedule
     }
 
     /// The state of the block now, under these inputs.
@@ -285,6 +288,8 @@ pub(super) struct Schedule {
     end: f64,
     /// Number of rows so far, excluding the first.
     rows: u64,
+    /// Time of the next row (s).
+    next_row: f64,
     stop: f64,
 }
 
@@ -296,33 +301,36 @@ impl Schedule {
 
     /// Whether the simulation has ended; a block that is held is shown for the given duration.
     fn is_over(&self, simulation: &Simulation) -> bool {
-        let is_held = simulation.is_frozen() && self.duration.is_some();
-        simulation.ending().is_some() && !is_held
+        simulation.ending().is_some() && !(simulation.is_frozen() && self.duration.is_some())
     }
 
     /// Applies the stopping rule if its next check is due.
+    #[inline]
     pub(super) fn check(&mut self, simulation: &Simulation) {
         if let Some(rule) = self.stopping_rule.as_mut().filter(|_| self.next_check <= simulation.time()) {
             rule.check(simulation);
             (self.next_check, self.end) = (rule.next_check(simulation.block()), rule.end(simulation.block()));
+            self.find_next_row();
         }
     }
 
     /// Time of the next stop (s), unless the run is over.
+    #[inline]
     pub(super) fn next_stop(&mut self, simulation: &Simulation) -> Option<f64> {
         let continues = simulation.time() < self.end && !self.is_over(simulation);
-        self.stop = self.piece.end.min(self.next_row()).min(self.next_check);
+        self.stop = self.piece.end.min(self.next_row).min(self.next_check);
         continues.then_some(self.stop)
     }
 
-    /// Time of the next row (s); a row within rounding of the end is the last.
-    fn next_row(&self) -> f64 {
+    /// Finds the time of the next row; a row within rounding of the end is the last.
+    fn find_next_row(&mut self) {
         let Schedule { start, end, output_step, rows, .. } = *self;
         let time = start + (rows + 1) as f64 * output_step;
-        if time < end - 1e-12 * (end - start) { time } else { end }
+        self.next_row = if time < end - 1e-12 * (end - start) { time } else { end };
     }
 
     /// Records that the run has reached the stop, or ended before; returns the fraction done if a row is due.
+    #[inline]
     pub(super) fn stopped(&mut self, run: &Run, simulation: &Simulation) -> Option<f64> {
         let ended = self.is_over(simulation);
         if !ended && self.stop == self.piece.end {
@@ -330,10 +338,11 @@ impl Schedule {
         }
         self.check(simulation);
         let Schedule { start, end, .. } = *self;
-        if self.stop < self.next_row() && !ended {
+        if self.stop < self.next_row && !ended {
             return None;
         }
         self.rows += 1;
+        self.find_next_row();
         Some(((simulation.time() - start) / (end - start)).min(1.0))
     }
 }
