@@ -62,6 +62,7 @@ impl Regime {
     }
 
     /// Returns the only corner on which the block stands, or `None`.
+    #[inline]
     pub fn pivot(self) -> Option<Corner> {
         match self {
             Regime::TiltingLeft => Some(Corner::Left),

@@ -6,6 +6,7 @@
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::numbers::Numbers;
+use crate::numerics::wide::{Simd, Wide};
 use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, State};
 
 /// An attempted step with all its stages, which the dense output needs.
@@ -142,6 +143,29 @@ pub fn follow<T: Scalar, const N: usize>(
         k[stage] = rate(time + size * NODES[stage], start + increment(&k, stage) * size);
     }
     start + increment!(k, 12) * size
+}
+
+impl<V: Simd, const N: usize> Step<Wide<V>, N> {
+    /// Returns the step of one lane.
+    #[inline(always)]
+    pub fn of_lane(&self, lane: usize) -> Step<f64, N> {
+        let mut stages = [State::zeros(); 12];
+        let mut quadratures = [Quadratures::zeros(); 12];
+        for stage in 0..12 {
+            stages[stage] = self.stages[stage].of_lane(lane);
+            quadratures[stage] = self.quadratures[stage].of_lane(lane);
+        }
+        Step {
+            time: self.time.of_lane(lane),
+            size: self.size.of_lane(lane),
+            end_time: self.end_time.of_lane(lane),
+            start: self.start.of_lane(lane),
+            end: self.end.of_lane(lane),
+            work: self.work.of_lane(lane),
+            stages,
+            quadratures,
+        }
+    }
 }
 
 impl<const N: usize> Step<f64, N> {

@@ -76,7 +76,7 @@ impl Steps {
             single: true,
             swing: Some(&swing),
         };
-        simulation.steps(&piece, start, &mut self.budget, &mut |_| ())?;
+        simulation.steps(&piece, start, None, &mut self.budget, &mut |_| ())?;
         let evaluations = simulation.counts.evaluations - counts.evaluations;
         self.course = if simulation.pose.time == time {
             Course::Stayed

@@ -75,7 +75,7 @@ impl Simulation {
         self.counts.evaluations += 1;
         let mut start = StepStart { of_piece: true, short_failed: false };
         while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
-            self.steps(&piece, start, budget, observer)?;
+            self.steps(&piece, start, None, budget, observer)?;
             start.of_piece = false;
         }
         Ok(())
@@ -89,37 +89,38 @@ impl Simulation {
         if self.pose.time < beyond { stop.min(beyond) } else { stop }
     }
 
-    /// A single step from the present time towards `stop`, over which the excitation is smooth.
+    /// A single step from the present time towards `stop`, over which the excitation is smooth: `accepted`, if that is already known.
     #[cfg(feature = "lanes")]
     pub(super) fn single_step(
         &mut self,
         stop: f64,
         excitation: &Excitation,
         start: StepStart,
-        at_event: AtEvent,
+        accepted: Option<&Step>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let system = Arc::clone(&self.system);
         let since = self.pose.time;
-        let (block, end) = (&system.block, stop);
+        let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
         let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None };
-        self.steps(&piece, start, budget, observer)
+        self.steps(&piece, start, accepted, budget, observer)
     }
 
-    /// Steps under the present law to the end of the piece, or of the law.
+    /// Steps under the present law to the end of the piece, or of the law. The first one is `accepted`, if that is already known.
     #[inline(always)]
     pub(super) fn steps(
         &mut self,
         piece: &SmoothPiece,
         start: StepStart,
+        accepted: Option<&Step>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let law = AnyLaw::of(piece.block, &self.pose);
         match law.extended() {
-            Some(law) => self.steps_under::<EXTENDED>(law, piece, start, budget, observer),
-            None => in_law!(law, law => self.steps_under::<4>(law, piece, start, budget, observer)),
+            Some(law) => self.steps_under::<EXTENDED>(law, piece, start, None, budget, observer),
+            None => in_law!(law, law => self.steps_under::<4>(law, piece, start, accepted, budget, observer)),
         }
     }
 
@@ -130,6 +131,7 @@ impl Simulation {
         law: impl Law,
         piece: &SmoothPiece,
         start: StepStart,
+        mut accepted: Option<&Step<f64, N>>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
@@ -176,14 +178,21 @@ impl Simulation {
             if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
             }
-            let step = self.accepted_step(stop, &motion, &here, &limits)?;
+            let own;
+            let step = match accepted.take() {
+                Some(step) => step,
+                None => {
+                    own = self.accepted_step(stop, &motion, &here, &limits)?;
+                    &own
+                }
+            };
             let there = motion.at(step.end_time, step.end);
             let end_rate = motion.rate_of(&there);
             if !(step.end.is_finite() && end_rate.state.is_finite()) {
                 return Err(SimulationError::NotFinite { time: here.time });
             }
             let end = StepEnd { state: step.end, work: step.work, longest: limits.longest };
-            let inside = Inside { motion, between: Between::Within(&step, end_rate), evaluations: 0 };
+            let inside = Inside { motion, between: Between::Within(step, end_rate), evaluations: 0 };
             match self.finish(piece, &mut here, there, &end, inside, observer)? {
                 Finished::TooLong(size) => {
                     self.control.restart(size);

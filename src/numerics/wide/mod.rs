@@ -128,6 +128,12 @@ impl<V: Simd> Wide<V> {
         self.0.store()
     }
 
+    /// The number of one lane.
+    #[inline(always)]
+    pub fn of_lane(self, lane: usize) -> f64 {
+        self.0.store()[lane]
+    }
+
     /// The lanes in which this is less.
     #[inline(always)]
     pub fn less(self, other: Wide<V>) -> Lanes<V> {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Block, Corner, Foundation, Regime, Ties};
+use crate::block::{Block, Foundation, Regime, Ties};
 use crate::excitation::{Excitation, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::Step;
@@ -11,7 +11,7 @@ use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
 use crate::numerics::short::ShortStep;
 use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
-use crate::numerics::{Equations, Rate, Real, State};
+use crate::numerics::{Equations, Rate, Real, Scalar, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::{Lane, place};
 use crate::simulation::peaks::Channels;
@@ -27,6 +27,14 @@ struct Rounding<V> {
     quarter_turn: Wide<V>,
 }
 
+/// The supports that nothing touches: depth (m) and beginning (s) of their creep, its rate (1/s), their free heights (m).
+struct LiftedSupports<V> {
+    depth: Wide<V>,
+    since: Wide<V>,
+    rate: Wide<V>,
+    free_height: Wide<V>,
+}
+
 /// A step in all lanes.
 pub struct Stepped {
     /// A bit for each lane in which the step was taken; the numbers of the other lanes are meaningless.
@@ -37,10 +45,12 @@ pub struct Stepped {
     pub sums: [Array; 2],
     /// Peaks of θ, N, H, uplift and friction demand since then.
     pub peaks: [Array; 5],
-    /// The heights of the supports there, and their rates.
-    pub support_heights: [Sample<Array>; 2],
     /// A bit for each lane in which a short step made too great an error.
     pub failed: u32,
+    /// A bit for each lane in which a short step is accurate enough, but may hold an event or a peak.
+    pub eventful: u32,
+    /// The accurate steps of order 8 that may hold an event or a peak, with their lanes.
+    pub accepted: Vec<(usize, Step)>,
     /// For a short step the factor by which its size may change, otherwise the root of its error, from which that factor follows.
     pub root: Array,
     /// The longest step (s).
@@ -251,11 +261,6 @@ fn in_lanes<V: Simd>(lanes: Lanes<V>, some: Channels<Wide<V>>, others: Channels<
 }
 
 #[inline(always)]
-fn store<V: Simd>(sample: Sample<Wide<V>>) -> Sample<Array> {
-    Sample { value: sample.value.store(), rate: sample.rate.store() }
-}
-
-#[inline(always)]
 fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>) -> Sample<Wide<V>> {
     Sample { value: some.value.in_lanes(lanes, other.value), rate: some.rate.in_lanes(lanes, other.rate) }
 }
@@ -267,23 +272,28 @@ impl<L: Law> Together<'_, L> {
         Wide::each(|lane| number(self.runs[lane]))
     }
 
-    /// The height of the support under a corner, and its rate; zeros where the corner touches.
+    /// Heights of the supports that nothing touches, and their rates; zeros for the others. As `Creep::top` finds them.
     #[inline(always)]
-    fn top<V: Simd>(&self, corner: Corner, of: impl Fn(&Lane, Corner) -> Sample) -> Sample<Wide<V>> {
-        if self.law.regime().touches(corner) {
-            return Sample::default();
+    fn support_heights<V: Simd>(&self, time: Wide<V>, lifted: &LiftedSupports<V>) -> [Sample<Wide<V>>; 2] {
+        let mut heights = [Sample::default(); 2];
+        if let Some(standing) = self.law.regime().pivot() {
+            let LiftedSupports { depth, since, rate, free_height } = *lifted;
+            let elapsed = time - since;
+            let elapsed = elapsed.in_lanes(Wide::default().less(elapsed), Wide::default());
+            let sunk = depth * (-(rate * elapsed)).exp();
+            heights[standing.other().index()] = Sample { value: free_height - sunk, rate: rate * sunk };
         }
-        let (mut values, mut rates) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-        for (place, lane) in self.runs.iter().enumerate().take(self.count) {
-            let top = of(lane, corner);
-            (values[place], rates[place]) = (top.value, top.rate);
-        }
-        Sample { value: Wide::load(&values), rate: Wide::load(&rates) }
+        heights
     }
 
     #[inline(always)]
-    fn support_heights<V: Simd>(&self, of: impl Fn(&Lane, Corner) -> Sample + Copy) -> [Sample<Wide<V>>; 2] {
-        [self.top(Corner::Left, of), self.top(Corner::Right, of)]
+    fn lifted<V: Simd>(&self) -> LiftedSupports<V> {
+        LiftedSupports {
+            depth: self.each(|lane| lane.lifted.creep.depth),
+            since: self.each(|lane| lane.lifted.creep.since),
+            rate: self.each(|lane| lane.lifted.rate),
+            free_height: self.each(|lane| lane.lifted.free_height),
+        }
     }
 
     /// Peaks so far: of θ, N, H, uplift, friction demand.
@@ -334,8 +344,8 @@ impl<L: Law> Together<'_, L> {
             ties: Ties::none(),
         };
         let ramp = |i: usize| Ramp {
-            value: self.each(|lane| lane.ground().1[i].value),
-            rate: self.each(|lane| lane.ground().1[i].rate),
+            value: self.each(|lane| lane.ground.1[i].value),
+            rate: self.each(|lane| lane.ground.1[i].rate),
         };
         let offset = self.each(|lane| match lane.simulation.pose.footing {
             Footing::Grips { offset } => offset,
@@ -343,7 +353,7 @@ impl<L: Law> Together<'_, L> {
         });
         Group {
             block,
-            excitation: Excitation::of_ground(self.each(|lane| lane.ground().0), [ramp(0), ramp(1)]),
+            excitation: Excitation::of_ground(self.each(|lane| lane.ground.0), [ramp(0), ramp(1)]),
             footing: Footing::Grips { offset },
         }
     }
@@ -374,31 +384,35 @@ impl<L: Law> Task for Together<'_, L> {
             self.each(|lane| lane.simulation.pose.state[3]),
         ];
 
-        let here = motion.at(time, state, self.support_heights(Lane::top));
+        let lifted = self.lifted();
+        let here = motion.at(time, state, self.support_heights(time, &lifted));
         let infinite = Wide::from(f64::INFINITY);
         let one = Wide::from(1.0);
-        // That of a short step depends on the rate at its end, too.
-        enum Error<V: Simd> {
-            AtEnd(ShortStep<Wide<V>>),
-            Known(Wide<V>),
+        enum Made<V: Simd> {
+            Short(ShortStep<Wide<V>>),
+            Long(Step<Wide<V>>),
         }
-        let (end, work, error) = if self.short {
+        let (end, work, step) = if self.short {
             let step = ShortStep::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
-            (step.end, step.work, Error::AtEnd(step))
+            (step.end, step.work, Made::Short(step))
         } else {
             let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
-            (step.end, step.work, Error::Known(step.error(weights)))
+            (step.end, step.work, Made::Long(step))
         };
-        let there = motion.at(end_time, end.0, self.support_heights(Lane::top_at_end));
-        let (error_is_fine, root) = match error {
-            Error::AtEnd(step) => {
+        let there = motion.at(end_time, end.0, self.support_heights(end_time, &lifted));
+        let (error_is_fine, root) = match &step {
+            // Its error depends on the rate at its end, too.
+            Made::Short(step) => {
                 let work_weight = self.each(|lane| lane.limits[place].work_weight);
                 let share: Wide<V> = self.each(|lane| lane.limits[place].short_share);
                 let error = step.error(there.rate, weights, work_weight) / share;
                 let factor = short_factor(error);
                 (error.less(infinite).bits() & !factor.less(one).bits(), factor)
             }
-            Error::Known(error) => (error.less(infinite).bits() & !one.less(error).bits(), eighth_root(error)),
+            Made::Long(step) => {
+                let error = step.error(weights);
+                (error.less(infinite).bits() & !one.less(error).bits(), eighth_root(error))
+            }
         };
 
         let duration = end_time - time;
@@ -408,19 +422,27 @@ impl<L: Law> Task for Together<'_, L> {
             moves = moves.and(finite);
         }
         let rests = motion.rests(&here, &rounding);
-        let unusual = motion.may_hold_event(&here, &there, duration, &rounding) | rests;
-        let usual = error_is_fine & moves.bits() & !unusual;
+        let events = motion.may_hold_event(&here, &there, duration, &rounding);
+        let usual = error_is_fine & moves.bits() & !rests;
 
         let mut peaks = self.peaks();
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let runs = ((1_u64 << self.count) - 1) as u32;
+        let eventful = usual & (events | inside) & runs;
+        let mut accepted = Vec::new();
+        if let Made::Long(step) = &step {
+            for lane in (0..self.count).filter(|lane| eventful >> lane & 1 == 1) {
+                accepted.push((lane, step.of_lane(lane)));
+            }
+        }
         let input = self.each::<V>(|lane| lane.simulation.sums.input) + work.0[0];
         let dashpots = self.each::<V>(|lane| lane.simulation.sums.dashpots) + work.0[1];
         Stepped {
-            taken: usual & !inside & runs,
+            taken: usual & !(events | inside) & runs,
+            eventful: if self.short { eventful } else { 0 },
+            accepted,
             failed: if self.short { !error_is_fine & !rests & runs } else { 0 },
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
-            support_heights: [store(there.support_heights[0]), store(there.support_heights[1])],
             sums: [input.store(), dashpots.store()],
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
             root: root.store(),

@@ -1,26 +1,24 @@
 //! Several runs → the same kind of step of all of them at once, one in each lane of the processor's vectors.
 //!
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
-//! the simulation gets the bits of a step taken alone. Otherwise the lane leaves it unchanged, and the run takes that step alone.
+//! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages of its lane if only an
+//! event or a peak may be inside.
 //! So do runs on the rigid base, with friction or ties, in flight, sliding, held, or under a pulse.
 
 mod bounds;
 mod kernel;
 
-use crate::block::{Block, Foundation};
-use crate::block::{Corner, Regime};
+use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Ramp};
 use crate::numerics::control::{Attempt, ShortStepTo, is_resolved, shortest, size_factor};
-use crate::numerics::dop853::EVALUATIONS_PER_STEP;
-use crate::numerics::roots::Sample;
+use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
-use crate::numerics::wide::{Array, VectorWidth};
+use crate::numerics::wide::VectorWidth;
 use crate::simulation::peaks::Peaks;
 use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
-use crate::simulation::{AtEvent, Simulation, SimulationError};
+use crate::simulation::{Simulation, SimulationError};
 use crate::system::events::{Event, Surface};
 use crate::system::forces;
-use crate::system::instant::Pose;
 use crate::system::instant::State;
 use crate::system::law::Gripping;
 use kernel::Stepped;
@@ -41,8 +39,12 @@ pub struct Lane {
     stop: f64,
     /// Time at which the piece that ends there begins (s).
     since: f64,
-    /// Reference time (s) and ground accelerations, where nothing else acts.
-    ground: Option<GroundRamps>,
+    /// Whether nothing but ground accelerations acts that are linear in time.
+    ground_alone: bool,
+    /// Their reference time (s), and they.
+    ground: GroundRamps,
+    /// The regime, if runs in the present contacts are stepped together.
+    regime: Option<Regime>,
     /// Whether the smooth piece begins at the present time.
     begins: bool,
     budget: u64,
@@ -50,14 +52,40 @@ pub struct Lane {
     limits: [Limits; 3],
     /// Round-off of the zero of a gap.
     gap_rounding: f64,
-    /// Heights of the supports that nothing touches, with the time of their last evaluation (s).
-    support_heights: (f64, [Sample; 2]),
+    /// The support that nothing touches.
+    lifted: Lifted,
     /// The step that comes next.
     attempt: Attempt,
     /// Whether a short step would suffice if earlier steps had made no errors.
     grows: bool,
-    /// Whether a short step has just made too great an error here.
+    /// Whether a short step has just been ruled out here.
     short_failed: bool,
+    /// The step of order 8 from here, if a lane has made it and it may hold an event or a peak.
+    accepted: Option<Step>,
+}
+
+/// A support that nothing touches.
+#[derive(Clone, Copy, Debug)]
+struct Lifted {
+    creep: Creep,
+    /// The rate of its creep (1/s).
+    rate: f64,
+    /// Its free height (m).
+    free_height: f64,
+}
+
+impl Lifted {
+    /// The support of the corner on which a block that tilts does not stand; any other one is not read.
+    fn of(simulation: &Simulation) -> Lifted {
+        let (block, contacts) = (simulation.block(), &simulation.pose.contacts);
+        let corner = if contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
+        let (rate, free_height) = (block.creep_rate(), block.free_height(corner));
+        match contacts.of(corner) {
+            Contact::Lifted(creep) if creep.depth != 0.0 && rate.is_finite() => Lifted { creep, rate, free_height },
+            // It has recovered.
+            _ => Lifted { creep: Creep::default(), rate: 0.0, free_height },
+        }
+    }
 }
 
 /// The kind of a step: runs whose next steps are of the same kind are stepped together.
@@ -95,6 +123,14 @@ fn place(regime: Regime) -> Option<usize> {
     }
 }
 
+/// The regime of a run in whose present contacts runs are stepped together; none for other runs.
+fn regime_in_lanes(Simulation { pose, system, .. }: &Simulation) -> Option<Regime> {
+    let gripping = pose.footing.grips() && pose.contacts.held().is_none();
+    let plain = system.block.foundation == Foundation::Viscoelastic && !forces::switch(&system.block);
+    let regime = pose.contacts.regime();
+    (plain && gripping && place(regime).is_some()).then_some(regime)
+}
+
 /// The next action of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
@@ -111,6 +147,7 @@ impl Lane {
     pub fn new(simulation: Simulation, tag: usize) -> Lane {
         let gap_rounding = Surface::Gap(Corner::Left).rounding(simulation.block());
         let time = simulation.time();
+        let (regime, lifted) = (regime_in_lanes(&simulation), Lifted::of(&simulation));
         let limits = [
             simulation.limits(Gripping::<true, true, false>, 0.0),
             simulation.limits(Gripping::<true, false, false>, 0.0),
@@ -118,20 +155,23 @@ impl Lane {
         ];
         Lane {
             tag,
+            regime,
             simulation,
             inputs: Inputs::default(),
             until: time,
             stop: time,
             since: time,
-            ground: None,
+            ground_alone: false,
+            ground: GroundRamps::default(),
             begins: true,
             budget: 0,
             limits,
             gap_rounding,
-            support_heights: (f64::NAN, [Sample::default(); 2]),
+            lifted,
             attempt: Attempt::to_stop(0.0),
             grows: false,
             short_failed: false,
+            accepted: None,
         }
     }
 
@@ -141,17 +181,27 @@ impl Lane {
     }
 
     /// Sends the run to `until` (s) under these inputs, as [`Simulation::advance`] does.
+    #[inline(always)]
     pub fn send(&mut self, until: f64, inputs: &Inputs) {
         (self.until, self.inputs, self.budget) = (until, *inputs, MOST_STEPS);
-        // The next step begins a piece.
         self.stop = self.simulation.pose.time;
+        if self.stop < until && self.simulation.ending.is_none() {
+            // Not with the copy, which the processor has not yet finished.
+            self.begin_piece(inputs);
+        }
     }
 
-    fn begin_piece(&mut self) {
+    #[inline(always)]
+    fn begin_piece(&mut self, inputs: &Inputs) {
         let Simulation { pulse, pose, system, counts, .. } = &mut self.simulation;
         self.stop = pulse.next_kink(pose.time).map_or(self.until, |kink| kink.min(self.until));
         self.since = pose.time;
-        self.ground = Excitation::from_time(pose.time, &self.inputs, pulse, &system.block).ground_alone();
+        let ground = Excitation::from_time(pose.time, inputs, pulse, &system.block).ground_alone();
+        self.ground_alone = ground.is_some();
+        if let Some((time, [x, z])) = ground {
+            (self.ground.0, self.ground.1[0].value, self.ground.1[0].rate) = (time, x.value, x.rate);
+            (self.ground.1[1].value, self.ground.1[1].rate) = (z.value, z.rate);
+        }
         self.begins = true;
         counts.evaluations += 1;
     }
@@ -167,7 +217,8 @@ impl Lane {
             return Next::Arrived;
         }
         if time >= self.stop {
-            self.begin_piece();
+            let inputs = self.inputs;
+            self.begin_piece(&inputs);
         }
         self.kind().map_or(Next::Alone, Next::Together)
     }
@@ -175,13 +226,7 @@ impl Lane {
     /// The kind of the step that comes next, if it can be taken in a lane.
     #[inline]
     fn kind(&mut self) -> Option<Kind> {
-        let Simulation { pose, system, .. } = &self.simulation;
-        let regime = pose.contacts.regime();
-        let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-        let plain = system.block.foundation == Foundation::Viscoelastic && !forces::switch(&system.block);
-        if !plain || !gripping || self.ground.is_none() {
-            return None;
-        }
+        let regime = self.regime.filter(|_| self.ground_alone)?;
         let limits = &self.limits[place(regime)?];
         let longest = limits.longest;
         let (time, stop) = (self.simulation.pose.time, self.stop);
@@ -202,36 +247,14 @@ impl Lane {
 
     /// Takes a step alone, and reports each event to `observer`.
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let Lane { simulation, inputs, stop, since, begins, short_failed, budget, support_heights, .. } = self;
+        let Lane { simulation, inputs, stop, since, begins, short_failed, accepted, budget, .. } = self;
         let excitation = Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block);
         let start = StepStart { of_piece: *begins, short_failed: *short_failed };
         (*begins, *short_failed) = (false, false);
-        // An event may let a support creep from another height.
-        support_heights.0 = f64::NAN;
-        simulation.single_step(*stop, &excitation, start, AtEvent::Apply, budget, observer)
-    }
-
-    /// The ground accelerations under which it is stepped.
-    #[inline(always)]
-    fn ground(&self) -> GroundRamps {
-        self.ground.unwrap_or_default()
-    }
-
-    /// The height of the support that a corner has left, and its rate, at the present time.
-    #[inline]
-    fn top(&self, corner: Corner) -> Sample {
-        let Pose { time, ref contacts, .. } = self.simulation.pose;
-        if self.support_heights.0 == time {
-            self.support_heights.1[corner.index()]
-        } else {
-            contacts.top(corner, self.block(), time)
-        }
-    }
-
-    /// The same at the end of the step that comes next.
-    #[inline]
-    fn top_at_end(&self, corner: Corner) -> Sample {
-        self.simulation.pose.contacts.top(corner, self.block(), self.end_time())
+        let done = simulation.single_step(*stop, &excitation, start, accepted.take().as_ref(), budget, observer);
+        // There may have been an event.
+        (self.regime, self.lifted) = (regime_in_lanes(&self.simulation), Lifted::of(&self.simulation));
+        done
     }
 
     #[inline(always)]
@@ -249,19 +272,12 @@ impl Lane {
     #[inline]
     fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
         let end_time = self.end_time();
-        let Lane { simulation, attempt, .. } = self;
-        let [left, right] = &stepped.support_heights;
-        let top = |of: &Sample<Array>| Sample { value: of.value[lane], rate: of.rate[lane] };
-        self.support_heights = (end_time, [top(left), top(right)]);
         if short {
-            simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
+            self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         } else {
-            simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
-            simulation.counts.evaluations += EVALUATIONS_PER_STEP;
-            if self.grows {
-                simulation.control.grow_short();
-            }
+            self.accept(stepped, lane);
         }
+        let simulation = &mut self.simulation;
         simulation.counts.steps += 1;
         simulation.events_in_this_instant = 0;
         simulation.pose.time = end_time;
@@ -283,27 +299,47 @@ impl Lane {
         self.budget -= 1;
     }
 
-    /// Takes note that a short step made too great an error. One of order 8 comes next.
-    fn fail(&mut self, stepped: &Stepped, lane: usize) {
+    /// Takes note that the error of a step of order 8 is small enough.
+    #[inline]
+    fn accept(&mut self, stepped: &Stepped, lane: usize) {
+        let Lane { simulation, attempt, .. } = self;
+        simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
+        simulation.counts.evaluations += EVALUATIONS_PER_STEP;
+        if self.grows {
+            simulation.control.grow_short();
+        }
+    }
+
+    /// Takes note that a short step does not do. One of order 8 comes next.
+    fn rule_out_short_step(&mut self) {
         self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
-        self.simulation.control.reject_short(self.attempt.size, stepped.root[lane]);
         self.short_failed = true;
     }
 }
 
 /// Takes the next step, of this kind, of each run of a group of at most one run per lane.
 ///
-/// Returns a bit for each run that has stepped; the others must take the step alone.
+/// Returns a bit for each run that has stepped, or for which another kind of step comes next; the others must take the step alone.
 pub fn step_group(width: VectorWidth, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
-    let stepped = kernel::step(width, kind.regime, kind.short, group);
+    let mut stepped = kernel::step(width, kind.regime, kind.short, group);
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
             run.arrive(&stepped, lane, kind.short);
-        } else if stepped.failed >> lane & 1 == 1 {
-            run.fail(&stepped, lane);
+        } else if (stepped.failed | stepped.eventful) >> lane & 1 == 1 {
+            if stepped.failed >> lane & 1 == 1 {
+                run.simulation.control.reject_short(run.attempt.size, stepped.root[lane]);
+            }
+            run.rule_out_short_step();
         }
     }
-    stepped.taken | stepped.failed
+    for (lane, mut step) in std::mem::take(&mut stepped.accepted) {
+        let run = &mut group[lane];
+        run.accept(&stepped, lane);
+        run.simulation.counts.steps += 1;
+        step.end_time = run.end_time();
+        (run.accepted, run.short_failed) = (Some(step), true);
+    }
+    stepped.taken | stepped.failed | stepped.eventful
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::block::{Common, Dimensionless};
-use crate::block::{Contact, Contacts, Creep};
+use crate::block::{Contact, Contacts, Corner, Creep};
 use crate::excitation::{Inputs, Pulse};
 use crate::numerics::control::Attempt;
 use crate::numerics::roots;
@@ -49,8 +49,9 @@ impl<L: Law> Task for Look<'_, L> {
         let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
         let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
         let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
-        let here = motion.at(time, state, together.support_heights(Lane::top));
-        let there = motion.at(end_time, end, together.support_heights(Lane::top_at_end));
+        let lifted = together.lifted();
+        let here = motion.at(time, state, together.support_heights(time, &lifted));
+        let there = motion.at(end_time, end, together.support_heights(end_time, &lifted));
         let rounding = together.rounding(&group);
         let longest = each(&|case| case.lane.limits[place(together.law.regime()).unwrap()].longest);
         let mut peaks = together.peaks();
@@ -159,7 +160,6 @@ prop_compose! {
         }
         let mut lane = Lane::new(simulation, 0);
         lane.send(time + 100.0, &inputs);
-        lane.begin_piece();
         lane.attempt = Attempt::to_stop(duration * lane.limits[place(regime).unwrap()].longest);
         lane.stop = time + lane.attempt.size;
         let mut case = Case { lane, there: state(there) };
