@@ -113,7 +113,7 @@ impl<R: Real, const N: usize> Step<R, N> {
 
 /// The sum of the weighted stages that leads to a stage from 1 to 11.
 #[inline(always)]
-fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; 12], stage: usize) -> State<R, N> {
+fn increment<R: Scalar, const N: usize, const STAGES: usize>(k: &[State<R, N>; STAGES], stage: usize) -> State<R, N> {
     match stage {
         1 => increment!(k, 1),
         2 => increment!(k, 2),
@@ -130,19 +130,38 @@ fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; 12], stage: usize) -> 
 }
 
 /// State at the end of a step that is known to be accurate, in numbers with derivatives; the values have the bits of [`Step::attempt`].
+/// The states at these times inside the step go to `seen` by the dense output.
 #[inline(always)]
 pub fn follow<T: Scalar, const N: usize>(
     time: f64,
     size: f64,
     start: State<T, N>,
     rate: impl Fn(f64, State<T, N>) -> State<T, N>,
+    inside: &[f64],
+    seen: &mut dyn FnMut(f64, State<T, N>),
 ) -> State<T, N> {
-    let mut k = [State::zeros(); 12];
+    let mut k = [State::zeros(); 16];
     k[0] = rate(time, start);
     for stage in 1..12 {
         k[stage] = rate(time + size * NODES[stage], start + increment(&k, stage) * size);
     }
-    start + increment!(k, 12) * size
+    let end = start + increment!(k, 12) * size;
+    if !inside.is_empty() {
+        k[12] = rate(time + size, end);
+        for stage in 13..16 {
+            let increment = match stage {
+                13 => increment!(k, 13),
+                14 => increment!(k, 14),
+                _ => increment!(k, 15),
+            };
+            k[stage] = rate(time + size * NODES[stage], start + increment * size);
+        }
+        let polynomial = polynomial(start, end - start, size, &k);
+        for &at in inside {
+            seen(at, evaluate(&polynomial, (at - time) / size));
+        }
+    }
+    end
 }
 
 impl<V: Simd, const N: usize> Step<Wide<V>, N> {
@@ -195,14 +214,14 @@ impl<const N: usize> Step<f64, N> {
 }
 
 /// Value at the beginning, then the coefficients of the dense output.
-type Polynomial<const N: usize> = [Numbers<f64, N>; 8];
+type Polynomial<const N: usize, T = f64> = [Numbers<T, N>; 8];
 
-fn polynomial<const N: usize>(
-    start: Numbers<f64, N>,
-    change: Numbers<f64, N>,
+fn polynomial<T: Scalar, const N: usize>(
+    start: Numbers<T, N>,
+    change: Numbers<T, N>,
     size: f64,
-    k: &[Numbers<f64, N>; 16],
-) -> Polynomial<N> {
+    k: &[Numbers<T, N>; 16],
+) -> Polynomial<N, T> {
     let mut polynomial = cubic(start, change, size, &k[0], &k[12]);
     polynomial[4..].copy_from_slice(&[
         dense!(k, 0) * size,
@@ -214,13 +233,13 @@ fn polynomial<const N: usize>(
 }
 
 /// The cubic with these rates at the ends.
-fn cubic<const N: usize>(
-    start: Numbers<f64, N>,
-    change: Numbers<f64, N>,
+fn cubic<T: Scalar, const N: usize>(
+    start: Numbers<T, N>,
+    change: Numbers<T, N>,
     size: f64,
-    first: &Numbers<f64, N>,
-    last: &Numbers<f64, N>,
-) -> Polynomial<N> {
+    first: &Numbers<T, N>,
+    last: &Numbers<T, N>,
+) -> Polynomial<N, T> {
     let bend = *first * size - change;
     let none = Numbers::zeros();
     [start, change, bend, change - *last * size - bend, none, none, none, none]
@@ -269,7 +288,7 @@ impl<const N: usize> DenseOutput<N> {
     }
 }
 
-fn evaluate<const N: usize>(f: &Polynomial<N>, x: f64) -> Numbers<f64, N> {
+fn evaluate<T: Scalar, const N: usize>(f: &Polynomial<N, T>, x: f64) -> Numbers<T, N> {
     let y = 1.0 - x;
     f[0] + (f[1] + (f[2] + (f[3] + (f[4] + (f[5] + (f[6] + f[7] * x) * y) * x) * y) * x) * y) * x
 }

@@ -116,7 +116,12 @@ fn all_forms_of_a_step_have_the_same_bits() {
     let step = step(size);
     let looped = Step::attempt_in_loop(START, size, start, first, &Oscillators);
     assert_eq!((step.end, step.work, step.end_time), (looped.end, looped.work, looped.end_time));
-    assert_eq!(step.end, dop853::follow(START, size, start, rate));
+    let times = [START, START + 0.25, START + 0.6];
+    let dense = step.dense(Oscillators.rate(step.end_time, &step.end), &Oscillators);
+    let mut inside = Vec::new();
+    let end = dop853::follow(START, size, start, rate, &times, &mut |time, state| inside.push((time, state)));
+    assert_eq!(step.end, end);
+    assert_eq!(inside, times.map(|time| (time, dense.state(time - START))));
     let step = ShortStep::attempt(START, size, start, first, &Oscillators);
     let looped = ShortStep::attempt_in_loop(START, size, start, first, &Oscillators);
     assert_eq!((step.end, step.work), (looped.end, looped.work));

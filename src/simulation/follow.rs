@@ -120,25 +120,38 @@ impl Simulation {
 /// The numbers of states under laws that integrate the horizontal motion too: `[θ, θ̇, w, ẇ, u, u̇]`.
 const EXTENDED: usize = 6;
 
-/// The block at `end` (s) in numbers with derivatives, by the formulas of the run's step from `pose`.
+/// Times inside a step at which the block is looked at.
+pub struct Samples<'a, T> {
+    /// The times (s), from the beginning of the step on.
+    pub times: &'a [f64],
+    /// Receives the block at each of them.
+    pub seen: &'a mut dyn FnMut(&Pose<T>),
+}
+
+/// The block at `end` (s) and at the times of the samples, in numbers with derivatives, by the formulas of the run's step from `pose`.
 pub fn repeat_step<const D: usize>(
     block: &Block<Gradient<D>>,
     pose: &Pose<Gradient<D>>,
     excitation: &Excitation<Gradient<D>>,
     course: &Course,
     end: f64,
+    samples: Samples<Gradient<D>>,
 ) -> Pose<Gradient<D>> {
     let law = AnyLaw::of(block, pose);
     if let (Course::Swing(swing), Some(corner)) = (course, law.regime().pivot()) {
         let [theta, theta_dot, ..] = pose.state.0;
-        let part = (end - pose.time.re) / swing.size;
-        let [theta, theta_dot] = swing.follow(block, corner, excitation, [pose.time, theta, theta_dot], part);
-        let zero = Gradient::from(0.0);
-        return Pose { time: end.into(), state: [theta, theta_dot, zero, zero].into(), ..*pose };
+        let tangents = swing.tangents(block, corner, excitation, [pose.time, theta, theta_dot]);
+        let at = |time: f64| {
+            let [theta, theta_dot] = tangents.at((time - pose.time.re) / swing.size);
+            let zero = Gradient::from(0.0);
+            Pose { time: time.into(), state: [theta, theta_dot, zero, zero].into(), ..*pose }
+        };
+        samples.times.iter().for_each(|&time| (samples.seen)(&at(time)));
+        return at(end);
     }
     match law.extended() {
-        Some(_) => repeat_under::<EXTENDED, _, _>(law, block, pose, excitation, course, end),
-        None => in_law!(law, law => repeat_under::<4, _, _>(law, block, pose, excitation, course, end)),
+        Some(_) => repeat_under::<EXTENDED, _, _>(law, block, pose, excitation, course, end, samples),
+        None => in_law!(law, law => repeat_under::<4, _, _>(law, block, pose, excitation, course, end, samples)),
     }
 }
 
@@ -149,21 +162,32 @@ fn repeat_under<const N: usize, L: Law, T: Elementary>(
     excitation: &Excitation<T>,
     course: &Course,
     end: f64,
+    Samples { times, seen }: Samples<T>,
 ) -> Pose<T>
 where
     for<'a> Motion<'a, L, N, T>: StateRate<T, N>,
 {
     let motion = Motion::<_, N, _>::under(law, block, pose, excitation);
     let (state, start) = (motion.state_at(pose), pose.time.value());
-    let state = match course {
+    let at = |time: f64, state: State<T, N>| motion.pose_at(pose, T::from(time), state);
+    let straight = |time: f64| state + StateRate::state_rate(&motion, start, &state) * (time - start);
+    let short = |time: f64| by_short_step(&motion, state, start, time - start);
+    let end_state = match course {
         // Nothing accelerates.
-        _ if law.is_at_rest() => state + StateRate::state_rate(&motion, start, &state) * (end - start),
-        Course::ShortStep => by_short_step(&motion, state, start, end - start),
+        _ if law.is_at_rest() => {
+            times.iter().for_each(|&time| seen(&at(time, straight(time))));
+            straight(end)
+        }
+        // A part of a short step is one, too, and more accurate.
+        Course::ShortStep => {
+            times.iter().for_each(|&time| seen(&at(time, short(time))));
+            short(end)
+        }
         Course::Stayed | Course::Step | Course::Swing(_) | Course::Rested => {
-            by_step(&motion, state, start, end - start)
+            by_step(&motion, state, start, end - start, times, &mut |time, state| seen(&at(time, state)))
         }
     };
-    motion.pose_at(pose, T::from(end), state)
+    at(end, end_state)
 }
 
 /// The state after a short step: one function for all laws, since sums over stages are much to compile.
@@ -177,15 +201,17 @@ fn by_short_step<const N: usize, T: Elementary>(
     short::follow(start, size, state, |time, state| equations.state_rate(time, &state))
 }
 
-/// The same after a step of order 8.
+/// The same after a step of order 8, with the states inside.
 #[inline(never)]
 fn by_step<const N: usize, T: Elementary>(
     equations: &dyn StateRate<T, N>,
     state: State<T, N>,
     start: f64,
     size: f64,
+    inside: &[f64],
+    seen: &mut dyn FnMut(f64, State<T, N>),
 ) -> State<T, N> {
-    dop853::follow(start, size, state, |time, state| equations.state_rate(time, &state))
+    dop853::follow(start, size, state, |time, state| equations.state_rate(time, &state), inside, seen)
 }
 
 /// A right-hand side without the quadratures.

@@ -3,10 +3,10 @@
 use rocking_block::block::{Contact, Corner, Creep};
 use rocking_block::excitation::{Excitation, Inputs};
 use rocking_block::numerics::State;
-use rocking_block::simulation::follow::{Course, Steps, repeat_step};
+use rocking_block::simulation::Simulation;
+use rocking_block::simulation::follow::{Course, Samples, repeat_step};
 use rocking_block::simulation::outputs::{Observation, observe};
 use rocking_block::simulation::peaks::Peaks;
-use rocking_block::simulation::{Simulation, SimulationError};
 use rocking_block::system::System;
 use rocking_block::system::evaluation::{Evaluation, Motion};
 use rocking_block::system::events::{Event, EventKind, Surface};
@@ -41,7 +41,7 @@ pub struct Follower {
     pub(crate) varied: Varied,
     pub(crate) system: System<Number>,
     /// The block at the time of the run, which does not vary.
-    pose: Pose<Number>,
+    pub(crate) pose: Pose<Number>,
     /// Derivatives of the time of the event or kink at which the run is; zeros after it.
     shift: [f64; BATCH],
     /// Displacement of the foot from its place at the start (m).
@@ -88,7 +88,7 @@ impl Follower {
 
     /// Begins a smooth piece of the run under these inputs. Where the pulse begins or ends, the time of that varies, and the rate of the
     /// state jumps.
-    fn begin_piece(&mut self, simulation: &Simulation, inputs: &Inputs) {
+    pub(crate) fn begin_piece(&mut self, simulation: &Simulation, inputs: &Inputs) {
         let (pulse, time) = (simulation.pulse(), simulation.time());
         if let Some((shift, acted)) = self.varied.kink(pulse, time) {
             for (acts, sign) in [(acted, 1.0), (!acted, -1.0)] {
@@ -103,10 +103,18 @@ impl Follower {
     }
 
     /// Goes with a step of the run, before which its peaks were these, to the present time. At its end the motion falls through
-    /// `surface`, if there is one.
-    fn take_step(&mut self, course: &Course, surface: Option<Surface>, peaks: &Peaks, simulation: &Simulation) {
+    /// `surface`, if there is one. The block at these times inside the step goes to `seen`.
+    pub(crate) fn take_step(
+        &mut self,
+        course: &Course,
+        surface: Option<Surface>,
+        peaks: &Peaks,
+        simulation: &Simulation,
+        times: &[f64],
+        seen: &mut dyn FnMut(&Sample),
+    ) {
         let (start, start_shift) = (self.pose, self.shift);
-        self.go(course, simulation);
+        self.go(course, simulation, times, seen);
         let mut end_shift = [0.0; BATCH];
         if let Some(surface) = surface {
             end_shift = self.event_time(surface, course);
@@ -123,22 +131,32 @@ impl Follower {
         });
     }
 
-    fn go(&mut self, course: &Course, simulation: &Simulation) {
+    fn go(&mut self, course: &Course, simulation: &Simulation, times: &[f64], seen: &mut dyn FnMut(&Sample)) {
         let slides = !self.pose.footing.grips() && self.pose.contacts.regime().foot().is_some();
         let end = simulation.time();
         let place = slides.then(|| self.at(&self.pose, &self.excitation).foot_place());
-        match course {
+        let start = &*self;
+        let mut look = |pose: &Pose<Number>| seen(&Sample { follower: start, pose, start: place });
+        let pose = match course {
             Course::Stayed => return,
             Course::Rested => {
+                let mut pose = self.pose;
                 for rate in [1, 3] {
-                    self.pose.state[rate] = Number::from(0.0);
+                    pose.state[rate] = Number::from(0.0);
                 }
-                self.pose.time = Number::from(end);
+                for &time in times {
+                    pose.time = time.into();
+                    look(&pose);
+                }
+                pose.time = end.into();
+                pose
             }
             Course::Step | Course::ShortStep | Course::Swing(_) => {
-                self.pose = repeat_step(&self.system.block, &self.pose, &self.excitation, course, end);
+                let samples = Samples { times, seen: &mut look };
+                repeat_step(&self.system.block, &self.pose, &self.excitation, course, end, samples)
             }
-        }
+        };
+        self.pose = pose;
         self.meet(simulation.pose());
         if let Some(place) = place {
             self.slip = self.slip + self.at(&self.pose, &self.excitation).foot_place() - place;
@@ -184,7 +202,7 @@ impl Follower {
 
     /// Passes an event, which the run has just applied: up to its moving time under the law before it, through the transition, and
     /// back to the time of the run under the law after it.
-    fn pass_event(&mut self, surface: Surface, happened: Option<Event>, simulation: &Simulation) {
+    pub(crate) fn pass_event(&mut self, surface: Surface, happened: Option<Event>, simulation: &Simulation) {
         let (shift, time) = (self.shift, simulation.time());
         let now = self.at(&self.pose, &self.excitation);
         let (slip_rate, before) = (now.instant.slip_rate.re, moved(&self.pose, &now, shift));
@@ -257,7 +275,10 @@ impl Follower {
         let course = if let Course::Swing(_) = course { course } else { &Course::Step };
         let pose = match elapsed {
             0.0 => *start,
-            _ => repeat_step(&self.system.block, start, excitation, course, start.time.re + elapsed),
+            _ => {
+                let samples = Samples { times: &[], seen: &mut |_| () };
+                repeat_step(&self.system.block, start, excitation, course, start.time.re + elapsed, samples)
+            }
         };
         let now = self.at(&pose, excitation);
         let along = self.at(&moved(&pose, &now, [1.0; BATCH]), excitation);
@@ -319,44 +340,43 @@ impl Follower {
     }
 }
 
+/// The block inside a step, with its derivatives at that time.
+pub struct Sample<'a> {
+    follower: &'a Follower,
+    pose: &'a Pose<Number>,
+    /// The place of the foot at the beginning of the step, if it slides (m).
+    start: Option<Number>,
+}
+
+impl Sample<'_> {
+    /// The block: `[θ, θ̇, w, ẇ]` and its footing.
+    pub fn pose(&self) -> &Pose<Number> {
+        self.pose
+    }
+
+    /// The observed quantities.
+    pub fn observe(&self) -> Observation<Number> {
+        self.follower.observed(&self.follower.at(self.pose, &self.follower.excitation))
+    }
+
+    /// The observed quantities with their rates along the motion (1/s) added to their derivatives.
+    pub fn observe_along(&self) -> Observation<Number> {
+        let Sample { follower, pose, .. } = *self;
+        let now = follower.at(pose, &follower.excitation);
+        follower.observed(&follower.at(&moved(pose, &now, [1.0; BATCH]), &follower.excitation))
+    }
+
+    /// The displacement of the foot from its place at the start (m).
+    pub fn slip(&self) -> Number {
+        let now = || self.follower.at(self.pose, &self.follower.excitation).foot_place();
+        self.start.map_or(self.follower.slip, |start| self.follower.slip + now() - start)
+    }
+}
+
 /// A creep with its values taken from another one.
 fn met(mut creep: Creep<Number>, Creep { depth, since }: Creep) -> Creep<Number> {
     (creep.depth.re, creep.since.re) = (depth, since);
     creep
-}
-
-/// Sends a run to `until` (s) under inputs that are linear in time, as [`Simulation::advance`] does, to the same bits; its derivatives
-/// go with it.
-pub fn advance(
-    simulation: &mut Simulation,
-    followers: &mut [Follower],
-    until: f64,
-    inputs: &Inputs,
-) -> Result<(), SimulationError> {
-    while simulation.time() < until && simulation.ending().is_none() {
-        for follower in followers.iter_mut() {
-            follower.begin_piece(simulation, inputs);
-        }
-        let mut steps = Steps::towards(simulation, until);
-        loop {
-            let peaks = simulation.peaks();
-            let Some((course, surface)) = steps.next(simulation, inputs)? else { break };
-            for follower in followers.iter_mut() {
-                follower.take_step(course, surface, &peaks, simulation);
-            }
-            let Some(surface) = surface else { continue };
-            let mut happened = None;
-            simulation.settle(inputs, &mut |event| happened = Some(*event))?;
-            for follower in followers.iter_mut() {
-                follower.pass_event(surface, happened, simulation);
-            }
-        }
-    }
-    simulation.arrive(until);
-    for follower in followers {
-        follower.pose.time = Number::from(simulation.time());
-    }
-    Ok(())
 }
 
 /// The pose at a time that differs by `shift` in each direction, along the motion at `now`.

@@ -4,12 +4,14 @@
 //! | --- | --- |
 //! | [`varied`] | parameters and their directions → block, initial values and excitation with their derivatives |
 //! | [`follower`] | a run, step by step → the derivatives of its state, of its outputs and of the times of its events |
+//! | [`mod@advance`] | a run and its followers → both at a later time, and samples on the way |
 //! | [`peaks`] | the steps in which peaks rise → the derivatives of the peaks |
 //!
 //! The tangent equations are those of the motion in numbers with derivatives, integrated over the steps of the run by the same
 //! formulas. At an event the derivative of its time follows from the function that is watched; the transition is made at that moving
 //! time (the saltation matrix of hybrid systems), also in numbers with derivatives. docs/gradients.md has the method and its limits.
 
+pub mod advance;
 pub mod follower;
 pub mod peaks;
 pub mod varied;
@@ -20,5 +22,6 @@ pub const BATCH: usize = 4;
 /// A number with its derivatives in the directions of a batch.
 pub type Number = rocking_block::numerics::gradient::Gradient<BATCH>;
 
-pub use follower::{EventGradient, Follower, Grazing, advance};
+pub use advance::{advance, advance_with_samples};
+pub use follower::{EventGradient, Follower, Grazing, Sample};
 pub use varied::{Parameters, Varied, unit};

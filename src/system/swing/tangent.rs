@@ -23,17 +23,24 @@ use crate::excitation::Excitation;
 use crate::numerics::gradient::Gradient;
 use crate::numerics::numbers::Numbers;
 
+/// A swing with its derivatives in N directions.
+#[derive(Clone, Copy, Debug)]
+pub struct Tangents<'a, const N: usize> {
+    swing: &'a Swing,
+    /// The series of δθ in powers of the elapsed part.
+    series: [Numbers<f64, N>; ORDER + 1],
+}
+
 impl Swing {
-    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing with their derivatives, from those of block, excitation and start
-    /// `[t, θ, θ̇]`, whose values are those of the swing. The time does not vary.
-    pub fn follow<const N: usize>(
+    /// The derivatives of the swing, from those of block, excitation and start `[t, θ, θ̇]`, whose values are those of the swing. The
+    /// time does not vary.
+    pub fn tangents<const N: usize>(
         &self,
         block: &Block<Gradient<N>>,
         corner: Corner,
         excitation: &Excitation<Gradient<N>>,
         [time, theta, theta_dot]: [Gradient<N>; 3],
-        part: f64,
-    ) -> [Gradient<N>; 2] {
+    ) -> Tangents<'_, N> {
         let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *self;
         let (sin, cos) = libm::sincos(rotation[0]);
         let lever = block.lever(Foot::Corner(corner), Gradient::from(sin), Gradient::from(cos));
@@ -80,12 +87,19 @@ impl Swing {
             tangent[k + 2] = sum * (scale * RECIPROCAL[k + 1] * RECIPROCAL[k + 2]);
         }
 
+        Tangents { swing: self, series: tangent }
+    }
+}
+
+impl<const N: usize> Tangents<'_, N> {
+    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
+    pub fn at(&self, part: f64) -> [Gradient<N>; 2] {
         let (mut change, mut slope) = (Numbers::zeros(), Numbers::zeros());
-        for k in (0..order + 1).rev() {
+        for k in (0..self.swing.order + 1).rev() {
             slope = slope * part + change;
-            change = change * part + tangent[k];
+            change = change * part + self.series[k];
         }
-        let [theta, theta_dot] = self.at(part);
-        [Gradient::new(theta, change.0), Gradient::new(theta_dot, (slope * (1.0 / size)).0)]
+        let [theta, theta_dot] = self.swing.at(part);
+        [Gradient::new(theta, change.0), Gradient::new(theta_dot, (slope * (1.0 / self.swing.size)).0)]
     }
 }

@@ -6,6 +6,7 @@ mod cases;
 mod closed_form;
 mod differences;
 mod run;
+mod samples;
 #[path = "../../../../tests/common/skipped.rs"]
 mod skipped;
 mod swing;

@@ -51,7 +51,7 @@ impl Run {
         Block::from_given(given, common).unwrap().with_ties(ties).unwrap()
     }
 
-    fn begin(&self) -> (Simulation, Ground) {
+    pub fn begin(&self) -> (Simulation, Ground) {
         let Parameters { initial, pulse, scale, .. } = &self.parameters;
         let on_separation = if self.flies { OnSeparation::Fly } else { OnSeparation::Terminate };
         let settings = Settings { tolerance: self.tolerance, on_separation, ..Settings::default() };
