@@ -50,14 +50,14 @@ impl Evaluator<'_> {
         [own("zero", test.zero), own("delay", test.delay)]
     }
 
-    /// The course of the first `count` values of a test, with derivatives with respect to these unknowns.
+    /// The course of a test at these times of its clock, with derivatives with respect to its unknowns.
     ///
     /// None if the block is not valid or its run fails.
     pub fn course(
         &self,
         number: usize,
         values: &[f64],
-        count: usize,
+        times: impl Iterator<Item = f64>,
         with_gradients: bool,
     ) -> Result<Course, Option<FitError>> {
         let test = &self.problem.tests[number];
@@ -66,33 +66,56 @@ impl Evaluator<'_> {
             set(&mut parameters, &unknown.name, values[i]);
         }
         let is_of_run = |(_, unknown): &(usize, &Unknown)| !OF_MEASUREMENT.contains(&unknown.name.as_str());
-        let names: Vec<String> = match with_gradients {
-            true => self.of_test(number).filter(is_of_run).map(|(_, unknown)| unknown.name.clone()).collect(),
-            false => Vec::new(),
-        };
+        let names: Option<Vec<String>> = with_gradients
+            .then(|| self.of_test(number).filter(is_of_run).map(|(_, unknown)| unknown.name.clone()).collect());
+        let with_rate = with_gradients && self.of_test(number).any(|(_, unknown)| unknown.name == "delay");
         let [_, delay] = self.zero_and_delay(number, values);
-        let times: Vec<f64> = test.times[..count].iter().map(|time| time - delay).collect();
+        let times: Vec<f64> = times.map(|time| time - delay).collect();
         let run = self.problem.run(test, &parameters).map_err(|_| None)?;
         let counter = if with_gradients { &self.runs.with_gradients } else { &self.runs.plain };
         counter.fetch_add(1, Ordering::Relaxed);
-        course(&run, &parameters, &names, &test.output, &times).map_err(|error| Some(FitError::Runs(error)))
+        course(&run, &parameters, names.as_deref(), &test.output, &times, with_rate)
+            .map_err(|error| Some(FitError::Runs(error)))
     }
 
-    /// The residuals of the first `counts` values of the tests, and of the priors; without derivatives the Jacobian is zero.
-    pub fn linearize(
-        &self,
-        point: &DVector<f64>,
-        counts: &[usize],
-        with_gradients: bool,
-    ) -> Result<Linearization, Option<FitError>> {
+    /// The sum of squares of the first `counts` values of the tests, by a part of them, and of the priors.
+    pub fn rough_cost(&self, point: &DVector<f64>, counts: &[usize]) -> Result<f64, Option<FitError>> {
+        /// Number of values of a test that tell starts apart.
+        const ENOUGH: usize = 100;
+        let values = self.values(point);
+        let of_test = |number: usize| -> Result<f64, Option<FitError>> {
+            let test = &self.problem.tests[number];
+            let stride = counts[number].div_ceil(ENOUGH);
+            let times = test.times[..counts[number]].iter().step_by(stride).copied();
+            let course = self.course(number, &values, times, false)?;
+            let [zero, _] = self.zero_and_delay(number, &values);
+            let pairs = test.values.iter().step_by(stride).zip(&course.points);
+            let residuals = pairs.map(|(measured, found)| (found.value + zero - measured) / test.noise.unwrap_or(1.0));
+            Ok(residuals.map(|residual| residual * residual).sum::<f64>() * stride as f64)
+        };
+        let tests: Vec<f64> = (0..counts.len()).into_par_iter().map(of_test).collect::<Result<_, _>>()?;
+        let priors = self.priors().map(|(i, [mean, deviation])| (values[i] - mean) / deviation);
+        let cost = tests.into_iter().sum::<f64>() + priors.map(|residual| residual * residual).sum::<f64>();
+        if cost.is_finite() { Ok(cost) } else { Err(None) }
+    }
+
+    /// The unknowns with priors.
+    fn priors(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        self.unknowns.iter().enumerate().filter_map(|(i, unknown)| Some((i, unknown.prior?)))
+    }
+
+    /// The residuals of the first `counts` values of the tests, and of the priors, with their Jacobian.
+    pub fn linearize(&self, point: &DVector<f64>, counts: &[usize]) -> Result<Linearization, Option<FitError>> {
         let values = self.values(point);
         let slopes: Vec<f64> = self.unknowns.iter().zip(point).map(|(unknown, &at)| unknown.slope(at)).collect();
         let tests: Vec<Course> = (0..self.problem.tests.len())
             .into_par_iter()
-            .map(|number| self.course(number, &values, counts[number], with_gradients))
+            .map(|number| {
+                let times = self.problem.tests[number].times[..counts[number]].iter().copied();
+                self.course(number, &values, times, true)
+            })
             .collect::<Result<_, _>>()?;
-        let priors: Vec<_> = (0..).zip(self.unknowns).filter_map(|(i, unknown)| Some((i, unknown.prior?))).collect();
-        let rows = counts.iter().sum::<usize>() + priors.len();
+        let rows = counts.iter().sum::<usize>() + self.priors().count();
         let mut residuals = DVector::zeros(rows);
         let mut jacobian = DMatrix::zeros(rows, self.unknowns.len());
         let mut row = 0;
@@ -102,7 +125,7 @@ impl Evaluator<'_> {
             for (measured, found) in test.values.iter().zip(&course.points) {
                 residuals[row] = weight * (found.value + zero - measured);
                 let mut derivatives = found.derivatives.iter();
-                for (i, unknown) in self.of_test(number).filter(|_| with_gradients) {
+                for (i, unknown) in self.of_test(number) {
                     let derivative = match unknown.name.as_str() {
                         "zero" => 1.0,
                         "delay" => -found.rate,
@@ -113,7 +136,7 @@ impl Evaluator<'_> {
                 row += 1;
             }
         }
-        for (i, [mean, deviation]) in priors {
+        for (i, [mean, deviation]) in self.priors() {
             residuals[row] = (values[i] - mean) / deviation;
             jacobian[(row, i)] = slopes[i] / deviation;
             row += 1;

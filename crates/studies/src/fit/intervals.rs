@@ -103,7 +103,7 @@ impl Profile<'_> {
 
     fn linearize(&self, point: &DVector<f64>) -> Option<(Linearization, Triangle)> {
         let counts: Vec<usize> = self.evaluator.problem.tests.iter().map(|test| test.values.len()).collect();
-        let at = self.evaluator.linearize(point, &counts, true).ok()?;
+        let at = self.evaluator.linearize(point, &counts).ok()?;
         let triangle = at.triangle();
         Some((at, triangle))
     }

@@ -115,25 +115,36 @@ pub struct Minimum {
     pub is_converged: bool,
 }
 
+impl Minimum {
+    /// Whether the linear model here changes little up to another point.
+    pub fn is_alike(&self, other: &DVector<f64>) -> bool {
+        (&self.at.jacobian * (other - &self.point)).norm_squared() <= 0.01 * self.at.cost()
+    }
+}
+
 /// Minimizes the sum of squares from a point with its linearization.
 ///
 /// `linearize` returns none where the model fails, which no step then enters. The search ends where the undamped step predicts a
-/// decrease of less than `tolerance` times the variance of a residual, which `variance` gives for a sum of squares.
+/// decrease of less than `tolerance` times the variance of a residual, which `variance` gives for a sum of squares. If a better minimum
+/// is `known`, it gives up once that step leads there, or where several steps in succession are rejected, as at a kink.
 pub fn minimize(
     linearize: impl Fn(&DVector<f64>) -> Option<Linearization>,
     mut point: DVector<f64>,
     mut at: Linearization,
     variance: impl Fn(f64) -> f64,
     tolerance: f64,
+    known: Option<&Minimum>,
 ) -> Minimum {
     /// Greatest number of steps, accepted or not.
     const STEPS: usize = 40;
     /// First damping, and the greatest, over the greatest of the squared columns of J.
     const DAMPING: [f64; 2] = [1e-3, 1e9];
+    /// Number of rejected steps in succession after which a search gives up.
+    const REJECTED: usize = 3;
     let fixed = vec![false; point.len()];
     let mut triangle = at.triangle();
     let scale = |triangle: &Triangle| triangle.r.column_iter().map(|column| column.norm_squared()).fold(0.0, f64::max);
-    let (mut damping, mut growth) = (DAMPING[0] * scale(&triangle), 2.0);
+    let (mut damping, mut growth, mut rejected) = (DAMPING[0] * scale(&triangle), 2.0, 0);
     for _ in 0..STEPS {
         let undamped = triangle.step(&point, &fixed, 0.0);
         // Squares of round-off of the residuals' own size are no gain either.
@@ -141,7 +152,12 @@ pub fn minimize(
         if triangle.decrease(&undamped) <= (tolerance * variance(at.cost())).max(round_off) {
             return Minimum { point, at, is_converged: true };
         }
-        if damping > DAMPING[1] * scale(&triangle) {
+        let leads_to = |known: &Minimum| {
+            let predicted = at.cost() - triangle.decrease(&undamped);
+            predicted >= known.at.cost() && known.is_alike(&(&point + &undamped))
+        };
+        let gives_up = |known: &Minimum| known.at.cost() < at.cost() && (rejected >= REJECTED || leads_to(known));
+        if damping > DAMPING[1] * scale(&triangle) || known.is_some_and(gives_up) {
             break;
         }
         let step = triangle.step(&point, &fixed, damping);
@@ -152,13 +168,14 @@ pub fn minimize(
                 let ratio = (at.cost() - found.cost()) / triangle.decrease(&step);
                 let odd = 2.0 * ratio - 1.0;
                 damping *= (1.0 - odd * odd * odd).clamp(1.0 / 3.0, 2.0);
-                growth = 2.0;
+                (growth, rejected) = (2.0, 0);
                 (point, at) = (there, found);
                 triangle = at.triangle();
             }
             None => {
                 damping *= growth;
                 growth *= 2.0;
+                rejected += 1;
             }
         }
     }
@@ -181,7 +198,7 @@ mod tests {
     fn from(point: [f64; 2], of: fn(&DVector<f64>) -> Option<Linearization>) -> Minimum {
         let start = DVector::from_row_slice(&point);
         let at = of(&start).unwrap();
-        minimize(of, start, at, |_| 1.0, 1e-20)
+        minimize(of, start, at, |_| 1.0, 1e-20, None)
     }
 
     #[test]

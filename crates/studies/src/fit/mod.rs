@@ -170,10 +170,11 @@ fn with_intervals(evaluator: &Evaluator, mut minima: Vec<Minimum>) -> (Minimum, 
             let others = others.cloned().collect();
             return (best, others, ends);
         };
-        let linearize = |at: &_| evaluator.linearize(at, &counts, true).ok();
+        let linearize = |at: &_| evaluator.linearize(at, &counts).ok();
         if let Some(at) = linearize(&point) {
             let variance = |cost| evaluator.variance(cost, &counts);
-            minima.push(std::mem::replace(&mut best, minimize(linearize, point, at, variance, search::TOLERANCE[0])));
+            let [.., tolerance] = search::TOLERANCE;
+            minima.push(std::mem::replace(&mut best, minimize(linearize, point, at, variance, tolerance, None)));
         }
     }
     unreachable!("the last restart returns")
@@ -257,8 +258,9 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
     let before: usize = evaluator.problem.tests[..number].iter().map(|test| test.values.len()).sum();
     let weighted = best.at.residuals.rows(before, test.values.len());
     let residuals: Vec<f64> = weighted.iter().map(|residual| -residual * test.noise.unwrap_or(1.0)).collect();
-    let course =
-        evaluator.course(number, values, test.values.len(), true).map_err(|e| e.unwrap_or(FitError::Starts))?;
+    let course = evaluator
+        .course(number, values, test.times.iter().copied(), true)
+        .map_err(|e| e.unwrap_or(FitError::Starts))?;
     let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
     let over = |of: fn(f64, f64) -> f64| residuals.windows(2).map(|pair| of(pair[0], pair[1])).sum::<f64>() / squares;
     Ok(TestFit {

@@ -1,8 +1,10 @@
 //! A run, times → a measured quantity at these times, with its derivatives.
 
+use rocking_block::excitation::Inputs;
 use rocking_block::numerics::dual::Dual64;
-use rocking_block::simulation::{Energies, Simulation, SimulationError};
-use rocking_gradients::{Follower, Parameters, Varied, advance};
+use rocking_block::simulation::outputs::Observation;
+use rocking_block::simulation::{Simulation, SimulationError};
+use rocking_gradients::{Follower, Number, Parameters, Sample, Varied, advance_with_samples};
 
 use crate::run::gradients::add_rows;
 use crate::run::table::{Column, columns};
@@ -30,66 +32,131 @@ pub struct Course {
     pub ended: Option<f64>,
 }
 
-/// The column `output` of a run at increasing `times` (s), with its derivatives with respect to the named parameters.
+/// The column `output` of a run at increasing `times` (s), with its derivatives with respect to the parameters if they are named, and
+/// with its rate.
 ///
-/// Before the run begins the block is held in its initial state; after a quarter turn it lies still.
+/// Before the run begins the block is held in its initial state; after a quarter turn it lies still. With derivatives no step stops at
+/// the times.
 pub fn course(
     run: &Run,
     parameters: &Parameters,
-    names: &[String],
+    names: Option<&[String]>,
     output: &str,
     times: &[f64],
+    with_rate: bool,
 ) -> Result<Course, SimulationError> {
-    let column = columns(&run.block).into_iter().find(|column| column.name == output);
-    let Some(column) = column else { unreachable!("{output} is checked before") };
-    let varied: Option<Vec<Varied>> = names
-        .chunks(rocking_gradients::BATCH)
+    let quantity = Quantity::named(output, run);
+    let mut simulation = run.begin();
+    let start = simulation.time();
+    let mut piece = run.ground.piece_from(start);
+    let batches: Vec<&[String]> = match names {
+        // Without parameters a follower has the values alone.
+        Some([]) => vec![&[]],
+        Some(names) => names.chunks(rocking_gradients::BATCH).collect(),
+        None => Vec::new(),
+    };
+    let followed: Option<Vec<Follower>> = batches
+        .iter()
         .map(|names| {
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            Varied::with_respect_to(parameters, &run.block, &names)
+            let varied = Varied::with_respect_to(parameters, &run.block, &names)?;
+            Some(Follower::new(&simulation, varied, &piece.inputs))
         })
         .collect();
-    let Some(varied) = varied else { unreachable!("{names:?} are checked before") };
-    let mut simulation = run.begin();
-    let mut piece = run.ground.piece_from(simulation.time());
-    let start = simulation.time();
-    let mut followers: Vec<Follower> =
-        varied.into_iter().map(|varied| Follower::new(&simulation, varied, &piece.inputs)).collect();
-    let mut points = Vec::with_capacity(times.len());
-    for &time in times {
-        while simulation.time() < time && simulation.ending().is_none() {
-            let stop = piece.end.min(time);
-            advance(&mut simulation, &mut followers, stop, &piece.inputs)?;
+    let Some(mut followers) = followed else { unreachable!("{names:?} are checked before") };
+    let count = names.map_or(0, <[String]>::len);
+    let at_stop = |simulation: &Simulation, followers: &[Follower], inputs: &Inputs, is_held: bool| {
+        let row = run.row(simulation, inputs);
+        let seen = |row: &Row| match is_held {
+            true => quantity.column.value(&Row { observation: row.observation.without_motion(), ..*row }),
+            false => quantity.column.value(row),
+        };
+        let (mut derivatives, mut rate) = (vec![0.0; count], 0.0);
+        if simulation.ending().is_none() {
+            let mut rows: Vec<Vec<Row>> = vec![Vec::new(); count];
+            add_rows(&mut rows, followers, simulation, inputs, &row);
+            derivatives = rows.iter().map(|rows| finite(seen(&rows[0]))).collect();
+            if with_rate && !is_held {
+                let observation = simulation.observe_rates(inputs).map(|number: Dual64| number.eps);
+                rate = finite(quantity.of(observation, row.observation.slip_rate));
+            }
+        }
+        Point { value: seen(&row), rate, derivatives }
+    };
+    let mut next = times.partition_point(|time| *time < start);
+    let mut points = match next {
+        0 => Vec::new(),
+        held => vec![at_stop(&simulation, &followers, &piece.inputs, true); held],
+    };
+    points.resize(times.len(), Point { derivatives: vec![0.0; count], ..Point::default() });
+    let last = times.last().copied().unwrap_or(start);
+    while next < times.len() {
+        while simulation.time() < last && simulation.ending().is_none() {
+            let stop = piece.end.min(if followers.is_empty() { times[next] } else { last });
+            let ahead = &mut points[next..];
+            let mut take = |number: usize, follower: usize, sample: &Sample| {
+                quantity.take(sample, follower, with_rate, &mut ahead[number]);
+            };
+            next +=
+                advance_with_samples(&mut simulation, &mut followers, stop, &piece.inputs, &times[next..], &mut take)?;
             if stop == piece.end {
                 piece = run.ground.piece_after(&piece);
             }
-        }
-        let row = run.row(&simulation, &piece.inputs);
-        let is_held = time < start;
-        let value = |row: &Row| match is_held {
-            true => column.value(&Row { observation: row.observation.without_motion(), ..*row }),
-            false => column.value(row),
-        };
-        let (mut derivatives, mut change) = (vec![0.0; names.len()], 0.0);
-        if simulation.ending().is_none() {
-            let mut rows: Vec<Vec<Row>> = vec![Vec::new(); names.len()];
-            add_rows(&mut rows, &followers, &simulation, &piece.inputs, &row);
-            derivatives = rows.iter().map(|rows| finite(value(&rows[0]))).collect();
-            if !is_held {
-                change = finite(rate(&column, &simulation, &piece.inputs, &row));
+            if followers.is_empty() && simulation.time() >= times[next] {
+                break;
             }
         }
-        points.push(Point { value: value(&row), rate: change, derivatives });
+        points[next] = at_stop(&simulation, &followers, &piece.inputs, false);
+        next += 1;
     }
     let grazing = followers.iter().filter_map(Follower::grazing).map(|grazing| grazing.time).reduce(f64::min);
     Ok(Course { points, grazing, ended: simulation.ending().map(|(_, time)| time) })
 }
 
-/// The rate of a column along the motion.
-fn rate(column: &Column, simulation: &Simulation, inputs: &rocking_block::excitation::Inputs, row: &Row) -> f64 {
-    let observation = simulation.observe_rates(inputs).map(|number: Dual64| number.eps);
-    let slip = row.observation.slip_rate;
-    column.value(&Row { observation, energies: Energies::default(), slip, ground: [0.0; 2], ..*row })
+/// The measured quantity.
+struct Quantity {
+    column: Column,
+    /// The number of the state that it is, if it is one: it then needs no equations of motion.
+    state: Option<usize>,
+    /// A row in which the column is read.
+    row: Row,
+}
+
+impl Quantity {
+    fn named(output: &str, run: &Run) -> Quantity {
+        let column = columns(&run.block).into_iter().find(|column| column.name == output);
+        let Some(column) = column else { unreachable!("{output} is checked before") };
+        let state = ["theta", "theta_dot"].iter().position(|name| *name == output);
+        let simulation = run.begin();
+        let row = run.row(&simulation, &run.ground.piece_from(simulation.time()).inputs);
+        Quantity { column, state, row }
+    }
+
+    /// The column of an observation, and of the slip of its foot.
+    fn of(&self, observation: Observation<f64>, slip: f64) -> f64 {
+        self.column.value(&Row { observation, slip, ..self.row })
+    }
+
+    /// Adds a sample of a follower to a point.
+    fn take(&self, sample: &Sample, follower: usize, with_rate: bool, point: &mut Point) {
+        let batch = point.derivatives.chunks_mut(rocking_gradients::BATCH).nth(follower).unwrap_or_default();
+        if let Some(state) = self.state.filter(|state| !with_rate || *state == 0) {
+            let Number { re, eps } = sample.pose().state[state];
+            (point.value, point.rate) = (re, if with_rate { sample.pose().state[1].re } else { 0.0 });
+            batch.iter_mut().zip(eps).for_each(|(derivative, eps)| *derivative = finite(eps));
+            return;
+        }
+        let (seen, slip) = (sample.observe(), sample.slip());
+        point.value = self.of(seen.map(|number| number.re), slip.re);
+        for (i, derivative) in batch.iter_mut().enumerate() {
+            *derivative = finite(self.of(seen.map(|number| number.eps[i]), slip.eps[i]));
+        }
+        if with_rate && follower == 0 {
+            let along = sample.observe_along();
+            let change = self.of(along.map(|number| number.eps[0]), slip.eps[0] + seen.slip_rate.re);
+            point.rate = finite(change - self.of(seen.map(|number| number.eps[0]), slip.eps[0]));
+        }
+    }
 }
 
 fn finite(number: f64) -> f64 {

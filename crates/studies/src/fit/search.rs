@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::fit::evaluation::Evaluator;
-use crate::fit::least_squares::{Linearization, Minimum, minimize};
+use crate::fit::least_squares::{Minimum, minimize};
 use crate::fit::problem::FitError;
 use crate::fit::unknowns::first_start;
 use crate::statistics::sampling::LatinHypercube;
@@ -20,8 +20,8 @@ const FOLLOWED: usize = 3;
 /// Sum of squares over the least of a minimum that is not followed further.
 const HOPELESS: f64 = 2.0;
 
-/// Steps end where the next would gain this part of the variance of a residual; in the last part and before it.
-pub const TOLERANCE: [f64; 2] = [1e-6, 1.0];
+/// Steps end where the next would gain this part of the variance of a residual, for each of the [`PARTS`].
+pub const TOLERANCE: [f64; 2] = [1.0, 1e-6];
 
 /// The minima of several starts that the data tell apart, the best first.
 pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Result<Vec<Minimum>, FitError> {
@@ -35,7 +35,7 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     };
     let found: Vec<_> = (0..options.starts)
         .into_par_iter()
-        .map(|number| (start(number), evaluator.linearize(&start(number), &windows[0], false).map(|at| at.cost())))
+        .map(|number| (start(number), evaluator.rough_cost(&start(number), &windows[0])))
         .collect();
     let failure = found.iter().find_map(|(_, cost)| cost.clone().err().flatten());
     let mut starts: Vec<(DVector<f64>, f64)> =
@@ -45,40 +45,41 @@ pub fn search(evaluator: &Evaluator, progress: impl Fn(u64, u64) + Sync) -> Resu
     starts.truncate(FOLLOWED);
     let all = 2 + PARTS.len() as u64;
     progress(1, all);
-    let mut followed: Vec<Minimum> = Vec::new();
-    for (number, (window, part)) in windows.iter().zip(PARTS).enumerate() {
-        let tolerance = TOLERANCE[usize::from(part < 1.0)];
-        let from: Vec<DVector<f64>> = match number {
-            0 => starts.iter().map(|(at, _)| at.clone()).collect(),
-            _ => followed.iter().map(|minimum| minimum.point.clone()).collect(),
+    let mut from: Vec<DVector<f64>> = starts.into_iter().map(|(at, _)| at).collect();
+    let mut found = Vec::new();
+    for (number, (window, tolerance)) in windows.iter().zip(TOLERANCE).enumerate() {
+        let follow = |point: &DVector<f64>, known: Option<&Minimum>| {
+            let linearize = |at: &DVector<f64>| evaluator.linearize(at, window).ok();
+            let at = linearize(point)?;
+            let variance = |cost| evaluator.variance(cost, window);
+            Some(minimize(linearize, point.clone(), at, variance, tolerance, known))
         };
-        let next = from.into_par_iter().filter_map(|point| {
-            let linearize = |at: &DVector<f64>| evaluator.linearize(at, window, true).ok();
-            let at = linearize(&point)?;
-            Some(minimize(linearize, point, at, |cost| evaluator.variance(cost, window), tolerance))
-        });
-        followed = distinct(next.collect());
+        // The best start comes first, and ends others that lead to the same minimum.
+        let best = from.first().and_then(|point| follow(point, None));
+        let known = best.as_ref().filter(|best| best.is_converged);
+        let others: Vec<Option<Minimum>> = from.par_iter().skip(1).map(|point| follow(point, known)).collect();
+        found = distinct(best.into_iter().chain(others.into_iter().flatten()).collect());
+        from = found.iter().map(|minimum| minimum.point.clone()).collect();
         progress(2 + number as u64, all);
     }
-    if followed.is_empty() { Err(failure.unwrap_or(FitError::Starts)) } else { Ok(followed) }
+    if found.is_empty() { Err(failure.unwrap_or(FitError::Starts)) } else { Ok(found) }
 }
 
-/// The minima that the data tell apart and whose sums of squares are at most [`HOPELESS`] times the least, the best first.
+/// The minima that the data tell apart and whose sums of squares are at most [`HOPELESS`] times the least, the best first. A search that
+/// has not converged counts if no minimum is better.
 fn distinct(mut minima: Vec<Minimum>) -> Vec<Minimum> {
     minima.sort_by(|a, b| a.at.cost().total_cmp(&b.at.cost()));
     let least = minima.first().map_or(0.0, |best| best.at.cost());
-    minima.retain(|minimum| minimum.at.cost() <= HOPELESS * least);
+    let better = minima.iter().find(|minimum| minimum.is_converged).map(|minimum| minimum.at.cost());
+    minima.retain(|minimum| {
+        let cost = minimum.at.cost();
+        cost <= HOPELESS * least && (minimum.is_converged || better.is_none_or(|better| cost < better))
+    });
     let mut kept: Vec<Minimum> = Vec::new();
     for minimum in minima {
-        if kept.iter().all(|better| !are_alike(better, &minimum)) {
+        if kept.iter().all(|better| !better.is_alike(&minimum.point)) {
             kept.push(minimum);
         }
     }
     kept
-}
-
-/// Whether the linear model at one minimum changes little up to another.
-fn are_alike(one: &Minimum, other: &Minimum) -> bool {
-    let Linearization { jacobian, .. } = &one.at;
-    (jacobian * (&other.point - &one.point)).norm_squared() <= 0.01 * one.at.cost()
 }

@@ -5,5 +5,6 @@ mod cases;
 
 mod fit;
 mod lanes;
+mod planted;
 mod published;
 mod thresholds;
