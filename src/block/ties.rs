@@ -43,6 +43,7 @@ pub struct Ties<T = f64> {
 
 impl<T: From<f64> + Copy> Ties<T> {
     /// No tie.
+    #[inline(always)]
     pub fn none() -> Ties<T> {
         Ties { ties: [Tie::default().map(T::from); MOST_TIES], count: 0 }
     }
