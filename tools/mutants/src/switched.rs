@@ -48,6 +48,7 @@ const CALLED: &str = "#[inline(never)] ";
 /// The copy is optimized like a release and checked like the development profile.
 const CONFIG: &str = r#"[profile.dev.package]
 rocking-block = { opt-level = 3 }
+rocking-gradients = { opt-level = 3 }
 libm = { opt-level = 3 }
 nalgebra = { opt-level = 3 }
 "#;
@@ -280,6 +281,16 @@ impl<'ast> Visit<'ast> for Sites {
     fn visit_expr_unary(&mut self, i: &'ast syn::ExprUnary) {
         self.insert(bytes(&i.op).start, Genre::UnaryOperator, Site::Switched(Kind::Expression, bytes(i)));
         visit::visit_expr_unary(self, i);
+    }
+
+    fn visit_expr_match(&mut self, i: &'ast syn::ExprMatch) {
+        visit::visit_expr_match(self, i);
+        // cargo-mutants also deletes arms next to a wildcard with a guard, which leaves values unmatched.
+        if !i.arms.iter().any(|arm| matches!(arm.pat, Pat::Wild(_))) {
+            for arm in &i.arms {
+                self.insert(bytes(arm).start, Genre::MatchArm, Site::Refused(Outcome::DoesNotCompile));
+            }
+        }
     }
 
     fn visit_arm(&mut self, i: &'ast syn::Arm) {

@@ -68,10 +68,11 @@ pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Re
     let wanted: BTreeSet<&str> = tests.iter().map(|test| test.split("::").next().unwrap_or(test)).collect();
     let fmus = wanted.contains("abi") || wanted.contains("fmi3");
     let mut command = cargo(folder, &out.join(if fmus { "with-fmus" } else { "without-fmus" }), !fmus)?;
-    command.args(["test", "--no-run", "--features", "fmu,lanes"]);
+    command.args(["test", "--no-run", "--features", "fmu,lanes", "--package=rocking-block"]);
     for test in &wanted {
         match *test {
             "lib" => command.arg("--lib"),
+            "gradients" => command.args(["--package=rocking-gradients", "--test=gradients"]),
             test => command.args(["--test", test]),
         };
     }
@@ -98,13 +99,13 @@ pub fn build(folder: &Path, out: &Path, tests: &[String], skip: &[String]) -> Re
     Ok(programs)
 }
 
-/// Returns the modules of a program's tests, or one `None` if it has tests outside of modules or is the library.
+/// Returns the modules of a program's tests, none if it has no tests, or one `None` if some are outside of modules or it is the library.
 fn modules(name: &str, path: &str) -> Result<BTreeSet<Option<String>>, String> {
     let listed = Command::new(path).args(["--list", "--format=terse"]).output().map_err(|e| format!("{path}: {e}"))?;
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
     let modules: Option<BTreeSet<_>> =
         listed.lines().map(|line| line.split_once("::").map(|(module, _)| Some(module.to_string()))).collect();
-    Ok(modules.filter(|_| name != "lib").unwrap_or_else(|| BTreeSet::from([None])))
+    Ok(modules.filter(|modules| name != "lib" || modules.is_empty()).unwrap_or_else(|| BTreeSet::from([None])))
 }
 
 /// Returns a cargo command in the copy, with its own target folder: the build script depends on whether FMUs are packed.
