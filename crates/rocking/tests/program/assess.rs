@@ -52,13 +52,23 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&stdout(folder, &[arguments, &["--json"]].concat())).unwrap()
 }
 
-/// The runs of a study in which some text is replaced, compared with overturning.
-fn overturned(folder: &Path, replaced: &str, by: &str) -> u64 {
-    assert!(STUDY.contains(replaced));
-    fs::write(folder.join("other.toml"), STUDY.replace(replaced, by)).unwrap();
+/// The runs of the study with another p and one more line at the end of its parameters, where it leaves the samples of the others.
+fn swept(folder: &Path, p: f64, line: &str) -> Table {
+    let study = STUDY.replace("p = 2.2", &format!("p = {p}")).replace("[[records]]", &format!("{line}\n[[records]]"));
+    fs::write(folder.join("other.toml"), study).unwrap();
     stdout(folder, &["sweep", "other.toml", "--csv", "other.csv", "--force"]);
-    let table = Table::read(&folder.join("other.csv"));
+    Table::read(&folder.join("other.csv"))
+}
+
+fn overturned(table: &Table) -> u64 {
     (0..table.rows.len()).filter(|&row| table.get(row, "outcome") == "overturned").count() as u64
+}
+
+/// The slips of all runs, the least first.
+fn slips(table: &Table) -> Vec<f64> {
+    let mut slips = table.column("peak.slip");
+    slips.sort_by(f64::total_cmp);
+    slips
 }
 
 #[test]
@@ -99,23 +109,43 @@ fn variants_and_ends_of_ranges_are_sweeps_of_their_own() {
     let folder = folder(ASSESS);
     let folder = folder.path();
     let report = json(folder, &["assess", "study.toml", "--out", "report"]);
-    let plain = overturned(folder, "p = 2.2", "p = 2.2");
+    let plain = overturned(&swept(folder, 2.2, ""));
     assert_eq!(report["variants"][0]["runs"]["exceeded"], plain);
-    let sliding = overturned(folder, "p = 2.2", "p = 2.2\nfriction = 0.12");
+    let slid = swept(folder, 2.2, "friction = 0.12");
+    let sliding = overturned(&slid);
     assert_eq!(report["variants"][1]["runs"]["exceeded"], sliding);
     assert!(sliding < plain, "{sliding} of {plain}");
-    for (end, p) in [(0, "p = 2"), (1, "p = 2.4")] {
-        assert_eq!(report["sensitivity"][0]["ends"][end]["runs"]["exceeded"], overturned(folder, "p = 2.2", p));
+    for (end, p) in [(0, 2.0), (1, 2.4)] {
+        assert_eq!(report["sensitivity"][0]["ends"][end]["runs"]["exceeded"], overturned(&swept(folder, p, "")));
     }
     let table = Table::read(&folder.join("report/variants.csv"));
     assert_eq!(table.rows.len(), 5);
     assert_eq!(table.number(1, "exceeded"), sliding as f64);
     let slip = report["variants"][1]["peak_slip"].as_f64().unwrap();
     assert_eq!(table.number(1, "peak.slip"), slip);
-    assert!(slip > 0.0);
+    assert_eq!(slip, *slips(&slid).last().unwrap());
     // tan α = b/h grows with the base.
     let alphas = [0, 2].map(|variant| report["variants"][variant]["alpha"].as_f64().unwrap().tan());
     assert!((alphas[1] / alphas[0] - 1.1).abs() < 1e-14);
+}
+
+/// Blocks with limited friction are sweeps with that coefficient.
+#[test]
+fn the_slip_is_that_of_sweeps_with_friction() {
+    let folder = folder(ASSESS);
+    let folder = folder.path();
+    let report = json(folder, &["assess", "study.toml", "--out", "report"]);
+    let found = report["sliding"].as_array().unwrap();
+    assert_eq!(found.iter().map(|found| found["friction"].as_f64().unwrap()).collect::<Vec<_>>(), [0.3, 0.5, 0.7]);
+    for found in found {
+        let table = swept(folder, 2.2, &format!("friction = {}", found["friction"]));
+        assert_eq!(found["runs"]["exceeded"], overturned(&table));
+        let slips = slips(&table);
+        let [below, above] = [slips.len() / 2 - 1, slips.len() / 2].map(|middle| slips[middle]);
+        assert_eq!(found["median_slip"].as_f64(), Some(0.5 * (below + above)));
+        assert_eq!(found["greatest_slip"].as_f64(), slips.last().copied());
+        assert_eq!(found["slid"], slips.iter().filter(|&&slip| slip > 1e-3).count());
+    }
 }
 
 #[test]
@@ -156,6 +186,14 @@ fn studies_that_cannot_be_assessed_are_refused_with_their_line() {
         (
             "[assess]\ntitle = \"a\"\nim = \"PGA\"\nhazard = { file = \"hazard.csv\" }\n",
             &["study.toml:16: hazard.csv: found a hazard curve of PGV; expected one of PGA"],
+        ),
+        (
+            "[assess]\ntitle = \"a\"\nhazard = { file = \"hazard.csv\", unit = \"in/s\" }\n",
+            &["study.toml:15: hazard.csv: found levels in in/s; expected those of PGV [m/s]"],
+        ),
+        (
+            "[assess]\ntitle = \"a\"\nvariants = [{ name = \"b\", parameters = { eta = 20 } }]\n",
+            &["study.toml:15: b: no block of the study reads it; expected foundation = Viscoelastic"],
         ),
         (
             "[assess]\ntitle = \"a\"\nsensitivity = { eta = [20, 80] }\n",
