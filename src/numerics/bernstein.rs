@@ -266,6 +266,9 @@ mod tests {
             for at in samples {
                 let exact = value(&powers, at);
                 prop_assert!((form.at(at) - exact).abs() < 1e-13);
+                let terms = || powers.iter().enumerate().map(|(k, power)| (k as i32, power));
+                let slope: f64 = terms().map(|(k, power)| f64::from(k) * power * at.powi(k - 1)).skip(1).sum();
+                prop_assert!((form.slope(at)[0] - slope).abs() < 1e-12);
                 prop_assert!(least - 1e-13 <= exact && exact <= most + 1e-13, "{} beyond {} to {}", exact, least, most);
                 let half = if at < 0.5 { halves[0] } else { halves[1] };
                 prop_assert!(!half.stays_above(exact + 1e-13, 0), "{} below the bounds of its half", exact);
@@ -275,6 +278,20 @@ mod tests {
             let found = form.highest(f64::NEG_INFINITY).map_or(ends, |place| form.at(place));
             prop_assert!(found >= greatest - 1e-13 && found <= greatest + 1e-5, "{} instead of {}", found, greatest);
             prop_assert_eq!(form.highest(greatest + 1e-5), None);
+        }
+
+        /// Zeros with a sixteenth of the interval between them are told apart, and so are maxima.
+        #[test]
+        fn separate_zeros_and_maxima_are_found(first in 0.01..0.9_f64, apart in 0.07..2.0_f64, c in 0.15..0.85_f64) {
+            let zeros = [first, first + apart];
+            let form = Bernstein::of(&[zeros[0] * zeros[1], -zeros[0] - zeros[1], 1.0]);
+            let Zero::At(found) = form.zero() else { return Err(TestCaseError::fail(format!("{:?}", form.zero()))) };
+            prop_assert!((found - first).abs() < 1e-14, "{} instead of {}", found, first);
+            // 1 − q² has maxima at the zeros c ± 0.1 of q = τ² + q₁ τ + q₀.
+            let (q0, q1) = (c * c - 0.01, -2.0 * c);
+            let form = Bernstein::of(&[1.0 - q0 * q0, -2.0 * q0 * q1, -2.0 * q0 - q1 * q1, -2.0 * q1, -1.0]);
+            let place = form.highest(0.0).unwrap_or_default();
+            prop_assert!(((place - c).abs() - 0.1).abs() < 1e-6, "{} instead of {} ± 0.1", place, c);
         }
 
         /// Polynomials with known zeros change their sign as often, or more often by an even number.
@@ -299,6 +316,18 @@ mod tests {
                 Zero::None => prop_assert_eq!(inside, 0),
                 Zero::At(place) => prop_assert!((place - first).abs() < 1e-6, "{} instead of {}", place, first),
                 Zero::Unclear => prop_assert!(zeros.len() > 1),
+            }
+        }
+    }
+    /// Halvings bring the lowest coefficient of `(τ − 1/3)² + d`, `(l − 1/3)(h − 1/3) + d` on the part from l to h around 1/3, up
+    /// from d − 2/9 to d − 1/18, d − 1/72 and d − 1/288.
+    #[test]
+    fn halves_have_closer_bounds() {
+        let third = 1.0 / 3.0;
+        for (d, enough) in [(0.23, 0), (0.1, 1), (0.05, 2), (0.01, 3)] {
+            let form = Bernstein::of(&[third * third + d, -2.0 * third, 1.0]);
+            for halvings in 0..4 {
+                assert_eq!(form.stays_above(0.0, halvings), halvings >= enough, "d = {d} after {halvings} halvings");
             }
         }
     }

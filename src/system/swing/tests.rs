@@ -39,7 +39,8 @@ prop_compose! {
     /// A block that tilts about a corner, under ground motion in both directions, a moment, and maybe a pulse.
     fn case()(
         (alpha, p, gamma, uneven) in (0.05..0.6_f64, 0.5..5.0_f64, 1.0..4.0_f64, -0.8..0.8_f64),
-        (left, theta, theta_dot, size) in (any::<bool>(), 0.0..1.5_f64, -1.0..1.0_f64, 0.001..1.0_f64),
+        (theta, theta_dot) in (prop_oneof![3 => 0.0..1.5_f64, 1 => Just(0.0)], prop_oneof![3 => -1.0..1.0_f64, 1 => Just(0.0)]),
+        (left, size) in (any::<bool>(), 0.001..1.0_f64),
         ramps in prop::array::uniform6(-1.0..1.0_f64),
         (shape, period, amplitude) in (0..3_usize, 0.3..2.0_f64, -6.0..6.0_f64),
     ) -> Case {
@@ -106,6 +107,7 @@ proptest! {
         let (swing, away) = (case.swing(1e-10), -case.corner.sign());
         let bounds = swing.bounds(&case.block, case.corner);
         let (found, quarter) = (swing.first_landing(case.corner), swing.quarter_turn(case.corner));
+        prop_assert_ne!(quarter, Zero::Unclear);
         let landing = match bounds.is_certain {
             true if bounds.last < 0.0 => Zero::At(swing.landing()),
             true => Zero::None,
@@ -162,4 +164,34 @@ fn the_order_follows_the_tolerance() {
     assert!(orders.windows(2).all(|pair| pair[0] < pair[1]), "{orders:?}");
     let (order, size) = of(2.0, 1e-12);
     assert!(order == ORDER && size < 0.9, "{order}, {size} s");
+    // Of a swing that is shortened, no more than necessary.
+    let (_, kept) = of(0.95 * size, 1e-12);
+    let (_, again) = of(1.05 * size, 1e-12);
+    assert!(kept == 0.95 * size && again < 1.05 * size, "{size} s, {kept} s and {again} s");
+}
+
+/// Bounds tell without a search whether a block that rocks freely lands, and whether it turns round.
+#[test]
+fn free_swings_are_certain() {
+    let numbers = Dimensionless { alpha: 0.25, p: 1.0, eta: 40.0, xi_v: 0.1 };
+    let common = Common { foundation: Foundation::Rigid, ..Common::default() };
+    let block = Block::from_dimensionless(&numbers, &common).unwrap();
+    let excitation = Excitation::none();
+    // θ̈ is −0.15 rad/s² at θ = 0.1 rad.
+    for (theta, theta_dot, longest, lands, turns) in [
+        (0.0, 0.05, 1.0, true, true),
+        (0.0, 0.1, 0.3, false, false),
+        (0.1, 0.05, 0.3, false, false),
+        (0.1, 0.05, 0.36, false, true),
+        (0.1, -0.3, 0.2, false, false),
+        (0.02, -0.1, 0.25, true, false),
+    ] {
+        for corner in Corner::BOTH {
+            let start = [0.0, -corner.sign() * theta, -corner.sign() * theta_dot];
+            let swing = Swing::of(&block, corner, &excitation, start, longest, 1e-10);
+            let bounds = swing.bounds(&block, corner);
+            assert!(bounds.is_certain, "{theta}, {theta_dot}: {bounds:?}");
+            assert_eq!((bounds.last < 0.0, !bounds.is_monotone), (lands, turns), "{theta}, {theta_dot}: {bounds:?}");
+        }
+    }
 }
