@@ -141,7 +141,6 @@ fn each_peak_is_found_independently() {
     let shear = 0.5 * weight * block.b / block.h;
     let pulse = Pulse { start: 1.0, ..one_sine(shear / block.mass, 0.6) };
     let exact = [0.5 * weight + 0.5 * shear * block.h / block.b, shear, shear / weight];
-    // Horizontal loads, with their moments about the base cancelled, and vertical ones: ramps to these values.
     let loads = [
         [(0.0, weight - 2.0 * 0.99 * exact[0]), (10.0 * shear, 0.0)],
         [(0.99 * shear, -10.0 * weight), (0.5 * shear, 0.95 * weight)],
@@ -149,20 +148,13 @@ fn each_peak_is_found_independently() {
     ];
     for (looked_for, loads) in loads.into_iter().enumerate() {
         let mut simulation = start(block, pulse, Initial::default(), 1e-8);
-        for (time, (f_x, f_z)) in [0.0, 0.5].into_iter().zip(loads) {
-            let grows = |to: f64| Ramp { value: 0.0, rate: to / 0.5 };
-            let inputs =
-                Inputs { time, f_x: grows(f_x), f_z: grows(f_z), m_y: grows(-f_x * block.h), ..Inputs::default() };
-            simulation.advance(time + 0.5, &inputs, &mut |event| panic!("{event}")).unwrap();
+        for forces in loads {
+            load(&mut simulation, forces);
         }
-        let peaks = |simulation: &Simulation| {
-            let Peaks { reaction, horizontal, friction_demand, .. } = simulation.peaks();
-            [reaction, horizontal, friction_demand]
-        };
-        let before = peaks(&simulation);
+        let before = forces(&simulation);
         // Three steps of nearly 2 rad; none ends at a quarter of the period.
         go(&mut simulation, pulse.start + 5.9 * pulse.period / std::f64::consts::TAU);
-        for (i, (before, after)) in before.into_iter().zip(peaks(&simulation)).enumerate() {
+        for (i, (before, after)) in before.into_iter().zip(forces(&simulation)).enumerate() {
             if i == looked_for {
                 assert!((before / exact[i] - 0.99).abs() < 1e-9, "{i}: {before}, {}", exact[i]);
                 assert!((after / exact[i] - 1.0).abs() < 1e-9, "{i}: {after}, {}", exact[i]);
@@ -171,6 +163,57 @@ fn each_peak_is_found_independently() {
             }
         }
     }
+}
+
+/// In a block that rocks under one sine, too: at each stop of the first arc, before and after the force peaks, the peak is the
+/// greatest value so far. Loads have raised the other two far above.
+#[test]
+fn each_peak_of_a_swing_is_found_independently() {
+    let block = rigid(0.25, 1.0, 0.0);
+    let weight = block.mass * block.gravity;
+    let shear = weight * block.b / block.h;
+    let pulse = Pulse { start: 1.0, ..one_sine(5.0, 1.25) };
+    let loads: [&[(f64, f64)]; 3] = [
+        &[(10.0 * shear, 0.0)],
+        &[(0.0, -10.0 * weight), (0.5 * shear, 0.95 * weight)],
+        &[(10.0 * shear, -100.0 * weight)],
+    ];
+    for (looked_for, loads) in loads.into_iter().enumerate() {
+        let mut long = start(block, pulse, Initial::default(), 1e-10);
+        for &forces in loads {
+            load(&mut long, forces);
+        }
+        let (mut short, before, mut greatest) = (long.clone(), forces(&long), 0.0);
+        for stop in [1.15, 1.28, 1.6] {
+            go(&mut long, stop);
+            while short.time() < stop {
+                let next = f64::min(short.time() + 1e-4, stop);
+                go(&mut short, next);
+                let x = seen(&short);
+                greatest = f64::max(greatest, [x.reaction[0], x.horizontal.abs(), x.friction_demand][looked_for]);
+            }
+            let found = forces(&long);
+            let excess = found[looked_for] / greatest - 1.0;
+            assert!((-1e-9..1e-6).contains(&excess), "{looked_for} at {stop} s: {found:?}, from samples {greatest}");
+            for i in (0..3).filter(|&i| i != looked_for) {
+                assert!(found[i] == before[i], "{i} at {stop} s: {found:?}, before {before:?}");
+            }
+        }
+    }
+}
+
+/// Loads a block at rest for half a second by forces that grow to these; their moment about the base is cancelled.
+fn load(simulation: &mut Simulation, (f_x, f_z): (f64, f64)) {
+    let (time, h) = (simulation.time(), simulation.block().h);
+    let grows = |to: f64| Ramp { value: 0.0, rate: to / 0.5 };
+    let inputs = Inputs { time, f_x: grows(f_x), f_z: grows(f_z), m_y: grows(-f_x * h), ..Inputs::default() };
+    simulation.advance(time + 0.5, &inputs, &mut |event| panic!("{event}")).unwrap();
+}
+
+/// The peaks of N, H and the friction demand.
+fn forces(simulation: &Simulation) -> [f64; 3] {
+    let Peaks { reaction, horizontal, friction_demand, .. } = simulation.peaks();
+    [reaction, horizontal, friction_demand]
 }
 
 /// The greater of two zeros with different signs is the first, on every processor.
