@@ -1,5 +1,7 @@
 //! Separation, sliding, flight and landing, compared with closed forms and an independent integration.
 
+use std::f64::consts::FRAC_PI_2;
+
 use rocking_block::block::{Block, Corner, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Progress, Simulation};
@@ -223,6 +225,24 @@ fn a_block_that_topples_is_overturned_where_it_leaves_the_base() {
             assert!((theta - 0.2).cos() < 0.34, "{progress:?} at {theta}");
         }
     }
+}
+
+/// A moment −m that slows a toppling block keeps it on its corner to the quarter turn, where it is overturned:
+/// `⅔ R0² (θ̇² − θ̇0²) = g R0 [cos(θ0 − α) − sin α] − m (π/2 − θ0)`.
+#[test]
+fn a_block_that_is_lowered_overturns_at_the_quarter_turn() {
+    let block = block(0.25, 1.0, 0.0);
+    let (theta, theta_dot, m) = (0.75, (0.09 * G / block.r0).sqrt(), 0.72 * G * block.r0);
+    let initial = Initial { theta, theta_dot, ..Initial::default() };
+    let inputs = Inputs { m_y: Ramp::held(-block.mass * m), ..Inputs::default() };
+    let mut simulation = start(block, OnSeparation::Terminate, Pulse::NONE, &initial, &inputs);
+    let progress = simulation.advance(60.0, &inputs, &mut |_| ()).unwrap();
+    let Progress::Ended(Ending::Overturned, _) = progress else { panic!("{progress:?}") };
+    let now = simulation.observe(&inputs);
+    close(now.theta, FRAC_PI_2, 1.0);
+    let work = G * block.r0 * ((theta - block.alpha).cos() - block.alpha.sin()) - m * (FRAC_PI_2 - theta);
+    let exact = (theta_dot * theta_dot + 1.5 * work / (block.r0 * block.r0)).sqrt();
+    assert!((now.theta_dot / exact - 1.0).abs() < 1e-9, "{} instead of {exact} rad/s", now.theta_dot);
 }
 
 /// Events and motion do not depend on the communication steps.
