@@ -6,6 +6,7 @@
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::numbers::Numbers;
+#[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
 use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, State};
 
@@ -164,6 +165,7 @@ pub fn follow<T: Scalar, const N: usize>(
     end
 }
 
+#[cfg(feature = "lanes")]
 impl<V: Simd, const N: usize> Step<Wide<V>, N> {
     /// Returns the step of one lane.
     #[inline(always)]
