@@ -57,7 +57,7 @@ fn intervals_contain_the_truth() {
 /// a row at each measured time, and one without them, for 100 values at most, less (docs/fit.md).
 #[test]
 fn a_fit_takes_few_runs() {
-    for (planted, without, most) in [(rigid(), 13, 35), (supports(), 32, 64)] {
+    for (planted, without, most) in [(rigid(), 13, 29), (supports(), 32, 44)] {
         for seed in 1..=4 {
             let found = fitted(&planted.problem(planted.measured(seed)));
             assert!(found.runs[0] <= without && found.runs[1] <= most, "{seed}: {:?}", found.runs);
