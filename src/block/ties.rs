@@ -45,7 +45,11 @@ impl<T: From<f64> + Copy> Ties<T> {
     /// No tie.
     #[inline(always)]
     pub fn none() -> Ties<T> {
-        Ties { ties: [Tie::default().map(T::from); MOST_TIES], count: 0 }
+        let zero = T::from(0.0);
+        // In full, since the lanes would not inline functions that take others.
+        let (ends, [stiffness, pretension, slack, damping, strength]) = ([zero; 2], [zero; 5]);
+        let none = Tie { block: ends, ground: ends, stiffness, pretension, slack, damping, strength };
+        Ties { ties: [none; MOST_TIES], count: 0 }
     }
 
     /// These ties, which are not checked; none beyond [`MOST_TIES`].

@@ -131,9 +131,20 @@ fn increment<R: Scalar, const N: usize, const STAGES: usize>(k: &[State<R, N>; S
 }
 
 /// State at the end of a step that is known to be accurate, in numbers with derivatives; the values have the bits of [`Step::attempt`].
-/// The states at these times inside the step go to `seen` by the dense output.
 #[inline(always)]
 pub fn follow<T: Scalar, const N: usize>(
+    time: f64,
+    size: f64,
+    start: State<T, N>,
+    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
+) -> State<T, N> {
+    let k = followed::<_, N, 12>(time, size, start, rate);
+    start + increment!(k, 12) * size
+}
+
+/// The same; the states at these times inside the step go to `seen` by the dense output.
+#[inline(always)]
+pub fn follow_inside<T: Scalar, const N: usize>(
     time: f64,
     size: f64,
     start: State<T, N>,
@@ -141,28 +152,38 @@ pub fn follow<T: Scalar, const N: usize>(
     inside: &[f64],
     seen: &mut dyn FnMut(f64, State<T, N>),
 ) -> State<T, N> {
-    let mut k = [State::zeros(); 16];
+    let mut k = followed::<_, N, 16>(time, size, start, &rate);
+    let end = start + increment!(k, 12) * size;
+    k[12] = rate(time + size, end);
+    for stage in 13..16 {
+        let increment = match stage {
+            13 => increment!(k, 13),
+            14 => increment!(k, 14),
+            _ => increment!(k, 15),
+        };
+        k[stage] = rate(time + size * NODES[stage], start + increment * size);
+    }
+    let polynomial = polynomial(start, end - start, size, &k);
+    for &at in inside {
+        seen(at, evaluate(&polynomial, (at - time) / size));
+    }
+    end
+}
+
+/// The first twelve stages, in an array with room for those of the dense output or without.
+#[inline(always)]
+fn followed<T: Scalar, const N: usize, const STAGES: usize>(
+    time: f64,
+    size: f64,
+    start: State<T, N>,
+    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
+) -> [State<T, N>; STAGES] {
+    let mut k = [State::zeros(); STAGES];
     k[0] = rate(time, start);
     for stage in 1..12 {
         k[stage] = rate(time + size * NODES[stage], start + increment(&k, stage) * size);
     }
-    let end = start + increment!(k, 12) * size;
-    if !inside.is_empty() {
-        k[12] = rate(time + size, end);
-        for stage in 13..16 {
-            let increment = match stage {
-                13 => increment!(k, 13),
-                14 => increment!(k, 14),
-                _ => increment!(k, 15),
-            };
-            k[stage] = rate(time + size * NODES[stage], start + increment * size);
-        }
-        let polynomial = polynomial(start, end - start, size, &k);
-        for &at in inside {
-            seen(at, evaluate(&polynomial, (at - time) / size));
-        }
-    }
-    end
+    k
 }
 
 #[cfg(feature = "lanes")]

@@ -211,7 +211,13 @@ fn by_step<const N: usize, T: Elementary>(
     inside: &[f64],
     seen: &mut dyn FnMut(f64, State<T, N>),
 ) -> State<T, N> {
-    dop853::follow(start, size, state, |time, state| equations.state_rate(time, &state), inside, seen)
+    let rate = |time, state| equations.state_rate(time, &state);
+    // Without samples no room is cleared for the dense output.
+    if inside.is_empty() {
+        dop853::follow(start, size, state, rate)
+    } else {
+        dop853::follow_inside(start, size, state, rate, inside, seen)
+    }
 }
 
 /// A right-hand side without the quadratures.
