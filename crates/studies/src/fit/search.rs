@@ -20,7 +20,7 @@ const FOLLOWED: usize = 3;
 /// Sum of squares over the least of a minimum that is not followed further.
 const HOPELESS: f64 = 2.0;
 
-/// Steps end where the next would gain this part of the variance of a residual, for each of the [`PARTS`].
+/// Steps end where the next would gain this part of the variance of a residual, for each part of the tests.
 pub const TOLERANCE: [f64; 2] = [1.0, 1e-6];
 
 /// The minima of several starts that the data tell apart, the best first.
