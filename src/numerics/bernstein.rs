@@ -280,7 +280,7 @@ mod tests {
             prop_assert_eq!(form.highest(greatest + 1e-5), None);
         }
 
-        /// Zeros with a sixteenth of the interval between them are told apart, and so are maxima.
+        /// The first of two zeros is found if they are at least a sixteenth of the interval apart, and one of two such maxima.
         #[test]
         fn separate_zeros_and_maxima_are_found(first in 0.01..0.9_f64, apart in 0.07..2.0_f64, c in 0.15..0.85_f64) {
             let zeros = [first, first + apart];
