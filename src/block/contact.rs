@@ -100,6 +100,19 @@ pub enum Contact<T = f64> {
     Lifted(Creep<T>),
 }
 
+impl<T> Contact<T> {
+    /// The same in other numbers.
+    #[cfg(feature = "lanes")]
+    pub fn map<U>(self, number: impl Fn(T) -> U) -> Contact<U> {
+        let creep = |Creep { depth, since }| Creep { depth: number(depth), since: number(since) };
+        match self {
+            Contact::Bearing => Contact::Bearing,
+            Contact::Held(at) => Contact::Held(creep(at)),
+            Contact::Lifted(at) => Contact::Lifted(creep(at)),
+        }
+    }
+}
+
 /// The contacts of both corners.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contacts<T = f64>([Contact<T>; 2]);
@@ -118,6 +131,12 @@ impl<T: Elementary> Contacts<T> {
     #[inline]
     pub fn of(&self, corner: Corner) -> Contact<T> {
         self.0[corner.index()]
+    }
+
+    /// The same, to change it.
+    #[inline]
+    pub fn of_mut(&mut self, corner: Corner) -> &mut Contact<T> {
+        &mut self.0[corner.index()]
     }
 
     /// Sets the contact of a corner.

@@ -8,7 +8,8 @@ use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Pulse};
 use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
 use crate::numerics::gradient::Gradient;
-use crate::numerics::scalar::Elementary;
+use crate::numerics::scalar::{Elementary, Scalar};
+use crate::numerics::wide::{PlainTask, vectorized};
 use crate::numerics::{State, short};
 use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::stepping::{MOST_STEPS, StepStart};
@@ -16,7 +17,7 @@ use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::System;
 use crate::system::evaluation::Motion;
 use crate::system::events::Surface;
-use crate::system::instant::Pose;
+use crate::system::instant::{Footing, Pose};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 use crate::system::swing::Swing;
 
@@ -36,6 +37,17 @@ pub enum Course {
     Rested,
 }
 
+/// The motion falls through a surface at the end of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Fall {
+    /// The surface.
+    pub surface: Surface,
+    /// Rate of its function (1/s of its unit).
+    pub rate: f64,
+    /// Whether the function hardly falls below zero before it rises again: a neighbouring run has no such event.
+    pub grazes: bool,
+}
+
 /// A run that goes to a stop one step at a time. It has the bits of [`Simulation::advance`].
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
@@ -52,13 +64,13 @@ impl Steps {
         Steps { stop, begins: true, budget: MOST_STEPS, course: Course::Stayed }
     }
 
-    /// Takes the next step under these inputs, and returns its course and the surface through which the motion falls at its end.
-    /// [`Simulation::settle`] applies that event. None if the run has reached the stop, or has ended.
+    /// Takes the next step under these inputs, and returns its course and the fall at its end. [`Simulation::settle`] applies that
+    /// event. None if the run has reached the stop, or has ended.
     pub fn next(
         &mut self,
         simulation: &mut Simulation,
         inputs: &Inputs,
-    ) -> Result<Option<(&Course, Option<Surface>)>, SimulationError> {
+    ) -> Result<Option<(&Course, Option<Fall>)>, SimulationError> {
         let (time, counts) = (simulation.pose.time, simulation.counts);
         if time >= self.stop || simulation.ending.is_some() {
             return Ok(None);
@@ -78,18 +90,19 @@ impl Steps {
         };
         simulation.steps(&piece, start, None, &mut self.budget, &mut |_| ())?;
         let evaluations = simulation.counts.evaluations - counts.evaluations;
-        self.course = if simulation.pose.time == time {
-            Course::Stayed
-        } else if let Some(swing) = swing.take() {
-            Course::Swing(swing)
+        if simulation.pose.time == time {
+            self.course = Course::Stayed;
+        } else if let Some(swing) = swing.into_inner() {
+            self.course = Course::Swing(swing);
         } else if simulation.counts.steps == counts.steps {
-            Course::Rested
+            self.course = Course::Rested;
         } else if evaluations < EVALUATIONS_PER_STEP {
-            Course::ShortStep
+            self.course = Course::ShortStep;
         } else {
-            Course::Step
-        };
-        Ok(Some((&self.course, simulation.pending.map(|Pending { surface, .. }| surface))))
+            self.course = Course::Step;
+        }
+        let fall = simulation.pending.map(|Pending { surface, .. }| simulation.fall(surface, &excitation));
+        Ok(Some((&self.course, fall)))
     }
 }
 
@@ -99,6 +112,32 @@ impl Simulation {
         if self.ending.is_none() || self.is_frozen() {
             self.pose.time = until;
         }
+    }
+
+    /// The fall through a surface now.
+    fn fall(&self, surface: Surface, excitation: &Excitation) -> Fall {
+        // Depth of the dip of an event that grazes, in units of the round-off of a zero, which is 1e-13 of the largest term.
+        const DEPTH: f64 = 1e4;
+        // Part of the fastest period over which the rate is compared.
+        const NEAR: f64 = 1e-4;
+        let block = &self.system.block;
+        let rate = |pose: &Pose| {
+            let now = Motion::from_pose(block, pose, excitation).at(pose.time, pose.state);
+            (surface.sample(&now).rate, now)
+        };
+        let (first, now) = rate(&self.pose);
+        let duration = NEAR / block.omega_v.max(block.p);
+        let x = &now.instant;
+        let mut later = self.pose;
+        later.time += duration;
+        later.state = later.state + now.rate.state * duration;
+        if let Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } = &mut later.footing {
+            (*u, *u_dot) = (*u + x.u_dot * duration, *u_dot + x.u_ddot * duration);
+        }
+        let curvature = (rate(&later).0 - first) / duration;
+        // It falls as `first t + curvature t²/2`.
+        let is_shallow = curvature > 0.0 && first * first <= 2.0 * curvature * DEPTH * surface.rounding(block);
+        Fall { surface, rate: first, grazes: first >= 0.0 || is_shallow }
     }
 
     /// The block now.
@@ -128,7 +167,8 @@ pub struct Samples<'a, T> {
     pub seen: &'a mut dyn FnMut(&Pose<T>),
 }
 
-/// The block at `end` (s) and at the times of the samples, in numbers with derivatives, by the formulas of the run's step from `pose`.
+/// State and footing at `end` (s), and the block at the times of the samples, in numbers with derivatives, by the formulas of the run's step
+/// from `pose`.
 pub fn repeat_step<const D: usize>(
     block: &Block<Gradient<D>>,
     pose: &Pose<Gradient<D>>,
@@ -136,18 +176,20 @@ pub fn repeat_step<const D: usize>(
     course: &Course,
     end: f64,
     samples: Samples<Gradient<D>>,
-) -> Pose<Gradient<D>> {
+) -> (State<Gradient<D>>, Footing<Gradient<D>>) {
     let law = AnyLaw::of(block, pose);
     if let (Course::Swing(swing), Some(corner)) = (course, law.regime().pivot()) {
         let [theta, theta_dot, ..] = pose.state.0;
         let tangents = swing.tangents(block, corner, excitation, [pose.time, theta, theta_dot]);
-        let at = |time: f64| {
+        let state = |time: f64| {
             let [theta, theta_dot] = tangents.at((time - pose.time.re) / swing.size);
             let zero = Gradient::from(0.0);
-            Pose { time: time.into(), state: [theta, theta_dot, zero, zero].into(), ..*pose }
+            State::from([theta, theta_dot, zero, zero])
         };
-        samples.times.iter().for_each(|&time| (samples.seen)(&at(time)));
-        return at(end);
+        for &time in samples.times {
+            (samples.seen)(&Pose { time: time.into(), state: state(time), ..*pose });
+        }
+        return (state(end), pose.footing);
     }
     match law.extended() {
         Some(_) => repeat_under::<EXTENDED, _, _>(law, block, pose, excitation, course, end, samples),
@@ -163,31 +205,66 @@ fn repeat_under<const N: usize, L: Law, T: Elementary>(
     course: &Course,
     end: f64,
     Samples { times, seen }: Samples<T>,
-) -> Pose<T>
+) -> (State<T>, Footing<T>)
 where
     for<'a> Motion<'a, L, N, T>: StateRate<T, N>,
 {
     let motion = Motion::<_, N, _>::under(law, block, pose, excitation);
     let (state, start) = (motion.state_at(pose), pose.time.value());
-    let at = |time: f64, state: State<T, N>| motion.pose_at(pose, T::from(time), state);
+    let mut look = |time: f64, state: State<T, N>| {
+        let (state, footing) = motion.place_at(time.into(), state);
+        seen(&Pose { time: time.into(), state, footing, ..*pose });
+    };
     let straight = |time: f64| state + StateRate::state_rate(&motion, start, &state) * (time - start);
     let short = |time: f64| by_short_step(&motion, state, start, time - start);
     let end_state = match course {
         // Nothing accelerates.
         _ if law.is_at_rest() => {
-            times.iter().for_each(|&time| seen(&at(time, straight(time))));
+            times.iter().for_each(|&time| look(time, straight(time)));
             straight(end)
         }
         // A part of a short step is one, too, and more accurate.
         Course::ShortStep => {
-            times.iter().for_each(|&time| seen(&at(time, short(time))));
+            times.iter().for_each(|&time| look(time, short(time)));
             short(end)
         }
         Course::Stayed | Course::Step | Course::Swing(_) | Course::Rested => {
-            by_step(&motion, state, start, end - start, times, &mut |time, state| seen(&at(time, state)))
+            by_step(&motion, state, start, end - start, times, &mut look)
         }
     };
-    at(end, end_state)
+    motion.place_at(end.into(), end_state)
+}
+
+/// A step in numbers with derivatives, for all laws: sums over stages are much to compile.
+struct Follow<'a, T: Scalar, const N: usize> {
+    equations: &'a dyn StateRate<T, N>,
+    state: State<T, N>,
+    start: f64,
+    size: f64,
+}
+
+struct ByShortStep<'a, T: Scalar, const N: usize>(Follow<'a, T, N>);
+
+impl<T: Scalar, const N: usize> PlainTask for ByShortStep<'_, T, N> {
+    type Output = State<T, N>;
+
+    #[inline(always)]
+    fn run(self) -> State<T, N> {
+        let Follow { equations, state, start, size } = self.0;
+        short::follow(start, size, state, |time, state| equations.state_rate(time, &state))
+    }
+}
+
+struct ByStep<'a, T: Scalar, const N: usize>(Follow<'a, T, N>);
+
+impl<T: Scalar, const N: usize> PlainTask for ByStep<'_, T, N> {
+    type Output = State<T, N>;
+
+    #[inline(always)]
+    fn run(self) -> State<T, N> {
+        let Follow { equations, state, start, size } = self.0;
+        dop853::follow(start, size, state, |time, state| equations.state_rate(time, &state))
+    }
 }
 
 /// The state after a short step: one function for all laws, since sums over stages are much to compile.
@@ -198,7 +275,7 @@ fn by_short_step<const N: usize, T: Elementary>(
     start: f64,
     size: f64,
 ) -> State<T, N> {
-    short::follow(start, size, state, |time, state| equations.state_rate(time, &state))
+    vectorized(ByShortStep(Follow { equations, state, start, size }))
 }
 
 /// The same after a step of order 8, with the states inside.
@@ -211,12 +288,11 @@ fn by_step<const N: usize, T: Elementary>(
     inside: &[f64],
     seen: &mut dyn FnMut(f64, State<T, N>),
 ) -> State<T, N> {
-    let rate = |time, state| equations.state_rate(time, &state);
     // Without samples no room is cleared for the dense output.
     if inside.is_empty() {
-        dop853::follow(start, size, state, rate)
+        vectorized(ByStep(Follow { equations, state, start, size }))
     } else {
-        dop853::follow_inside(start, size, state, rate, inside, seen)
+        dop853::follow_inside(start, size, state, |time, state| equations.state_rate(time, &state), inside, seen)
     }
 }
 
@@ -230,7 +306,22 @@ impl<T: Elementary, const LEFT: bool, const RIGHT: bool, const RIGID: bool> Stat
     for Motion<'_, Gripping<LEFT, RIGHT, RIGID>, 4, T>
 {
     fn state_rate(&self, time: f64, state: &State<T>) -> State<T> {
-        Motion::state_rate(self, T::from(time), state)
+        vectorized(RateAt { motion: self, time, state })
+    }
+}
+
+struct RateAt<'a, 'b, L, T: Scalar> {
+    motion: &'a Motion<'b, L, 4, T>,
+    time: f64,
+    state: &'a State<T>,
+}
+
+impl<L: Law, T: Elementary> PlainTask for RateAt<'_, '_, L, T> {
+    type Output = State<T>;
+
+    #[inline(always)]
+    fn run(self) -> State<T> {
+        self.motion.state_rate(T::from(self.time), self.state)
     }
 }
 

@@ -129,15 +129,15 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         State::first_of([theta, theta_dot, w, w_dot, u, u_dot, zero, zero])
     }
 
-    /// The pose at a time, with this state, after `pose`.
+    /// The four numbers of a state at a time, and the footing.
     #[cfg(feature = "lanes")]
-    pub fn pose_at(&self, pose: &Pose<T>, time: T, state: State<T, N>) -> Pose<T> {
+    pub fn place_at(&self, time: T, state: State<T, N>) -> (State<T>, Footing<T>) {
         let footing = self.footing_at(time, &state);
         let state = match self.held_at(time) {
             Some(held) => self.at_held(time, four(&state), footing, held).state,
             None => four(&state),
         };
-        Pose { time, state, footing, ..*pose }
+        (state, footing)
     }
 
     /// The state of an instant.

@@ -38,22 +38,22 @@ pub fn advance_with_samples(
         let mut steps = Steps::towards(simulation, until);
         loop {
             let peaks = simulation.peaks();
-            let Some((course, surface)) = steps.next(simulation, inputs)? else { break };
+            let Some((course, fall)) = steps.next(simulation, inputs)? else { break };
             let inside = &times[first..];
             let inside = &inside[..inside.partition_point(|time| *time < simulation.time())];
             for (number, follower) in followers.iter_mut().enumerate() {
                 let mut next = first;
-                follower.take_step(course, surface, &peaks, simulation, inside, &mut |sample| {
+                follower.take_step(course, fall, &peaks, simulation, inside, &mut |sample| {
                     seen(next, number, sample);
                     next += 1;
                 });
             }
             first += inside.len();
-            let Some(surface) = surface else { continue };
+            let Some(fall) = fall else { continue };
             let mut happened = None;
             simulation.settle(inputs, &mut |event| happened = Some(*event))?;
             for follower in followers.iter_mut() {
-                follower.pass_event(surface, happened, simulation);
+                follower.pass_event(fall.surface, happened, simulation);
             }
         }
     }

@@ -1,10 +1,10 @@
 //! A run, step by step → the derivatives of its state, of its outputs, and of the times of its events.
 
-use rocking_block::block::{Contact, Corner, Creep};
+use rocking_block::block::{Contact, Corner};
 use rocking_block::excitation::{Excitation, Inputs};
 use rocking_block::numerics::State;
 use rocking_block::simulation::Simulation;
-use rocking_block::simulation::follow::{Course, Samples, repeat_step};
+use rocking_block::simulation::follow::{Course, Fall, Samples, repeat_step};
 use rocking_block::simulation::outputs::{Observation, observe};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::system::System;
@@ -102,33 +102,28 @@ impl Follower {
         self.excitation = self.varied.excitation(inputs, pulse.acts_at(time));
     }
 
-    /// Goes with a step of the run, before which its peaks were these, to the present time. At its end the motion falls through
-    /// `surface`, if there is one. The block at these times inside the step goes to `seen`.
+    /// Goes with a step of the run, before which its peaks were these, to the present time, at which there may be a fall. The block at these times inside the step goes to `seen`.
     pub(crate) fn take_step(
         &mut self,
         course: &Course,
-        surface: Option<Surface>,
+        fall: Option<Fall>,
         peaks: &Peaks,
         simulation: &Simulation,
         times: &[f64],
         seen: &mut dyn FnMut(&Sample),
     ) {
-        let (start, start_shift) = (self.pose, self.shift);
+        let start_shift = self.shift;
+        let start = (*peaks != simulation.peaks()).then_some(self.pose);
         self.go(course, simulation, times, seen);
         let mut end_shift = [0.0; BATCH];
-        if let Some(surface) = surface {
-            end_shift = self.event_time(surface, course);
+        if let Some(fall) = fall {
+            end_shift = self.event_time(fall, course);
             self.shift = end_shift;
         }
-        let (excitation, end) = (&self.excitation, simulation.time());
-        self.raised.take_in(peaks, &simulation.peaks(), self.slip, || Stretch {
-            start,
-            start_shift,
-            excitation: *excitation,
-            course: *course,
-            end,
-            end_shift,
-        });
+        let Some(start) = start else { return };
+        let (excitation, course, end) = (self.excitation, *course, simulation.time());
+        let stretch = Stretch { start, start_shift, excitation, course, end, end_shift };
+        self.raised.take_in(peaks, &simulation.peaks(), self.slip, &stretch);
     }
 
     fn go(&mut self, course: &Course, simulation: &Simulation, times: &[f64], seen: &mut dyn FnMut(&Sample)) {
@@ -137,26 +132,24 @@ impl Follower {
         let place = slides.then(|| self.at(&self.pose, &self.excitation).foot_place());
         let start = &*self;
         let mut look = |pose: &Pose<Number>| seen(&Sample { follower: start, pose, start: place });
-        let pose = match course {
+        match course {
             Course::Stayed => return,
             Course::Rested => {
-                let mut pose = self.pose;
+                let mut state = self.pose.state;
                 for rate in [1, 3] {
-                    pose.state[rate] = Number::from(0.0);
+                    state[rate] = Number::from(0.0);
                 }
                 for &time in times {
-                    pose.time = time.into();
-                    look(&pose);
+                    look(&Pose { time: time.into(), state, ..self.pose });
                 }
-                pose.time = end.into();
-                pose
+                self.pose.state = state;
             }
             Course::Step | Course::ShortStep | Course::Swing(_) => {
                 let samples = Samples { times, seen: &mut look };
-                repeat_step(&self.system.block, &self.pose, &self.excitation, course, end, samples)
+                let end = repeat_step(&self.system.block, &self.pose, &self.excitation, course, end, samples);
+                (self.pose.state, self.pose.footing) = end;
             }
-        };
-        self.pose = pose;
+        }
         self.meet(simulation.pose());
         if let Some(place) = place {
             self.slip = self.slip + self.at(&self.pose, &self.excitation).foot_place() - place;
@@ -164,40 +157,14 @@ impl Follower {
         self.shift = [0.0; BATCH];
     }
 
-    /// Derivatives of the time at which the motion falls through a surface.
-    fn event_time(&self, surface: Surface, course: &Course) -> [f64; BATCH] {
-        let now = self.at(&self.pose, &self.excitation);
-        let Number { re: value, eps } = surface.value(&now);
+    /// Derivatives of the time of a fall.
+    fn event_time(&self, Fall { surface, rate, grazes }: Fall, course: &Course) -> [f64; BATCH] {
+        let Number { re: value, eps } = surface.value(&self.at(&self.pose, &self.excitation));
         if matches!(course, Course::Stayed) && value < -surface.rounding(&self.system.block) {
             // The excitation has jumped, or an event has brought it there: in that instant.
             return self.shift;
         }
-        let speed = self.speed(surface, &self.pose, &now);
-        if self.grazes(surface, &now, speed) {
-            return [f64::NAN; BATCH];
-        }
-        eps.map(|eps| -eps / speed)
-    }
-
-    /// Whether the function of a surface, which falls with this `speed`, hardly falls below zero before it rises again: a
-    /// neighbouring run has no such event.
-    fn grazes(&self, surface: Surface, now: &Evaluation<Number>, speed: f64) -> bool {
-        // Depth of the dip, in units of the round-off of a zero, which is 1e-13 of the largest term.
-        const DEPTH: f64 = 1e4;
-        // Part of the fastest period over which the rate is compared.
-        const NEAR: f64 = 1e-4;
-        let block = &self.system.block;
-        let duration = NEAR / block.omega_v.re.max(block.p.re);
-        let later = advanced(&self.pose, now, duration);
-        let curvature = (self.speed(surface, &later, &self.at(&later, &self.excitation)) - speed) / duration;
-        // It falls as `speed t + curvature t²/2`.
-        speed >= 0.0 || (curvature > 0.0 && speed * speed <= 2.0 * curvature * DEPTH * surface.rounding(block))
-    }
-
-    /// Rate of a surface's function along the motion, from a pose and its instant.
-    fn speed(&self, surface: Surface, pose: &Pose<Number>, now: &Evaluation<Number>) -> f64 {
-        let along = self.at(&moved(pose, now, [1.0; BATCH]), &self.excitation);
-        surface.value(&along).eps[0] - surface.value(now).eps[0]
+        if grazes { [f64::NAN; BATCH] } else { eps.map(|eps| -eps / rate) }
     }
 
     /// Passes an event, which the run has just applied: up to its moving time under the law before it, through the transition, and
@@ -224,7 +191,7 @@ impl Follower {
     /// Takes the values of the run's pose; they differ by round-off only. A pose of another kind leaves no derivatives.
     fn meet(&mut self, run: &Pose) {
         let pose = &mut self.pose;
-        let mut alike = pose.ties == run.ties;
+        let mut alike = self.system.block.ties.is_empty() || pose.ties == run.ties;
         pose.time.re = run.time;
         for (number, value) in pose.state.0.iter_mut().zip(run.state.0) {
             number.re = value;
@@ -238,21 +205,13 @@ impl Follower {
             (footing, value) => (*footing, alike) = (value.map(Number::from), false),
         }
         for corner in Corner::BOTH {
-            let contact = match (pose.contacts.of(corner), run.contacts.of(corner)) {
-                (Contact::Bearing, Contact::Bearing) => Contact::Bearing,
-                (Contact::Held(creep), Contact::Held(value)) => Contact::Held(met(creep, value)),
-                (Contact::Lifted(creep), Contact::Lifted(value)) => Contact::Lifted(met(creep, value)),
-                (_, contact) => {
-                    alike = false;
-                    let creep = |value| met(Creep::default(), value);
-                    match contact {
-                        Contact::Bearing => Contact::Bearing,
-                        Contact::Held(value) => Contact::Held(creep(value)),
-                        Contact::Lifted(value) => Contact::Lifted(creep(value)),
-                    }
+            match (pose.contacts.of_mut(corner), run.contacts.of(corner)) {
+                (Contact::Bearing, Contact::Bearing) => {}
+                (Contact::Held(creep), Contact::Held(value)) | (Contact::Lifted(creep), Contact::Lifted(value)) => {
+                    (creep.depth.re, creep.since.re) = (value.depth, value.since);
                 }
-            };
-            pose.contacts.set(corner, contact);
+                (contact, value) => (*contact, alike) = (value.map(Number::from), false),
+            }
         }
         pose.ties = run.ties;
         debug_assert!(alike, "{pose:?} {run:?}");
@@ -273,13 +232,12 @@ impl Follower {
         let Stretch { start, excitation, course, .. } = stretch;
         // The whole step may have been a short one; a part of it is not.
         let course = if let Course::Swing(_) = course { course } else { &Course::Step };
-        let pose = match elapsed {
-            0.0 => *start,
-            _ => {
-                let samples = Samples { times: &[], seen: &mut |_| () };
-                repeat_step(&self.system.block, start, excitation, course, start.time.re + elapsed, samples)
-            }
-        };
+        let mut pose = *start;
+        if elapsed != 0.0 {
+            let (samples, end) = (Samples { times: &[], seen: &mut |_| () }, start.time.re + elapsed);
+            let (state, footing) = repeat_step(&self.system.block, start, excitation, course, end, samples);
+            pose = Pose { time: end.into(), state, footing, ..pose };
+        }
         let now = self.at(&pose, excitation);
         let along = self.at(&moved(&pose, &now, [1.0; BATCH]), excitation);
         [self.observed(&now), self.observed(&along)]
@@ -373,34 +331,15 @@ impl Sample<'_> {
     }
 }
 
-/// A creep with its values taken from another one.
-fn met(mut creep: Creep<Number>, Creep { depth, since }: Creep) -> Creep<Number> {
-    (creep.depth.re, creep.since.re) = (depth, since);
-    creep
-}
-
 /// The pose at a time that differs by `shift` in each direction, along the motion at `now`.
 fn moved(pose: &Pose<Number>, now: &Evaluation<Number>, shift: [f64; BATCH]) -> Pose<Number> {
     let by = |number: Number, rate: Number| {
         Number::new(number.re, std::array::from_fn(|i| number.eps[i] + rate.re * shift[i]))
     };
-    displaced(pose, now, by)
-}
-
-/// The pose after a time (s), to first order along the motion at `now`.
-fn advanced(pose: &Pose<Number>, now: &Evaluation<Number>, duration: f64) -> Pose<Number> {
-    displaced(pose, now, |number, rate| Number { re: number.re + rate.re * duration, ..number })
-}
-
-fn displaced(pose: &Pose<Number>, now: &Evaluation<Number>, by: impl Fn(Number, Number) -> Number) -> Pose<Number> {
-    let x = &now.instant;
-    let footing = match pose.footing {
-        Footing::Grips { offset } => Footing::Grips { offset },
-        Footing::Free { u, u_dot } => Footing::Free { u: by(u, x.u_dot), u_dot: by(u_dot, x.u_ddot) },
-        Footing::Slides { u, u_dot, direction } => {
-            Footing::Slides { u: by(u, x.u_dot), u_dot: by(u_dot, x.u_ddot), direction }
-        }
-    };
+    let (x, mut footing) = (&now.instant, pose.footing);
+    if let Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } = &mut footing {
+        (*u, *u_dot) = (by(*u, x.u_dot), by(*u_dot, x.u_ddot));
+    }
     let state = State::from(std::array::from_fn(|i| by(pose.state[i], now.rate.state[i])));
     Pose { time: by(pose.time, Number::from(1.0)), state, footing, ..*pose }
 }

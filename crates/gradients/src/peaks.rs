@@ -62,18 +62,19 @@ impl Raised {
     }
 
     /// Takes in a step from and to which the peaks have these values, and at whose end the foot has slipped by `slip`.
-    pub fn take_in(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: impl Fn() -> Stretch) {
-        if before == after {
-            return;
-        }
+    pub fn take_in(&mut self, before: &Peaks, after: &Peaks, slip: Number, step: &Stretch) {
+        let take_in = |place: &mut Option<Box<Stretch>>| match place {
+            Some(last) => **last = *step,
+            None => *place = Some(Box::new(*step)),
+        };
         for (place, channel) in self.channels.iter_mut().zip(CHANNELS) {
             if after.of(channel) != before.of(channel) {
-                *place = Some(Box::new(step()));
+                take_in(place);
             }
         }
         for (tie, place) in self.tensions.iter_mut().enumerate() {
             if after.tension[tie] != before.tension[tie] {
-                *place = Some(Box::new(step()));
+                take_in(place);
             }
         }
         if after.slip != before.slip {

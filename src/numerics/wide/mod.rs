@@ -71,6 +71,25 @@ pub trait Task {
     fn run<V: Simd>(self) -> Self::Output;
 }
 
+/// A computation on single numbers.
+pub trait PlainTask {
+    /// Its result.
+    type Output;
+
+    /// Runs it. As with a [`Task`], only what is inlined is compiled for the processor's vectors.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs a task, compiled for vectors of four numbers where the processor has them: the compiler then puts four derivatives into one. The
+/// results have the same bits.
+#[inline(always)]
+pub fn vectorized<T: PlainTask>(task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    return x86::vectorized(task);
+    #[cfg(not(target_arch = "x86_64"))]
+    task.run()
+}
+
 /// A vector width that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VectorWidth(processor::Vectors);

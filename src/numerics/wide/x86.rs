@@ -5,7 +5,7 @@
 
 use std::arch::x86_64::*;
 
-use crate::numerics::wide::{Array, MOST_LANES, Simd, Task};
+use crate::numerics::wide::{Array, MOST_LANES, PlainTask, Simd, Task};
 
 /// A vector type that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +46,17 @@ impl Vectors {
             Set::Avx512 => unsafe { with_avx512(task) },
         }
     }
+}
+
+#[inline(always)]
+pub fn vectorized<T: PlainTask>(task: T) -> T::Output {
+    // SAFETY: the processor has AVX2.
+    if is_x86_feature_detected!("avx2") { unsafe { vectorized_by_avx2(task) } } else { task.run() }
+}
+
+#[target_feature(enable = "avx2")]
+fn vectorized_by_avx2<T: PlainTask>(task: T) -> T::Output {
+    task.run()
 }
 
 #[target_feature(enable = "avx2")]

@@ -22,6 +22,7 @@ use crate::block::{Block, Corner, Foot};
 use crate::excitation::Excitation;
 use crate::numerics::gradient::Gradient;
 use crate::numerics::numbers::Numbers;
+use crate::numerics::wide::{PlainTask, vectorized};
 
 /// A swing with its derivatives in N directions.
 #[derive(Clone, Copy, Debug)]
@@ -39,9 +40,28 @@ impl Swing {
         block: &Block<Gradient<N>>,
         corner: Corner,
         excitation: &Excitation<Gradient<N>>,
-        [time, theta, theta_dot]: [Gradient<N>; 3],
+        start: [Gradient<N>; 3],
     ) -> Tangents<'_, N> {
-        let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *self;
+        Tangents { swing: self, series: vectorized(Vary { swing: self, block, corner, excitation, start }) }
+    }
+}
+
+/// A swing that varies.
+struct Vary<'a, const N: usize> {
+    swing: &'a Swing,
+    block: &'a Block<Gradient<N>>,
+    corner: Corner,
+    excitation: &'a Excitation<Gradient<N>>,
+    start: [Gradient<N>; 3],
+}
+
+impl<const N: usize> PlainTask for Vary<'_, N> {
+    type Output = [Numbers<f64, N>; ORDER + 1];
+
+    #[inline(always)]
+    fn run(self) -> [Numbers<f64, N>; ORDER + 1] {
+        let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot] } = self;
+        let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *swing;
         let (sin, cos) = libm::sincos(rotation[0]);
         let lever = block.lever(Foot::Corner(corner), Gradient::from(sin), Gradient::from(cos));
         let square = lever.x * lever.x + lever.q * lever.q;
@@ -86,8 +106,7 @@ impl Swing {
             }
             tangent[k + 2] = sum * (scale * RECIPROCAL[k + 1] * RECIPROCAL[k + 2]);
         }
-
-        Tangents { swing: self, series: tangent }
+        tangent
     }
 }
 

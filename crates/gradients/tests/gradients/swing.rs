@@ -76,7 +76,9 @@ fn tangents_of_a_swing_follow_the_equations_of_motion() {
         let swing = Swing::of(&plain, corner, &acts, [START, tilt.re, rate.re], 0.3, 1e-14);
         let end = |step: u32| START + PART * swing.size * f64::from(step) / f64::from(STEPS);
         let repeat = |pose: &Pose<Number>, course: &Course, end: f64| {
-            repeat_step(&block, pose, &excitation, course, end, Samples { times: &[], seen: &mut |_| () })
+            let samples = Samples { times: &[], seen: &mut |_| () };
+            let (state, footing) = repeat_step(&block, pose, &excitation, course, end, samples);
+            Pose { time: end.into(), state, footing, ..*pose }
         };
         let found = repeat(&pose, &Course::Swing(swing), end(STEPS));
         let expected = (1..=STEPS).fold(pose, |pose, step| repeat(&pose, &Course::Step, end(step)));
