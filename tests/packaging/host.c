@@ -1,24 +1,13 @@
 /* A small importer: LIBRARY and a file of commands (made by cases.py) -> all values as bits, line by line.
    The same source is compiled for every target, so that what it prints can be compared byte by byte. */
 
-#include <inttypes.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "host.h"
 
-#ifdef _WIN32
-#include <fcntl.h>
-#include <io.h>
-#include <windows.h>
-#else
-#include <dlfcn.h>
-#endif
+#include <stdarg.h>
 
 /* The types and functions of the standard's headers that are used here. */
 typedef void *Component;
 typedef void *State;
-typedef unsigned Reference;
 typedef void Logger(void *environment, const char *instance, int status, const char *category, const char *format, ...);
 typedef struct {
     Logger *logger;
@@ -57,45 +46,6 @@ typedef struct {
 #define POINTER(result, name, arguments) static result(*name) arguments;
 FUNCTIONS(POINTER)
 
-static unsigned long line_number;
-
-static void fail(const char *what, const char *found)
-{
-    fflush(stdout);
-    fprintf(stderr, "error: line %lu of the commands: %s: %s\n", line_number, what, found);
-    exit(1);
-}
-
-static void *load(const char *library)
-{
-#ifdef _WIN32
-    void *loaded = (void *)LoadLibraryA(library);
-    if (!loaded) {
-        fprintf(stderr, "error: %s does not load: Windows error %lu\n", library, GetLastError());
-        exit(1);
-    }
-#else
-    void *loaded = dlopen(library, RTLD_NOW | RTLD_LOCAL);
-    if (!loaded) {
-        fprintf(stderr, "error: %s does not load: %s\n", library, dlerror());
-        exit(1);
-    }
-#endif
-    return loaded;
-}
-
-static void *function(void *loaded, const char *name)
-{
-#ifdef _WIN32
-    void *found = (void *)GetProcAddress((HMODULE)loaded, name);
-#else
-    void *found = dlsym(loaded, name);
-#endif
-    if (!found)
-        fail("the library does not export", name);
-    return found;
-}
-
 static void logger(void *environment, const char *instance, int status, const char *category, const char *format, ...)
 {
     va_list arguments;
@@ -107,48 +57,8 @@ static void logger(void *environment, const char *instance, int status, const ch
     printf("\n");
 }
 
-static double number(const char *bits)
-{
-    uint64_t integer = strtoull(bits, NULL, 16);
-    double value;
-    memcpy(&value, &integer, sizeof value);
-    return value;
-}
-
-static void print_values(const double *values, size_t count)
-{
-    size_t i;
-    for (i = 0; i < count; i++) {
-        uint64_t integer;
-        memcpy(&integer, &values[i], sizeof integer);
-        printf(" %016" PRIx64, integer);
-    }
-}
-
-#define MOST 256
-typedef struct {
-    Reference references[MOST];
-    size_t count;
-} List;
-
 /* The variables read after each step; those of `outputs` have derivatives with respect to time and to `inputs`. */
 static List reals, integers, booleans, outputs, inputs;
-
-static void append(List *list, const char *reference)
-{
-    if (list->count == MOST)
-        fail("too many variables, expected at most 256, the last one is", reference);
-    list->references[list->count++] = (Reference)strtoul(reference, NULL, 10);
-}
-
-static void expect_ok(int status, const char *call)
-{
-    if (status != 0) {
-        char text[16];
-        sprintf(text, "status %d", status);
-        fail(call, text);
-    }
-}
 
 static void print_all(Component fmu, const char *what)
 {

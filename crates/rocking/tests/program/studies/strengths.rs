@@ -182,50 +182,39 @@ fn wrong_strengths_and_ensembles_are_refused_with_their_line() {
     let cases = [
         (
             "levels = { im = \"PGV\", values = [1] }\nscales = [1]",
-            "3:",
             "levels = { im = \"PGV\", values = [1] }; expected none beside scales",
         ),
-        ("levels = { im = \"PVG\", values = [1] }", "3:", "found intensity measure `PVG`; expected one of PGA, PGV"),
-        ("levels = { im = \"T_m\", values = [1] }", "3:", "im = \"T_m\"; expected a measure that grows"),
-        ("levels = { im = \"PGV\", values = [0] }", "3:", "values = 0"),
-        ("levels = { im = \"PGV\" }", "3:", "has no values"),
-        ("levels = { values = [1] }", "3:", "levels has no im"),
-        (
-            "least = { im = \"PGV\", from = 1, to = 1, points = 9, resolution = 0.1 }",
-            "3:",
-            "to = 1; expected a number > 1",
-        ),
-        ("least = { im = \"PGV\", from = 1, to = 2, resolution = 0.1 }", "3:", "has no points"),
+        ("levels = { im = \"PVG\", values = [1] }", "found intensity measure `PVG`; expected one of PGA, PGV"),
+        ("levels = { im = \"T_m\", values = [1] }", "im = \"T_m\"; expected a measure that grows"),
+        ("levels = { im = \"PGV\", values = [0] }", "values = 0"),
+        ("levels = { im = \"PGV\" }", "has no values"),
+        ("levels = { values = [1] }", "levels has no im"),
+        ("least = { im = \"PGV\", from = 1, to = 1, points = 9, resolution = 0.1 }", "to = 1; expected a number > 1"),
+        ("least = { im = \"PGV\", from = 1, to = 2, resolution = 0.1 }", "has no points"),
         (
             "ensemble = { scale = 0.1, samples = 9 }\nleast = { im = \"PGV\", from = 1, to = 2, points = 9, resolution = 0.1 }",
-            "3:",
             "expected none beside least",
         ),
-        ("ensemble = { samples = 9 }", "3:", "ensemble spreads 0 values"),
-        ("ensemble = { scale = 0.1 }", "3:", "ensemble has no samples"),
-        ("ensemble = { scale = -0.1, samples = 9 }", "3:", "scale expects a coefficient of variation > 0"),
-        ("ensemble = { scale = 0.1, samples = 9, seed = 1 }", "3:", "seed = 1"),
-        ("ensemble = { scale = 0.1, epsilon = 0.1, samples = 9 }", "3:", "ensemble has no seed"),
-        ("ensemble = { epsilon = 0.1, samples = 9 }", "3:", "epsilon = 0 has no coefficient of variation"),
+        ("ensemble = { samples = 9 }", "ensemble spreads 0 values"),
+        ("ensemble = { scale = 0.1 }", "ensemble has no samples"),
+        ("ensemble = { scale = -0.1, samples = 9 }", "scale expects a coefficient of variation > 0"),
+        ("ensemble = { scale = 0.1, samples = 9, seed = 1 }", "seed = 1"),
+        ("ensemble = { scale = 0.1, epsilon = 0.1, samples = 9 }", "ensemble has no seed"),
+        ("ensemble = { epsilon = 0.1, samples = 9 }", "epsilon = 0 has no coefficient of variation"),
         (
             "ensemble = { epsilon = { distribution = \"normal\", deviation = 0.1 }, samples = 9 }",
-            "3:",
             "in a sample of the ensemble, epsilon = -0.15",
         ),
-        ("ensemble = { foundation = 0.1, samples = 9 }", "3:", "foundation has no distribution"),
-        ("ensemble = { size = 0.1, samples = 9 }", "3:", "there is no parameter size"),
-        ("ensemble = { dimensionless.eta = 0.1, samples = 9 }", "3:", "eta of the ensemble is not read"),
-        ("ensemble = { scale = { cov = 0.1, deviation = 0.1 }, samples = 9 }", "3:", "either cov or deviation"),
-        (
-            "ensemble = { scale = { distribution = \"gamma\", cov = 0.1 }, samples = 9 }",
-            "3:",
-            "\"lognormal\", \"normal\" or",
-        ),
-        ("ensemble = { scale = 0.1, samples = 9, limits = [-1] }", "3:", "limits = -1"),
+        ("ensemble = { foundation = 0.1, samples = 9 }", "foundation has no distribution"),
+        ("ensemble = { size = 0.1, samples = 9 }", "there is no parameter size"),
+        ("ensemble = { dimensionless.eta = 0.1, samples = 9 }", "eta of the ensemble is not read"),
+        ("ensemble = { scale = { cov = 0.1, deviation = 0.1 }, samples = 9 }", "either cov or deviation"),
+        ("ensemble = { scale = { distribution = \"gamma\", cov = 0.1 }, samples = 9 }", "\"lognormal\", \"normal\" or"),
+        ("ensemble = { scale = 0.1, samples = 9, limits = [-1] }", "limits = -1"),
     ];
-    for (strength, line, words) in cases {
+    for (strength, words) in cases {
         let folder = folder(&study(strength));
-        refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"], &[&format!("study.toml:{line}"), words]);
+        refused(folder.path(), &["sweep", "study.toml", "--csv", "out.csv"], &["study.toml:3:", words]);
         assert!(!folder.path().join("out.csv").exists());
     }
 }
