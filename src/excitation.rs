@@ -2,12 +2,16 @@
 
 mod pulse;
 
+use std::ops::Mul;
+
 use serde::{Deserialize, Serialize};
 
 use crate::block::ties::NO_TIES;
 use crate::block::{Block, TieStates};
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, Scalar};
+#[cfg(feature = "lanes")]
+use crate::numerics::wide::{Simd, Wide};
 use pulse::Wave;
 pub use pulse::{Pulse, PulseShape};
 
@@ -151,12 +155,15 @@ pub struct ForcingSeries<const N: usize, T = f64> {
 
 impl<const N: usize, T: Scalar> ForcingSeries<N, T> {
     /// Makes `factor` times the unit of time that of the powers.
-    #[inline]
-    pub fn scale(&mut self, factor: f64) {
+    #[inline(always)]
+    pub fn scale<S: Copy + Mul<Output = S>>(&mut self, factor: S)
+    where
+        T: Mul<S, Output = T>,
+    {
         let mut power = factor;
         for k in 1..self.terms {
             self.x[k] = self.x[k] * power;
-            power *= factor;
+            power = power * factor;
         }
         self.z[1] = self.z[1] * factor;
         self.moment[1] = self.moment[1] * factor;
@@ -244,7 +251,7 @@ impl<T: Scalar> Excitation<T> {
     }
 
     /// The forcing after `time` (s) as power series; needs [`Excitation::has_series`].
-    #[inline]
+    #[inline(always)]
     pub fn series<const N: usize>(&self, time: T) -> ForcingSeries<N, T> {
         let elapsed = time - self.time;
         let linear = |ramp: Ramp<T>| [ramp.at(elapsed), ramp.rate];
@@ -262,6 +269,25 @@ impl<T: Scalar> Excitation<T> {
     #[inline]
     pub fn has_series(&self) -> bool {
         self.wave.is_none_or(|wave| wave.is_sine())
+    }
+}
+
+#[cfg(feature = "lanes")]
+impl<V: Simd> Excitation<Wide<V>> {
+    /// The excitations of several lanes, whose waves are sines if there are any.
+    #[inline(always)]
+    pub fn in_lanes<'a>(has_waves: bool, of: impl Fn(usize) -> &'a Excitation) -> Excitation<Wide<V>> {
+        let ramp = |ramp: fn(&Excitation) -> &Ramp| Ramp {
+            value: Wide::each(|lane| ramp(of(lane)).value),
+            rate: Wide::each(|lane| ramp(of(lane)).rate),
+        };
+        Excitation {
+            time: Wide::each(|lane| of(lane).time),
+            x: ramp(|excitation| &excitation.x),
+            z: ramp(|excitation| &excitation.z),
+            moment: ramp(|excitation| &excitation.moment),
+            wave: has_waves.then(|| Wave::in_lanes(|lane| of(lane).wave.as_ref())),
+        }
     }
 }
 

@@ -70,6 +70,17 @@ pub struct Lever<T> {
     pub q: T,
 }
 
+impl<T> Lever<T> {
+    /// The lever of a centre of mass that is at this horizontal and vertical distance (m) while the block is upright.
+    #[inline(always)]
+    pub fn of<P: Copy>(offset: P, h: P, sin: T, cos: T) -> Lever<T>
+    where
+        T: CombinesWith<P>,
+    {
+        Lever { x: sin * h + cos * offset, q: cos * h - sin * offset }
+    }
+}
+
 impl<P: Scalar> Block<P> {
     /// Horizontal distance of the middle of the base from a corner (m), positive to the right of the corner: b from L, −b from R.
     #[inline(always)]
@@ -106,7 +117,6 @@ impl<P: Scalar> Block<P> {
     /// The centre of mass as seen from the foot, at a rotation with this sine and cosine.
     #[inline(always)]
     pub fn lever<T: CombinesWith<P>>(&self, foot: Foot, sin: T, cos: T) -> Lever<T> {
-        let offset = self.offset_from(foot);
-        Lever { x: sin * self.h + cos * offset, q: cos * self.h - sin * offset }
+        Lever::of(self.offset_from(foot), self.h, sin, cos)
     }
 }

@@ -5,6 +5,8 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use serde::{Deserialize, Serialize};
 
 use crate::numerics::scalar::{Elementary, Scalar};
+#[cfg(feature = "lanes")]
+use crate::numerics::wide::{Simd, Wide};
 
 /// Shape of the pulse that is added to the horizontal ground acceleration.
 ///
@@ -256,6 +258,7 @@ impl<T: Scalar> Wave<T> {
     }
 
     /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
+    #[inline(always)]
     pub(super) fn add_series(&self, time: T, series: &mut [T]) {
         let Wave { amplitude, omega, phase, origin, .. } = *self;
         let (sin, cos) = (omega * (time - origin) + phase).sin_cos();
@@ -263,6 +266,23 @@ impl<T: Scalar> Wave<T> {
         for (k, coefficient) in series.iter_mut().enumerate() {
             *coefficient = *coefficient + now;
             (now, next) = (next, -omega * omega * now / T::from(((k + 1) * (k + 2)) as f64));
+        }
+    }
+}
+
+#[cfg(feature = "lanes")]
+impl<V: Simd> Wave<Wide<V>> {
+    /// The sines of several lanes. A lane without a wave has one without amplitude.
+    #[inline(always)]
+    pub(super) fn in_lanes<'a>(of: impl Fn(usize) -> Option<&'a Wave>) -> Wave<Wide<V>> {
+        let each = |number: fn(&Wave) -> f64| Wide::each(|lane| of(lane).map_or(0.0, number));
+        Wave {
+            form: Form::Sine,
+            amplitude: each(|wave| wave.amplitude),
+            omega: each(|wave| wave.omega),
+            phase: each(|wave| wave.phase),
+            origin: each(|wave| wave.origin),
+            cycles: each(|wave| wave.cycles),
         }
     }
 }

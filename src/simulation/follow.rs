@@ -87,6 +87,7 @@ impl Steps {
             at_event: AtEvent::Stop,
             single: true,
             swing: Some(&swing),
+            known_swing: None,
         };
         simulation.steps(&piece, start, None, &mut self.budget, &mut |_| ())?;
         let evaluations = simulation.counts.evaluations - counts.evaluations;

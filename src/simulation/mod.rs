@@ -380,6 +380,19 @@ impl Simulation {
         Ok(after)
     }
 
+    /// Applies an event to which the motion has come under this excitation.
+    #[cfg(feature = "lanes")]
+    fn apply_alone(
+        &mut self,
+        surface: Surface,
+        excitation: &Excitation,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let system = Arc::clone(&self.system);
+        let now = self.now(&system.block, excitation);
+        self.apply(surface, &now, observer).map(|_| ())
+    }
+
     fn end_if_separated(&mut self) {
         if self.regime() == Regime::Separated && !self.system.flies {
             let Pose { time, state, .. } = self.pose;

@@ -21,7 +21,10 @@ use crate::system::law::Law;
 use crate::system::swing::{Bounds, ORDER, Swing};
 
 /// The least reaction, as a part of the weight, above which the corner does not lift.
-const PRESSED: f64 = 0.01;
+pub(super) const PRESSED: f64 = 0.01;
+
+/// The greatest rotation (rad) that is below a quarter turn.
+pub(super) const UPRIGHT: f64 = 1.5;
 
 /// A part of a swing, and the surface through which the motion falls at its end.
 #[derive(Clone, Copy)]
@@ -34,8 +37,6 @@ impl Way {
     /// The way of a swing about `pivot` as far as the rotation decides it; none where that is unclear.
     #[inline]
     fn of(swing: &Swing, bounds: &Bounds, pivot: Corner) -> Option<Way> {
-        /// The greatest rotation (rad) that is below a quarter turn.
-        const UPRIGHT: f64 = 1.5;
         let landing = match (bounds.is_certain, bounds.last < 0.0) {
             (true, true) => Zero::At(swing.landing()),
             (true, false) => Zero::None,
@@ -115,8 +116,16 @@ impl Standing {
 
 /// The longest swing (s) under a pulse of this circular frequency (rad/s).
 #[inline]
-fn longest_swing(p: f64, frequency: f64) -> f64 {
+pub(super) fn longest_swing(p: f64, frequency: f64) -> f64 {
     LONGEST / p.max(frequency)
+}
+
+/// The allowed error of θ̇ (rad/s per second of a swing).
+///
+/// The longest swing may make the error of a step, others in proportion, so that the errors between frequent stops do not add up.
+#[inline]
+pub(super) fn allowed_error(block: &Block, tolerance: f64) -> f64 {
+    tolerance * block.alpha * block.p / longest_swing(block.p, 0.0)
 }
 
 impl Simulation {
@@ -289,7 +298,8 @@ impl Simulation {
     }
 
     /// Includes a rotation (rad) about a corner in the peaks.
-    fn raise_rotation(&mut self, theta: f64) {
+    #[inline]
+    pub(super) fn raise_rotation(&mut self, theta: f64) {
         if theta > self.peaks.theta {
             self.peaks.theta = theta;
             self.peaks.uplift = greater(self.peaks.uplift, libm::sin(theta) * (2.0 * self.system.block.b));
@@ -309,14 +319,17 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let &SmoothPiece { block, excitation, stop, .. } = piece;
         let longest = longest_swing(block.p, excitation.frequency());
-        // The longest swing may make the error of a step, others in proportion, so that the errors between frequent stops do not add up.
-        let allowed = self.settings.tolerance * block.alpha * block.p / longest_swing(block.p, 0.0);
+        let allowed = allowed_error(block, self.settings.tolerance);
         let mut most = longest;
+        let mut known = piece.known_swing;
         loop {
             self.spend(budget, piece, longest)?;
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
-            let swing = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
+            let swing = match known.take() {
+                Some(known) => *known,
+                None => Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed),
+            };
             if let Some(place) = piece.swing {
                 place.set(Some(swing));
             }

@@ -22,4 +22,6 @@ pub(super) struct SmoothPiece<'a> {
     pub(super) single: bool,
     /// Receives the swing of a step, for those who repeat it.
     pub(super) swing: Option<&'a Cell<Option<Swing>>>,
+    /// The first swing from the present time, if it is already known.
+    pub(super) known_swing: Option<&'a Swing>,
 }

@@ -20,6 +20,8 @@ use crate::system::events::{Event, Surface};
 use crate::system::forces;
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
+#[cfg(feature = "lanes")]
+use crate::system::swing::Swing;
 
 /// The history of the instant at which steps begin.
 #[derive(Clone, Copy)]
@@ -71,7 +73,17 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let (end, stop) = (stop, self.within_reach(stop));
         let since = self.pose.time;
-        let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: false, swing: None };
+        let piece = SmoothPiece {
+            block,
+            excitation,
+            since,
+            stop,
+            end,
+            at_event,
+            single: false,
+            swing: None,
+            known_swing: None,
+        };
         self.counts.evaluations += 1;
         let mut start = StepStart { of_piece: true, short_failed: false };
         while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
@@ -89,21 +101,25 @@ impl Simulation {
         if self.pose.time < beyond { stop.min(beyond) } else { stop }
     }
 
-    /// A single step from the present time towards `stop`, over which the excitation is smooth: `accepted`, if that is already known.
+    /// A single step from the present time towards `stop`, over which the excitation is smooth: `accepted` or `known_swing`, if that is
+    /// already known.
     #[cfg(feature = "lanes")]
+    #[expect(clippy::too_many_arguments, reason = "the step, in one of two forms")]
     pub(super) fn single_step(
         &mut self,
         stop: f64,
         excitation: &Excitation,
         start: StepStart,
         accepted: Option<&Step>,
+        known_swing: Option<&Swing>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
         let system = Arc::clone(&self.system);
         let since = self.pose.time;
         let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
-        let piece = SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None };
+        let piece =
+            SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None, known_swing };
         self.steps(&piece, start, accepted, budget, observer)
     }
 

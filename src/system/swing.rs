@@ -22,6 +22,8 @@
 //! sums whether the block lands, and how large rotation and forces can be; [`Swing::landing`] finds the landing.
 
 #[cfg(feature = "lanes")]
+pub mod lanes;
+#[cfg(feature = "lanes")]
 mod tangent;
 
 use std::f64::consts::FRAC_PI_2;
@@ -29,23 +31,24 @@ use std::f64::consts::FRAC_PI_2;
 use crate::block::{Block, Corner, Foot, Lever};
 use crate::excitation::{Excitation, ForcingSeries};
 use crate::numerics::bernstein::{Bernstein, Zero};
+use crate::numerics::scalar::Real;
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
 pub const ORDER: usize = 16;
 
-type Series = [f64; ORDER + 1];
+type Series<T = f64> = [T; ORDER + 1];
 
 /// The motion from an instant on, as series in powers of the elapsed part of `size`.
 #[derive(Clone, Copy, Debug)]
-pub struct Swing {
+pub struct Swing<T = f64> {
     /// Its duration (s): over it the last terms are below the error that is allowed.
-    pub size: f64,
+    pub size: T,
     /// The highest power.
     order: usize,
-    theta: Series,
-    x: Series,
-    q: Series,
-    forcing: ForcingSeries<{ ORDER + 1 }>,
+    theta: Series<T>,
+    x: Series<T>,
+    q: Series<T>,
+    forcing: ForcingSeries<{ ORDER + 1 }, T>,
 }
 
 /// Bounds of the motion over a swing.
@@ -76,8 +79,104 @@ const fn numbers(inverse: bool) -> Series {
     numbers
 }
 
+/// Maximum number of Newton's steps to a landing.
+const MOST_NEWTON: u32 = 60;
+
+/// The part of a place below which the next one by Newton's method is a step.
+const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
+
+/// The least order, by which reactions and their changes are known.
+const LEAST: usize = 4;
+
+/// Part of the flight at constant acceleration.
+const OF_FLIGHT: f64 = 1.25;
+
 static NUMBER: Series = numbers(false);
 static RECIPROCAL: Series = numbers(true);
+
+/// The part of a swing whose last terms meet the allowed error, which is this part of them.
+#[inline(always)]
+fn shortening<T: Real>(part: T) -> T {
+    const SAFETY: f64 = 0.75;
+    // The root of order 16.
+    part.sqrt().sqrt().sqrt().sqrt() * SAFETY
+}
+
+impl<T: Real> Swing<T> {
+    /// The coefficient k of the moment about the corner, per unit mass, with those of X, Q and the excitation up to k. The first number is
+    /// `g + a_z` at the beginning.
+    #[inline(always)]
+    fn turning(&self, k: usize, weight: T) -> T {
+        let Swing { x, q, forcing, .. } = self;
+        let mut turning = x[k] * weight - q[k] * forcing.x[0];
+        if k > 0 {
+            turning = turning + x[k - 1] * forcing.z[1];
+        }
+        if k < 2 {
+            turning = turning + forcing.moment[k];
+        }
+        for j in 1..forcing.terms.min(k + 1) {
+            turning = turning - q[k - j] * forcing.x[j];
+        }
+        turning
+    }
+
+    /// The coefficients n of X and Q, from those of θ̇ up to n and their own up to n − 1.
+    #[inline(always)]
+    fn lever_terms(&self, n: usize, slope: &Series<T>) -> [T; 2] {
+        let (mut across, mut up) = (T::from(0.0), T::from(0.0));
+        let (slopes, xs, qs) = (&slope[1..n + 1], &self.x[..n], &self.q[..n]);
+        for j in 0..n {
+            across = across + slopes[j] * qs[n - 1 - j];
+            up = up - slopes[j] * xs[n - 1 - j];
+        }
+        [across * RECIPROCAL[n], up * RECIPROCAL[n]]
+    }
+
+    /// Makes `factor` times the duration the unit of the powers.
+    #[inline(always)]
+    fn scale(&mut self, factor: T) {
+        self.size = self.size * factor;
+        let mut power = T::from(1.0);
+        for k in 0..self.order + 1 {
+            self.theta[k] = self.theta[k] * power;
+            self.x[k] = self.x[k] * power;
+            self.q[k] = self.q[k] * power;
+            power = power * factor;
+        }
+        self.forcing.scale(factor);
+    }
+
+    /// The coefficient n of the work of the excitation per unit mass, from the rates of X times their powers.
+    #[inline(always)]
+    fn work_term(&self, n: usize, velocity: &Series<T>) -> T {
+        let Swing { theta, q, forcing, .. } = self;
+        let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
+        power = power + (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
+        for j in 0..forcing.terms.min(n) {
+            power = power - velocity[n - j] * forcing.x[j];
+        }
+        power * RECIPROCAL[n]
+    }
+
+    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
+    #[inline(always)]
+    pub fn at(&self, part: T) -> [T; 2] {
+        let [theta, slope] = self.theta_at(part);
+        [theta, slope / self.size]
+    }
+
+    /// θ (rad) and its rate of change per swing.
+    #[inline(always)]
+    pub fn theta_at(&self, part: T) -> [T; 2] {
+        let (mut theta, mut slope) = (T::from(0.0), T::from(0.0));
+        for k in (0..self.order + 1).rev() {
+            slope = slope * part + theta;
+            theta = theta * part + self.theta[k];
+        }
+        [theta, slope]
+    }
+}
 
 impl Swing {
     /// The swing from `[t, θ, θ̇]` on, at most `longest` (s), if the last terms of θ̇ may be `allowed` (rad/s per second of the swing).
@@ -92,8 +191,6 @@ impl Swing {
         longest: f64,
         allowed: f64,
     ) -> Swing {
-        /// Part of the flight at constant acceleration.
-        const OF_FLIGHT: f64 = 1.25;
         let none = [0.0; ORDER + 1];
         let (sin, cos) = libm::sincos(theta);
         let lever = block.lever(Foot::Corner(corner), sin, cos);
@@ -110,7 +207,7 @@ impl Swing {
         let allowed = allowed * size * size;
         let rest = swing.extend(block.gravity, size * size / inertia, allowed);
         if rest >= allowed {
-            swing.shorten(allowed / rest);
+            swing.scale(shortening(allowed / rest));
         }
         swing
     }
@@ -118,36 +215,17 @@ impl Swing {
     /// Adds powers until the last two terms of θ̇ together are below `allowed`, in units of the swing, and returns their sum.
     #[inline]
     fn extend(&mut self, gravity: f64, scale: f64, allowed: f64) -> f64 {
-        /// The least order, by which reactions and their changes are known.
-        const LEAST: usize = 4;
-        let Swing { order, theta, x, q, forcing, .. } = self;
-        let weight = [forcing.z[0] + gravity, forcing.z[1]];
+        let weight = self.forcing.z[0] + gravity;
         let mut slope = [0.0; ORDER + 1];
-        slope[1] = theta[1];
-        (x[1], q[1]) = (slope[1] * q[0], -slope[1] * x[0]);
+        slope[1] = self.theta[1];
+        (self.x[1], self.q[1]) = (slope[1] * self.q[0], -slope[1] * self.x[0]);
         let mut rest = f64::INFINITY;
         for k in 0..ORDER - 1 {
-            let mut turning = x[k] * weight[0] - q[k] * forcing.x[0];
-            if k > 0 {
-                turning += x[k - 1] * weight[1];
-            }
-            if k < 2 {
-                turning += forcing.moment[k];
-            }
-            for j in 1..forcing.terms.min(k + 1) {
-                turning -= q[k - j] * forcing.x[j];
-            }
             let n = k + 2;
-            theta[n] = turning * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
-            slope[n] = theta[n] * NUMBER[n];
-            let (mut across, mut up) = (0.0, 0.0);
-            let (slopes, xs, qs) = (&slope[1..n + 1], &x[..n], &q[..n]);
-            for j in 0..n {
-                across += slopes[j] * qs[n - 1 - j];
-                up -= slopes[j] * xs[n - 1 - j];
-            }
-            (x[n], q[n]) = (across * RECIPROCAL[n], up * RECIPROCAL[n]);
-            *order = n;
+            self.theta[n] = self.turning(k, weight) * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
+            slope[n] = self.theta[n] * NUMBER[n];
+            [self.x[n], self.q[n]] = self.lever_terms(n, &slope);
+            self.order = n;
             if n >= LEAST {
                 rest = slope[n].abs() + slope[n - 1].abs();
                 if rest < allowed {
@@ -156,41 +234,6 @@ impl Swing {
             }
         }
         rest
-    }
-
-    /// Shortens the swing so that its last terms meet the allowed error, which is this part of them.
-    #[inline]
-    fn shorten(&mut self, part: f64) {
-        const SAFETY: f64 = 0.75;
-        // The root of order 16.
-        let factor = SAFETY * part.sqrt().sqrt().sqrt().sqrt();
-        self.size *= factor;
-        let mut power = 1.0;
-        for k in 0..self.order + 1 {
-            self.theta[k] *= power;
-            self.x[k] *= power;
-            self.q[k] *= power;
-            power *= factor;
-        }
-        self.forcing.scale(factor);
-    }
-
-    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
-    #[inline]
-    pub fn at(&self, part: f64) -> [f64; 2] {
-        let [theta, slope] = self.theta_at(part);
-        [theta, slope / self.size]
-    }
-
-    /// θ (rad) and its rate of change per swing.
-    #[inline]
-    pub fn theta_at(&self, part: f64) -> [f64; 2] {
-        let (mut theta, mut slope) = (0.0, 0.0);
-        for k in (0..self.order + 1).rev() {
-            slope = slope * part + theta;
-            theta = theta * part + self.theta[k];
-        }
-        [theta, slope]
     }
 
     /// N/M and H/M (m/s²) up to a part of the swing, by the series: at its end less accurate than by the equations of motion.
@@ -253,18 +296,12 @@ impl Swing {
     /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
     #[inline]
     pub fn work(&self, part: f64) -> f64 {
-        let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
         let (mut work, mut velocity) = (0.0, [0.0; ORDER + 1]);
-        for n in 1..order + 1 {
-            velocity[n] = x[n] * NUMBER[n];
+        for n in 1..self.order + 1 {
+            velocity[n] = self.x[n] * NUMBER[n];
         }
-        for n in (1..order + 1).rev() {
-            let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
-            power += (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
-            for j in 0..forcing.terms.min(n) {
-                power -= velocity[n - j] * forcing.x[j];
-            }
-            work = work * part + power * RECIPROCAL[n];
+        for n in (1..self.order + 1).rev() {
+            work = work * part + self.work_term(n, &velocity);
         }
         work * part
     }
@@ -314,10 +351,8 @@ impl Swing {
     /// method approaches the zero from the end of the swing without passing it. The result is within 4 ulp.
     #[inline]
     pub fn landing(&self) -> f64 {
-        const MOST: u32 = 60;
-        const STILL: f64 = 1.0 - 4.0 * f64::EPSILON;
         let mut part = 1.0;
-        for _ in 0..MOST {
+        for _ in 0..MOST_NEWTON {
             let [theta, slope] = self.theta_at(part);
             let next = part - theta / slope;
             if next >= STILL * part {

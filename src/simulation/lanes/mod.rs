@@ -1,12 +1,13 @@
 //! Several runs → the same kind of step of all of them at once, one in each lane of the processor's vectors.
 //!
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
-//! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages of its lane if only an
-//! event or a peak may be inside.
-//! So do runs on the rigid base, with friction or ties, in flight, sliding, held, or under a pulse.
+//! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages or the swing of its lane if
+//! only an event or a peak may be inside.
+//! So do runs with friction or ties, in flight, sliding, held, at rest on the rigid base, or on supports under a pulse.
 
 mod bounds;
 mod kernel;
+mod swings;
 
 use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Ramp};
@@ -22,6 +23,7 @@ use crate::system::forces;
 use crate::system::instant::State;
 use crate::system::law::Gripping;
 use kernel::Stepped;
+use swings::Swinging;
 
 /// A reference time (s), and the ground accelerations from there on, horizontal and vertical.
 type GroundRamps = (f64, [Ramp; 2]);
@@ -43,8 +45,8 @@ pub struct Lane {
     ground_alone: bool,
     /// Their reference time (s), and they.
     ground: GroundRamps,
-    /// The regime, if runs in the present contacts are stepped together.
-    regime: Option<Regime>,
+    /// How runs in the present contacts are stepped together, if they are.
+    course: Option<Course>,
     /// Whether the smooth piece begins at the present time.
     begins: bool,
     budget: u64,
@@ -62,6 +64,8 @@ pub struct Lane {
     short_failed: bool,
     /// The step of order 8 from here, if a lane has made it and it may hold an event or a peak.
     accepted: Option<Step>,
+    /// The swings of a run on the rigid base.
+    swinging: Swinging,
 }
 
 /// A support that nothing touches.
@@ -88,28 +92,52 @@ impl Lifted {
     }
 }
 
+/// The way in which runs are stepped together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// By steps on supports, in this regime.
+    Steps(Regime),
+    /// By swings about a corner of the rigid base.
+    Swings,
+}
+
 /// The kind of a step: runs whose next steps are of the same kind are stepped together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kind {
-    regime: Regime,
-    /// Whether it is a short step, or one of order 8.
-    short: bool,
+pub enum Kind {
+    /// A step on supports.
+    Step {
+        /// The regime.
+        regime: Regime,
+        /// Whether it is a short step, or one of order 8.
+        short: bool,
+    },
+    /// A swing about either corner of the rigid base.
+    Swing {
+        /// Whether a pulse acts, or only what is linear in time.
+        is_wave: bool,
+    },
 }
 
 impl Kind {
     /// The number of kinds.
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 8;
 
     const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
 
     /// Its number, from 0.
     pub fn number(self) -> usize {
-        place(self.regime).unwrap_or(0) + if self.short { 0 } else { 3 }
+        match self {
+            Kind::Step { regime, short } => place(regime).unwrap_or(0) + if short { 0 } else { 3 },
+            Kind::Swing { is_wave } => 6 + usize::from(is_wave),
+        }
     }
 
     /// The kind of a number.
     pub fn numbered(number: usize) -> Kind {
-        Kind { regime: Kind::REGIMES[number % 3], short: number < 3 }
+        match number {
+            0..6 => Kind::Step { regime: Kind::REGIMES[number % 3], short: number < 3 },
+            _ => Kind::Swing { is_wave: number == 7 },
+        }
     }
 }
 
@@ -123,12 +151,17 @@ fn place(regime: Regime) -> Option<usize> {
     }
 }
 
-/// The regime of a run in whose present contacts runs are stepped together; none for other runs.
-fn regime_in_lanes(Simulation { pose, system, .. }: &Simulation) -> Option<Regime> {
+/// The way in which runs in the present contacts are stepped together; none for other runs.
+fn course_in_lanes(Simulation { pose, system, .. }: &Simulation) -> Option<Course> {
     let gripping = pose.footing.grips() && pose.contacts.held().is_none();
-    let plain = system.block.foundation == Foundation::Viscoelastic && !forces::switch(&system.block);
+    if !gripping || forces::switch(&system.block) {
+        return None;
+    }
     let regime = pose.contacts.regime();
-    (plain && gripping && place(regime).is_some()).then_some(regime)
+    match system.block.foundation {
+        Foundation::Viscoelastic => place(regime).is_some().then_some(Course::Steps(regime)),
+        Foundation::Rigid => regime.pivot().is_some().then_some(Course::Swings),
+    }
 }
 
 /// The next action of a run.
@@ -147,7 +180,8 @@ impl Lane {
     pub fn new(simulation: Simulation, tag: usize) -> Lane {
         let gap_rounding = Surface::Gap(Corner::Left).rounding(simulation.block());
         let time = simulation.time();
-        let (regime, lifted) = (regime_in_lanes(&simulation), Lifted::of(&simulation));
+        let (course, lifted) = (course_in_lanes(&simulation), Lifted::of(&simulation));
+        let swinging = Swinging::of(&simulation);
         let limits = [
             simulation.limits(Gripping::<true, true, false>, 0.0),
             simulation.limits(Gripping::<true, false, false>, 0.0),
@@ -155,7 +189,7 @@ impl Lane {
         ];
         Lane {
             tag,
-            regime,
+            course,
             simulation,
             inputs: Inputs::default(),
             until: time,
@@ -172,6 +206,7 @@ impl Lane {
             grows: false,
             short_failed: false,
             accepted: None,
+            swinging,
         }
     }
 
@@ -196,11 +231,15 @@ impl Lane {
         let Simulation { pulse, pose, system, counts, .. } = &mut self.simulation;
         self.stop = pulse.next_kink(pose.time).map_or(self.until, |kink| kink.min(self.until));
         self.since = pose.time;
-        let ground = Excitation::from_time(pose.time, inputs, pulse, &system.block).ground_alone();
-        self.ground_alone = ground.is_some();
-        if let Some((time, [x, z])) = ground {
+        let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
+        if system.block.foundation == Foundation::Rigid {
+            self.swinging.begin_piece(&system.block, excitation);
+        } else if let Some((time, [x, z])) = excitation.ground_alone() {
+            self.ground_alone = true;
             (self.ground.0, self.ground.1[0].value, self.ground.1[0].rate) = (time, x.value, x.rate);
             (self.ground.1[1].value, self.ground.1[1].rate) = (z.value, z.rate);
+        } else {
+            self.ground_alone = false;
         }
         self.begins = true;
         counts.evaluations += 1;
@@ -209,6 +248,9 @@ impl Lane {
     /// The next action of the run.
     #[inline]
     pub fn next_step(&mut self) -> Next {
+        if self.is_landing() {
+            return Next::Alone;
+        }
         let time = self.simulation.pose.time;
         if time >= self.until || self.simulation.ending.is_some() {
             if self.simulation.ending.is_none() || self.simulation.is_frozen() {
@@ -226,7 +268,11 @@ impl Lane {
     /// The kind of the step that comes next, if it can be taken in a lane.
     #[inline]
     fn kind(&mut self) -> Option<Kind> {
-        let regime = self.regime.filter(|_| self.ground_alone)?;
+        let regime = match self.course? {
+            Course::Steps(regime) if self.ground_alone => regime,
+            Course::Steps(_) => return None,
+            Course::Swings => return self.swing_kind(),
+        };
         let limits = &self.limits[place(regime)?];
         let longest = limits.longest;
         let (time, stop) = (self.simulation.pose.time, self.stop);
@@ -238,22 +284,29 @@ impl Lane {
         let short = if self.short_failed { ShortStepTo::TooFar } else { control.short_step(size, longest) };
         if short == ShortStepTo::Stop {
             self.attempt = Attempt::to_stop(size);
-            return Some(Kind { regime, short: true });
+            return Some(Kind::Step { regime, short: true });
         }
         self.attempt = control.attempt(size, longest, shortest(time, stop));
         self.grows = short == ShortStepTo::NotYet;
-        Some(Kind { regime, short: false })
+        Some(Kind::Step { regime, short: false })
     }
 
     /// Takes a step alone, and reports each event to `observer`.
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let Lane { simulation, inputs, stop, since, begins, short_failed, accepted, budget, .. } = self;
+        let landing = self.take_landing();
+        let Lane { simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
         let excitation = Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block);
-        let start = StepStart { of_piece: *begins, short_failed: *short_failed };
-        (*begins, *short_failed) = (false, false);
-        let done = simulation.single_step(*stop, &excitation, start, accepted.take().as_ref(), budget, observer);
+        let done = if let Some(surface) = landing {
+            simulation.apply_alone(surface, &excitation, observer)
+        } else {
+            let start = StepStart { of_piece: *begins, short_failed: *short_failed };
+            (*begins, *short_failed) = (false, false);
+            let (accepted, known) = (accepted.take(), swinging.known.take());
+            simulation.single_step(*stop, &excitation, start, accepted.as_ref(), known.as_deref(), budget, observer)
+        };
         // There may have been an event.
-        (self.regime, self.lifted) = (regime_in_lanes(&self.simulation), Lifted::of(&self.simulation));
+        (self.course, self.lifted) = (course_in_lanes(&self.simulation), Lifted::of(&self.simulation));
+        self.swinging.turn(&self.simulation);
         done
     }
 
@@ -321,10 +374,30 @@ impl Lane {
 ///
 /// Returns a bit for each run that has stepped, or for which another kind of step comes next; the others must take the step alone.
 pub fn step_group(width: VectorWidth, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
-    let mut stepped = kernel::step(width, kind.regime, kind.short, group);
+    match kind {
+        Kind::Step { regime, short } => step(width, regime, short, group),
+        Kind::Swing { is_wave } => swing(width, is_wave, group),
+    }
+}
+
+/// The same for swings.
+fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
+    let mut swung = swings::swing(width, is_wave, group);
+    for (lane, run) in group.iter_mut().enumerate().filter(|(lane, _)| swung.taken >> lane & 1 == 1) {
+        run.arrive_by_swing(&swung, lane);
+    }
+    for (lane, swing) in std::mem::take(&mut swung.known) {
+        group[lane].swinging.known = Some(Box::new(swing));
+    }
+    swung.taken
+}
+
+/// The same for steps on supports.
+fn step(width: VectorWidth, regime: Regime, short: bool, group: &mut [Box<Lane>]) -> u32 {
+    let mut stepped = kernel::step(width, regime, short, group);
     for (lane, run) in group.iter_mut().enumerate() {
         if stepped.taken >> lane & 1 == 1 {
-            run.arrive(&stepped, lane, kind.short);
+            run.arrive(&stepped, lane, short);
         } else if (stepped.failed | stepped.eventful) >> lane & 1 == 1 {
             if stepped.failed >> lane & 1 == 1 {
                 run.simulation.control.reject_short(run.attempt.size, stepped.root[lane]);

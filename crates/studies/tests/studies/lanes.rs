@@ -56,6 +56,36 @@ fn simulation() -> impl Strategy<Value = Simulation> {
     )
 }
 
+/// A block on the rigid base that tilts, or begins to, maybe under a pulse.
+fn rigid_simulation() -> impl Strategy<Value = Simulation> {
+    let eccentricity = prop_oneof![Just(0.0), -0.9..0.9];
+    let block = (0.05..0.6_f64, 0.3..8.0_f64, 1.0..4.0_f64, eccentricity, prop_oneof![Just(1.0), 0.5..1.0]);
+    let beginning = (-1.1..1.1_f64, -1.0..1.0_f64);
+    let pulse = (any::<prop::sample::Index>(), -8.0..8.0_f64, 0.05..1.0_f64, -0.3..1.0_f64);
+    let settings = (4.0..13.0_f64, any::<bool>());
+    (block, beginning, pulse, settings).prop_map(
+        |((alpha, p, gamma, eccentricity, restitution_factor), (theta, theta_dot), pulse, (digits, flies))| {
+            let foundation = Foundation::Rigid;
+            let common = Common { gamma, foundation, restitution_factor, mass: 13.0, ..Common::default() };
+            let numbers = Dimensionless { alpha, p, eta: 40.0, xi_v: 0.1 };
+            let even = Block::from_dimensionless(&numbers, &common).unwrap();
+            let common = Common { eccentricity: eccentricity * even.b, ..common };
+            let block = Block::from_dimensionless(&numbers, &common).unwrap();
+            let settings = Settings {
+                tolerance: libm::exp10(-digits),
+                on_separation: if flies { OnSeparation::Fly } else { OnSeparation::Terminate },
+                ..Settings::default()
+            };
+            let initial = Initial { theta: theta * alpha, theta_dot: theta_dot * alpha * p, ..Initial::default() };
+            let (shape, amplitude, period, start) = pulse;
+            let shapes =
+                [PulseShape::None, PulseShape::OneSine, PulseShape::C2, PulseShape::HalfSine, PulseShape::Gabor];
+            let pulse = Pulse { shape: *shape.get(&shapes), amplitude, period, start, ..Pulse::NONE };
+            Simulation::new(block, settings, pulse, &initial, 0.0, &Inputs::default())
+        },
+    )
+}
+
 /// Intervals of a ground motion with both components: durations (s), accelerations at their ends (m/s²).
 fn intervals() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     let duration = prop_oneof![Just(0.005), Just(0.01), Just(0.02), 0.001..0.4];
@@ -110,33 +140,54 @@ fn through(width: VectorWidth, lanes: &mut [Option<Box<Lane>>]) -> u64 {
     }
 }
 
-/// Compares all bits after every interval: time, state, contacts, step sizes, sums, peaks and counters.
+/// Compares all bits after every interval: time, state, contacts, step sizes, sums, peaks and counters. Returns the numbers of steps in lanes,
+/// and of all steps.
+fn compare(runs: &[Simulation], intervals: &[(f64, f64, f64)]) -> Result<[u64; 2], TestCaseError> {
+    let (mut in_lanes, mut steps) = (0, 0);
+    for width in widths() {
+        let mut single = runs.to_vec();
+        let mut lanes: Vec<Option<Box<Lane>>> =
+            runs.iter().map(|run| Some(Box::new(Lane::new(run.clone(), 0)))).collect();
+        for (inputs, until) in inputs(intervals) {
+            for (run, lane) in single.iter_mut().zip(&mut lanes) {
+                run.advance(until, &inputs, &mut |_| ()).unwrap();
+                lane.as_mut().unwrap().send(until, &inputs);
+            }
+            in_lanes += through(width, &mut lanes);
+            for (run, lane) in single.iter().zip(&lanes) {
+                let lane = lane.as_ref().unwrap().simulation();
+                prop_assert_eq!(lane, run);
+                prop_assert!(bits(lane) == bits(run), "{:?}: {:?} is not {:?}", width, lane, run);
+            }
+        }
+        steps += single.iter().map(|run| run.counts().steps).sum::<u64>();
+    }
+    Ok([in_lanes, steps])
+}
+
 #[test]
 fn a_step_in_a_lane_has_the_bits_of_a_step_alone() {
     let (in_lanes, steps) = (AtomicU64::new(0), AtomicU64::new(0));
     proptest!(cases(40), |(runs in prop::collection::vec(simulation(), 1..12), intervals in intervals())| {
-        for width in widths() {
-            let mut single = runs.clone();
-            let mut lanes: Vec<Option<Box<Lane>>> =
-                runs.iter().map(|run| Some(Box::new(Lane::new(run.clone(), 0)))).collect();
-            for (inputs, until) in inputs(&intervals) {
-                for (run, lane) in single.iter_mut().zip(&mut lanes) {
-                    run.advance(until, &inputs, &mut |_| ()).unwrap();
-                    lane.as_mut().unwrap().send(until, &inputs);
-                }
-                in_lanes.fetch_add(through(width, &mut lanes), Ordering::Relaxed);
-                for (run, lane) in single.iter().zip(&lanes) {
-                    let lane = lane.as_ref().unwrap().simulation();
-                    prop_assert_eq!(lane, run);
-                    prop_assert!(bits(lane) == bits(run), "{:?}: {:?} is not {:?}", width, lane, run);
-                }
-            }
-            let steps_of = |run: &Simulation| run.counts().steps;
-            steps.fetch_add(single.iter().map(steps_of).sum::<u64>(), Ordering::Relaxed);
-        }
+        let [taken, all] = compare(&runs, &intervals)?;
+        in_lanes.fetch_add(taken, Ordering::Relaxed);
+        steps.fetch_add(all, Ordering::Relaxed);
     });
     let (in_lanes, steps) = (in_lanes.into_inner(), steps.into_inner());
     assert!(in_lanes > steps / 2, "{in_lanes} of {steps} steps were taken in lanes");
+}
+
+/// On the rigid base, under ground accelerations, pulses, and both; to landings, overturning, rest and flights.
+#[test]
+fn a_swing_in_a_lane_has_the_bits_of_a_swing_alone() {
+    let (in_lanes, steps) = (AtomicU64::new(0), AtomicU64::new(0));
+    proptest!(cases(100), |(runs in prop::collection::vec(rigid_simulation(), 1..12), intervals in intervals())| {
+        let [taken, all] = compare(&runs, &intervals)?;
+        in_lanes.fetch_add(taken, Ordering::Relaxed);
+        steps.fetch_add(all, Ordering::Relaxed);
+    });
+    let (in_lanes, steps) = (in_lanes.into_inner(), steps.into_inner());
+    assert!(in_lanes > steps / 5, "{in_lanes} of {steps} steps were taken in lanes");
 }
 
 /// The Loma Prieta record times a factor, with a vertical motion derived from it.

@@ -1,0 +1,229 @@
+//! Swings of several blocks at once, one in each lane: the operations of single swings, in their order.
+//!
+//! The terms of a lane are zero beyond its own order. Zeros change no sum, and where a product with another series would, they are left out.
+
+use super::{LEAST, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, RECIPROCAL, STILL, Series, Swing, shortening};
+use crate::block::Lever;
+use crate::excitation::{Excitation, ForcingSeries};
+use crate::numerics::wide::{Lanes, Simd, Wide};
+use crate::numerics::{Real, Scalar};
+
+/// Blocks that turn about a corner each.
+#[derive(Clone, Copy)]
+pub struct Pivoting<V> {
+    /// Horizontal distance of the centre of mass from the corner of the upright block (m), positive to the right of the corner.
+    pub offset: Wide<V>,
+    /// Its height (m).
+    pub h: Wide<V>,
+    /// `I0/M` (m²).
+    pub i0: Wide<V>,
+    /// g (m/s²).
+    pub gravity: Wide<V>,
+    /// The sign of a rotation away from the base.
+    pub away: Wide<V>,
+}
+
+/// A swing in each lane.
+pub struct Swings<V> {
+    /// Its `order` is the highest of all lanes.
+    series: Swing<Wide<V>>,
+    /// The order of each lane.
+    orders: Wide<V>,
+}
+
+/// [`Bounds`](super::Bounds) in each lane.
+pub struct LaneBounds<V: Simd> {
+    /// Whether `last` alone tells if the block comes down within the swing.
+    pub is_certain: Lanes<V>,
+    /// The rotation away from the base at the end (rad).
+    pub last: Wide<V>,
+    /// Whether |θ| only rises or only falls.
+    pub is_monotone: Lanes<V>,
+    /// The greatest |θ| (rad).
+    pub theta: Wide<V>,
+    /// The least and the greatest N/M (m/s²).
+    pub reaction: [Wide<V>; 2],
+    /// The greatest |H|/M (m/s²).
+    pub horizontal: Wide<V>,
+}
+
+impl<V: Simd> Swings<V> {
+    /// The swings from `[t, θ, θ̇]` on, see [`Swing::of`].
+    #[inline(always)]
+    pub fn of(
+        block: &Pivoting<V>,
+        excitation: &Excitation<Wide<V>>,
+        [time, theta, theta_dot]: [Wide<V>; 3],
+        longest: Wide<V>,
+        allowed: Wide<V>,
+    ) -> Swings<V> {
+        let zero = Wide::default();
+        let (sin, cos) = theta.sin_cos();
+        let lever = Lever::of(block.offset, block.h, sin, cos);
+        let inertia = lever.x * lever.x + lever.q * lever.q + block.i0;
+        let none = [zero; ORDER + 1];
+        let series = Swing { size: longest, order: 1, theta: none, x: none, q: none, forcing: excitation.series(time) };
+        let mut swings = Swings { series, orders: zero };
+        let Swings { series, .. } = &mut swings;
+        let forcing = &mut series.forcing;
+        let turning = lever.x * (forcing.z[0] + block.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
+        let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
+        let from_base = flight.in_lanes(zero.less(flight).and(flight.less(longest)), longest);
+        let size = longest.in_lanes(zero.less(theta.abs()), from_base);
+
+        forcing.scale(size);
+        series.size = size;
+        (series.theta[0], series.theta[1]) = (theta, theta_dot * size);
+        (series.x[0], series.q[0]) = (lever.x, lever.q);
+        swings.extend(block.gravity, size * size / inertia, allowed * size * size);
+        swings
+    }
+
+    /// Adds powers, and shortens the swings whose error is still too great at the highest one.
+    #[inline(always)]
+    fn extend(&mut self, gravity: Wide<V>, scale: Wide<V>, allowed: Wide<V>) {
+        let Swings { series, orders } = self;
+        let zero = Wide::default();
+        let weight = series.forcing.z[0] + gravity;
+        let mut slope: Series<Wide<V>> = [zero; ORDER + 1];
+        slope[1] = series.theta[1];
+        (series.x[1], series.q[1]) = (slope[1] * series.q[0], -slope[1] * series.x[0]);
+        let mut rest = zero;
+        let mut done = zero.less(zero);
+        for k in 0..ORDER - 1 {
+            let n = k + 2;
+            let theta = series.turning(k, weight) * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
+            // A lane that is done gets no further terms.
+            series.theta[n] = zero.in_lanes(done, theta);
+            slope[n] = series.theta[n] * NUMBER[n];
+            let [x, q] = series.lever_terms(n, &slope);
+            (series.x[n], series.q[n]) = (zero.in_lanes(done, x), zero.in_lanes(done, q));
+            series.order = n;
+            *orders = orders.in_lanes(done, Wide::from(n as f64));
+            if n >= LEAST {
+                rest = rest.in_lanes(done, slope[n].abs() + slope[n - 1].abs());
+                done = done.or(rest.less(allowed));
+                if done.all() {
+                    return;
+                }
+            }
+        }
+        series.scale(Wide::from(1.0).in_lanes(done, shortening(allowed / rest)));
+    }
+
+    /// See [`Swing::bounds`].
+    #[inline(always)]
+    pub fn bounds(&self, block: &Pivoting<V>) -> LaneBounds<V> {
+        let Swing { size, order, ref theta, ref x, ref q, ref forcing } = self.series;
+        let (zero, away) = (Wide::default(), block.away);
+        let per_second = Wide::from(1.0) / (size * size);
+        let mut spread = theta[1].abs() + theta[2].abs();
+        let (mut steepest, mut bend) = (theta[2].abs() * 2.0, zero);
+        for k in 3..order.min(ORDER) + 1 {
+            let term = theta[k].abs();
+            spread = spread + term;
+            steepest = steepest + term * NUMBER[k];
+            bend = bend + term * (NUMBER[k] * NUMBER[k - 1]);
+        }
+        let [last, _] = self.series.theta_at(Wide::from(1.0));
+        let (first, last) = (theta[0] * away, last * away);
+        let turns_back = (bend + theta[2] * (away * 2.0)).less(zero);
+        let leaves = zero.less(first.in_lanes(zero.less(first.abs()), theta[1] * away));
+        let (mut reaction, mut horizontal) = (zero, zero);
+        for k in 4..order.min(ORDER) + 1 {
+            let squares = per_second * (NUMBER[k] * NUMBER[k - 1]);
+            reaction = reaction + (q[k] * squares).abs();
+            let force = (x[k] * squares + forcing.x[k - 2]).abs();
+            horizontal = horizontal + force.in_lanes(self.reach(k), zero);
+        }
+        reaction = reaction + (q[3] * (per_second * 6.0) + forcing.z[1]).abs();
+        horizontal = horizontal + (x[3] * (per_second * 6.0) + forcing.x[1]).abs();
+        let first_reaction = block.gravity + forcing.z[0] + q[2] * (per_second * 2.0);
+        let first_horizontal = x[2] * (per_second * 2.0) + forcing.x[0];
+        LaneBounds {
+            is_certain: spread.less(first).or(turns_back.and(leaves)),
+            last,
+            is_monotone: steepest.less(theta[1].abs()),
+            theta: first.abs() + spread,
+            reaction: [first_reaction - reaction, first_reaction + reaction],
+            horizontal: first_horizontal.abs() + horizontal,
+        }
+    }
+
+    /// The lanes whose order is at least k.
+    #[inline(always)]
+    fn reach(&self, k: usize) -> Lanes<V> {
+        Wide::from(k as f64 - 0.5).less(self.orders)
+    }
+
+    /// The part after which the block comes down in these lanes, see [`Swing::landing`], and 1 in the others.
+    #[inline(always)]
+    pub fn landing(&self, lanes: Lanes<V>) -> Wide<V> {
+        let mut part = Wide::from(1.0);
+        for _ in 0..MOST_NEWTON {
+            let [theta, slope] = self.series.theta_at(part);
+            let next = part - theta / slope;
+            let moves = next.less(part * STILL).and(lanes);
+            if !moves.any() {
+                break;
+            }
+            part = next.in_lanes(moves, part);
+        }
+        part
+    }
+
+    /// See [`Swing::work`].
+    #[inline(always)]
+    pub fn work(&self, part: Wide<V>) -> Wide<V> {
+        let Swing { order, ref x, .. } = self.series;
+        let mut velocity: Series<Wide<V>> = [Wide::default(); ORDER + 1];
+        for n in 1..order + 1 {
+            velocity[n] = x[n] * NUMBER[n];
+        }
+        let mut work = Wide::default();
+        for n in (1..order + 1).rev() {
+            work = (work * part + self.series.work_term(n, &velocity)).in_lanes(self.reach(n), work);
+        }
+        work * part
+    }
+
+    /// `[θ, θ̇]` (rad, rad/s) after a part.
+    #[inline(always)]
+    pub fn at(&self, part: Wide<V>) -> [Wide<V>; 2] {
+        self.series.at(part)
+    }
+
+    /// Durations (s).
+    #[inline(always)]
+    pub fn size(&self) -> Wide<V> {
+        self.series.size
+    }
+
+    /// The swing of one lane.
+    #[inline(always)]
+    pub fn of_lane(&self, lane: usize) -> Swing {
+        let Swing { size, ref theta, ref x, ref q, ref forcing, .. } = self.series;
+        let mut swing = Swing {
+            size: size.of_lane(lane),
+            order: self.orders.of_lane(lane) as usize,
+            theta: [0.0; ORDER + 1],
+            x: [0.0; ORDER + 1],
+            q: [0.0; ORDER + 1],
+            forcing: ForcingSeries {
+                x: [0.0; ORDER + 1],
+                terms: forcing.terms,
+                z: [forcing.z[0].of_lane(lane), forcing.z[1].of_lane(lane)],
+                moment: [forcing.moment[0].of_lane(lane), forcing.moment[1].of_lane(lane)],
+            },
+        };
+        for k in 0..swing.order + 1 {
+            swing.theta[k] = theta[k].of_lane(lane);
+            swing.x[k] = x[k].of_lane(lane);
+            swing.q[k] = q[k].of_lane(lane);
+        }
+        for k in 0..forcing.terms {
+            swing.forcing.x[k] = forcing.x[k].of_lane(lane);
+        }
+        swing
+    }
+}
