@@ -11,7 +11,7 @@
 //! | [`control`] | the error of a step → the size of the next |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
 //! | [`bernstein`] | the coefficients of a polynomial → its bounds, first zero and greatest value on [0, 1] |
-//! | [`wide`] | several numbers side by side → the same operations on each, by the processor's vectors |
+//! | `wide` | several numbers side by side → the same operations on each, by the processor's vectors |
 
 pub mod bernstein;
 mod coefficients;

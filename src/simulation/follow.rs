@@ -108,9 +108,9 @@ impl Steps {
 }
 
 impl Simulation {
-    /// Comes to `until` (s) once steps have led there, or the block is held.
-    pub fn arrive(&mut self, until: f64) {
-        if self.ending.is_none() || self.is_frozen() {
+    /// Lets time pass to `until` (s) if the block is held; only steps take any other block there.
+    pub fn wait(&mut self, until: f64) {
+        if self.is_frozen() {
             self.pose.time = until;
         }
     }

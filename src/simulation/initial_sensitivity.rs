@@ -66,7 +66,8 @@ impl Simulation {
 }
 
 /// The upright block at rest on the rigid base, moved in a direction: it leans to the side to which it is tilted or thrown, on that
-/// corner. Displacements and rates change as there; accelerations and reactions would jump, and are those of rest.
+/// corner. Displacements and the rates of the centre of mass change as there; accelerations and reactions would jump, and are those of
+/// rest.
 fn lean(rest: &mut Evaluation<Along>, &Initial { theta, theta_dot, .. }: &Initial<Along>) {
     let lean = if theta.eps[0] != 0.0 { theta.eps[0] } else { theta_dot.eps[0] };
     if lean == 0.0 {
@@ -76,6 +77,6 @@ fn lean(rest: &mut Evaluation<Along>, &Initial { theta, theta_dot, .. }: &Initia
     let zero = Along::from(0.0);
     let state = [theta, theta_dot, zero, zero];
     let x = instant(rest.block, rest.regime, state, Footing::AT_START.map(Along::from), rest.forcing);
-    let Instant { u, u_dot, v, v_dot, corner, corner_dot, .. } = x;
-    rest.instant = Instant { u, u_dot, v, v_dot, corner, corner_dot, ..rest.instant };
+    let Instant { u, u_dot, v, v_dot, corner, .. } = x;
+    rest.instant = Instant { u, u_dot, v, v_dot, corner, ..rest.instant };
 }

@@ -57,7 +57,7 @@ pub fn advance_with_samples(
             }
         }
     }
-    simulation.arrive(until);
+    simulation.wait(until);
     for follower in followers {
         follower.pose.time = Number::from(simulation.time());
     }

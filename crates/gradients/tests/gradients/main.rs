@@ -5,6 +5,7 @@
 mod cases;
 mod closed_form;
 mod differences;
+mod held;
 mod run;
 mod samples;
 #[path = "../../../../tests/common/skipped.rs"]
