@@ -6,8 +6,8 @@ use std::ops::Mul;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::ties::NO_TIES;
-use crate::block::{Block, TieStates};
+use crate::block::Block;
+use crate::block::restraints::States;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, Scalar};
 #[cfg(feature = "lanes")]
@@ -123,8 +123,8 @@ pub struct Forcing<T> {
     pub z: T,
     /// `M_y/M` (m²/s²).
     pub moment: T,
-    /// The ties that pull at this instant: they are loads that follow from where the block is.
-    pub ties: TieStates,
+    /// The states of the restraints at this instant: those that act are loads that follow from where the block is.
+    pub restraints: States,
 }
 
 impl<R: Scalar> Forcing<R> {
@@ -135,12 +135,12 @@ impl<R: Scalar> Forcing<R> {
             x: Dual::new(self.x, derivative.x),
             z: Dual::new(self.z, derivative.z),
             moment: Dual::new(self.moment, derivative.moment),
-            ties: self.ties,
+            restraints: self.restraints,
         }
     }
 }
 
-/// The forcing after an instant as power series of the elapsed time (s), without ties.
+/// The forcing after an instant as power series of the elapsed time (s), without restraints.
 #[derive(Clone, Copy, Debug)]
 pub struct ForcingSeries<const N: usize, T = f64> {
     /// Coefficients of `a_gx − F_x/M` (m/s²).
@@ -229,7 +229,7 @@ impl<T: Scalar> Excitation<T> {
         self.wave.is_none()
     }
 
-    /// The forcing at `time` (s), without ties.
+    /// The forcing at `time` (s), without restraints.
     #[inline(always)]
     pub fn at(&self, time: T) -> Forcing<T> {
         let elapsed = time - self.time;
@@ -237,7 +237,12 @@ impl<T: Scalar> Excitation<T> {
             Some(wave) => wave.at(time),
             None => T::from(0.0),
         };
-        Forcing { x: self.x.at(elapsed) + pulse, z: self.z.at(elapsed), moment: self.moment.at(elapsed), ties: NO_TIES }
+        Forcing {
+            x: self.x.at(elapsed) + pulse,
+            z: self.z.at(elapsed),
+            moment: self.moment.at(elapsed),
+            restraints: States::NONE,
+        }
     }
 
     /// The rate at which the forcing changes at `time` (s), per second.
@@ -247,7 +252,7 @@ impl<T: Scalar> Excitation<T> {
             Some(wave) => wave.rate_at(time),
             None => T::from(0.0),
         };
-        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate, ties: NO_TIES }
+        Forcing { x: self.x.rate + pulse, z: self.z.rate, moment: self.moment.rate, restraints: States::NONE }
     }
 
     /// The forcing after `time` (s) as power series; needs [`Excitation::has_series`].

@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Given, Physical};
+use rocking_block::block::{self as engine, Common, Corner, Dimensionless, Foundation, Given, Physical, restraints};
 use rocking_block::words::Words;
 
 use crate::options::{choice, invalid};
@@ -211,7 +211,7 @@ impl Block {
             eccentricity,
             friction,
         };
-        let ties: Vec<engine::Tie> = ties.iter().map(Tie::of_engine).collect();
+        let ties: Vec<restraints::Tie> = ties.iter().map(Tie::of_engine).collect();
         let block = given.block(&common)?.with_ties(&ties).map_err(invalid)?;
         for (name, is_given, why) in [
             ("K", K.is_some(), "eta and xi_v depend"),
@@ -251,7 +251,7 @@ impl Block {
                 parameters.set_item(name, value)?;
             }
         }
-        if !self.block.ties.is_empty() {
+        if !self.block.ties().is_empty() {
             parameters.set_item("ties", self.ties(py)?)?;
         }
         parameters.set_item("foundation", self.foundation())?;
@@ -387,7 +387,7 @@ impl Block {
     #[getter]
     fn ties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let class = py.import("rocking_block._tie")?.getattr("Tie")?;
-        let ties = self.block.ties.all().iter().map(|tie| class.call((), Some(&Tie::of_python(tie).named(py)?)));
+        let ties = self.block.ties().iter().map(|tie| class.call((), Some(&Tie::of_python(tie).named(py)?)));
         PyTuple::new(py, ties.collect::<PyResult<Vec<_>>>()?)
     }
 

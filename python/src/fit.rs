@@ -85,7 +85,7 @@ pub fn fit<'py>(
         tolerance: options.tolerance,
     };
     let tests = tests.iter().map(Test::of_engine).collect::<PyResult<Vec<_>>>()?;
-    let ties = block.get().block.ties.all().to_vec();
+    let ties = block.get().block.ties().to_vec();
     let problem = Problem { given, common, ties, free: free(&shared), tests, options };
     let pool = pool(threads)?;
     let found = wait(py, tick, move |progress| {

@@ -4,7 +4,8 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use rocking_block::block::{self as engine, Foundation, TieState};
+use rocking_block::block::restraints::TieState;
+use rocking_block::block::{self as engine, Foundation};
 use rocking_block::excitation::PulseShape;
 use rocking_block::simulation::Initial;
 use rocking_block::simulation::peaks::Peaks;
@@ -93,7 +94,7 @@ pub fn history<'py>(
     let parameters = Parameters {
         given,
         common,
-        ties: block.ties.all().to_vec(),
+        ties: block.ties().to_vec(),
         initial,
         pulse,
         scale: (!run.ground.is_empty()).then_some(scale),
@@ -145,8 +146,8 @@ fn derivatives<'py>(py: Python<'py>, block: &engine::Block, gradients: &Gradient
 type PeakTuple<'py> = (f64, f64, f64, f64, f64, f64, Bound<'py, PyTuple>);
 
 fn peak<'py>(py: Python<'py>, block: &engine::Block, peaks: &Peaks) -> PyResult<PeakTuple<'py>> {
-    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, tension } = *peaks;
-    let tensions = PyTuple::new(py, &tension[..block.ties.all().len()])?;
+    let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull } = *peaks;
+    let tensions = PyTuple::new(py, &pull[..block.ties().len()])?;
     Ok((theta, reaction, horizontal, uplift, friction_demand, slip, tensions))
 }
 
@@ -165,7 +166,7 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
     let result = PyDict::new(py);
     result.set_item("columns", columns)?;
     result.set_item("events", events.collect::<Vec<_>>())?;
-    let count = block.ties.all().len();
+    let count = block.ties().len();
     result.set_item("peak", peak(py, block, peaks)?)?;
     let broken: Vec<bool> = ties[..count].iter().map(|state| *state == TieState::Broken).collect();
     result.set_item("broken", broken)?;

@@ -106,7 +106,7 @@ pub fn search_damping<'py>(
             progress.end_if_abandoned();
         };
         let search = || {
-            let (ties, width) = (block.ties.all(), VectorWidth::widest());
+            let (ties, width) = (block.ties(), VectorWidth::widest());
             search::damping_against_separation(&dimensionless, &common, ties, rate, settings, &scan, width, show)
         };
         pool.install(search)

@@ -167,7 +167,7 @@ fn columns<'py>(py: Python<'py>, made: &[(Outcome, f64, Vec<f64>)], holds: Holds
         columns.set_item("peak.slip", PyArray1::from_iter(py, made.iter().map(|(outcome, ..)| outcome.peaks.slip)))?;
     }
     for tie in 0..holds.ties {
-        let tensions = made.iter().map(|(outcome, ..)| outcome.peaks.tension[tie]);
+        let tensions = made.iter().map(|(outcome, ..)| outcome.peaks.pull[tie]);
         columns.set_item(format!("peak.tie_{}.tension", tie + 1), PyArray1::from_iter(py, tensions))?;
     }
     type Count = fn(&Outcome) -> u32;

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rocking_block::block as engine;
+use rocking_block::block::restraints as engine;
 
 /// The attributes of a `rocking_block.Tie`.
 #[derive(FromPyObject)]

@@ -49,12 +49,12 @@ impl<T: Elementary> Creep<T> {
 }
 
 impl Block {
-    /// Returns a warning if a block without ties falls over by itself on its supports: their moment per radian, 2 K b², is at most that
+    /// Returns a warning if a block without restraints falls over by itself on its supports: their moment per radian, 2 K b², is at most that
     /// of the weight, M g h.
     pub fn soft_supports(&self) -> Option<String> {
         let Block { mass, gravity, b, h, stiffness, .. } = *self;
         let (eta, least) = (self.eta(), mass * gravity * h / (2.0 * b * b));
-        let is_soft = self.foundation == Foundation::Viscoelastic && self.ties.is_empty() && stiffness <= least;
+        let is_soft = self.foundation == Foundation::Viscoelastic && self.restraints.is_empty() && stiffness <= least;
         is_soft.then(|| {
             let least_eta = eta * (least / stiffness).sqrt();
             format!(

@@ -5,6 +5,19 @@ use serde::{Deserialize, Serialize};
 use crate::block::Block;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 
+/// Place and motion of the block, from which its restraints follow.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<T> {
+    /// Sine and cosine of θ.
+    pub sin_cos: [T; 2],
+    /// θ̇ (rad/s).
+    pub theta_dot: T,
+    /// Displacement of the centre of mass from its position at rest, `[u, v]` (m).
+    pub center: [T; 2],
+    /// Its velocity relative to the ground (m/s).
+    pub velocity: [T; 2],
+}
+
 /// A corner of the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Corner {

@@ -1,4 +1,4 @@
-//! The block: checked parameters, geometry, foundation, contacts of the corners, ties.
+//! The block: checked parameters, geometry, foundation, contacts of the corners, restraints.
 //!
 //! | module | in → out |
 //! | --- | --- |
@@ -6,13 +6,13 @@
 //! | [`geometry`] | a rotation → the centre of mass as seen from each corner |
 //! | [`foundation`] | time since lift-off → the height of a support |
 //! | [`contact`] | the contact of each corner → the regime |
-//! | [`ties`] | the ties to the ground, and which of them pull |
+//! | [`restraints`] | forces between block and ground that switch, a folder each: parameters, states, pull, energies, what is watched |
 
 pub mod contact;
 pub mod foundation;
 pub mod geometry;
 pub mod parameters;
-pub mod ties;
+pub mod restraints;
 
 use serde::{Deserialize, Serialize};
 
@@ -21,9 +21,9 @@ use parameters::{check_common, not_negative, open_range, positive};
 
 pub use contact::{Contact, Contacts, Regime};
 pub use foundation::{Creep, Foundation};
-pub use geometry::{Corner, Foot, Lever};
+pub use geometry::{Corner, Foot, Lever, Place};
 pub use parameters::{BlockError, Common, Dimensionless, Given, Physical};
-pub use ties::{Tie, TieState, TieStates, Ties};
+pub use restraints::Restraints;
 
 /// A block on its foundation, in both parameterizations; one of `f64` is valid by construction. Lanes hold several blocks on
 /// foundations of the same kind.
@@ -67,8 +67,8 @@ pub struct Block<T = f64> {
     pub share: [T; 2],
     /// Coulomb's μ (1); 0 means no limit.
     pub friction: T,
-    /// Its ties to the ground.
-    pub ties: Ties<T>,
+    /// Its restraints.
+    pub restraints: Restraints<T>,
 }
 
 impl Block {
@@ -101,15 +101,6 @@ impl Block {
             Given::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
             Given::Physical(physical) => Block::from_physical(physical, common),
         }
-    }
-
-    /// Returns the block with these ties, at most [`ties::MOST_TIES`]. Errors name the first parameter that is not valid.
-    pub fn with_ties(self, ties: &[Tie]) -> Result<Block, BlockError> {
-        if ties.len() > ties::MOST_TIES {
-            return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: ties::EXPECTED });
-        }
-        ties.iter().try_for_each(Tie::check)?;
-        Ok(Block { ties: Ties::of(ties), ..self })
     }
 
     /// Refuses derived quantities that overflow or vanish although each parameter is valid.
@@ -159,10 +150,10 @@ impl Block {
 }
 
 impl<T: Elementary> Block<T> {
-    /// Whether it goes beyond the paper's block: uneven, tied, or with a limit of friction. Its horizontal position is then kept when the
+    /// Whether it goes beyond the paper's block: uneven, restrained, or with a limit of friction. Its horizontal position is then kept when the
     /// foot changes.
     pub fn is_extended(&self) -> bool {
-        self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.ties.is_empty()
+        self.friction.value() > 0.0 || self.eccentricity.value() != 0.0 || !self.restraints.is_empty()
     }
 }
 
@@ -233,7 +224,7 @@ impl<T: Elementary> Block<T> {
             eccentricity: common.eccentricity,
             share: [half - uneven, half + uneven],
             friction: common.friction,
-            ties: Ties::none(),
+            restraints: Restraints::none(),
             r0,
             alpha: zero,
             b: zero,

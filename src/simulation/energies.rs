@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::block::restraints;
 use crate::excitation::{Excitation, Forcing, Inputs};
 use crate::simulation::Simulation;
 use crate::system::evaluation::Evaluation;
@@ -19,8 +20,8 @@ pub struct EnergySums {
     pub dashpots: f64,
     /// Energy taken by friction.
     pub friction: f64,
-    /// Energy taken by the dashpots of the ties, and lost from the springs of those that broke.
-    pub ties: f64,
+    /// Energies taken by the restraints.
+    pub restraints: restraints::Energies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
     /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
@@ -29,21 +30,28 @@ pub struct EnergySums {
 
 impl EnergySums {
     /// The works that a solver outside integrates: of the excitation, and the energies taken by the dashpots, by friction and by the
-    /// dashpots of the ties.
+    /// restraints.
     pub(super) fn works(&self) -> [f64; WORKS] {
-        [self.input, self.dashpots, self.friction, self.ties]
+        forces::joined([self.input, self.dashpots, self.friction], self.restraints.into_array())
     }
 
     /// The same sums with these works.
-    pub(super) fn with_works(self, [input, dashpots, friction, ties]: [f64; WORKS]) -> EnergySums {
-        EnergySums { input, dashpots, friction, ties, ..self }
+    pub(super) fn with_works(self, [input, dashpots, friction, restraints @ ..]: [f64; WORKS]) -> EnergySums {
+        EnergySums { input, dashpots, friction, restraints: restraints::Energies::from_array(restraints), ..self }
     }
 
     /// Includes the energy that was lost in an event.
     pub(super) fn lose(&mut self, event: Option<EventKind>, energy: f64) {
-        match event.and_then(EventKind::tie) {
-            Some(_) => self.ties += energy,
-            None => self.impacts += energy,
+        match event {
+            Some(EventKind::Restraint(event)) => self.restraints.lose(event, energy),
+            Some(
+                EventKind::LiftOff(_)
+                | EventKind::Landing(_)
+                | EventKind::Slip
+                | EventKind::Grip
+                | EventKind::Overturning,
+            )
+            | None => self.impacts += energy,
         }
     }
 
@@ -54,9 +62,9 @@ impl EnergySums {
     }
 
     /// Adds the works that [dissipative](forces::dissipated) forces have taken.
-    pub(super) fn add(&mut self, [friction, ties]: [f64; forces::DISSIPATIVE]) {
+    pub(super) fn add(&mut self, [friction, restraints @ ..]: [f64; forces::DISSIPATIVE]) {
         self.friction += friction;
-        self.ties += ties;
+        self.restraints.add(restraints::Energies::from_array(restraints));
     }
 }
 
@@ -78,30 +86,35 @@ pub struct Energies {
     pub dashpots: f64,
     /// Energy taken by friction.
     pub friction: f64,
-    /// Energy taken by the dashpots of the ties, and lost from the springs of those that broke.
-    pub ties: f64,
+    /// Energies taken by the restraints.
+    #[serde(flatten)]
+    pub restraints: restraints::Energies,
     /// Energy lost at changes of regime; negative if some was gained.
     pub impacts: f64,
     /// Energy gained from changes of the horizontal constraint at lift-off; included in `impacts` with the opposite sign.
     pub constraint: f64,
-    /// The balance: `total − initial − input + dashpots + friction + ties + impacts`, round-off and integration error.
+    /// The balance: `total − initial − input + dashpots + friction + restraints + impacts`, round-off and integration error.
     pub residual: f64,
 }
 
 impl Energies {
     /// The changes of the energies while none is lost in events.
-    pub(super) fn changing(kinetic: f64, potential: f64, [input, dashpots, friction, ties]: [f64; WORKS]) -> Energies {
+    pub(super) fn changing(
+        kinetic: f64,
+        potential: f64,
+        [input, dashpots, friction, restraints @ ..]: [f64; WORKS],
+    ) -> Energies {
         let total = kinetic + potential;
-        let residual = total - input + dashpots + friction + ties;
-        Energies { total, kinetic, potential, input, dashpots, friction, ties, residual, ..Energies::default() }
+        let restraints = restraints::Energies::from_array(restraints);
+        let residual = restraints.added_to(total - input + dashpots + friction);
+        Energies { total, kinetic, potential, input, dashpots, friction, restraints, residual, ..Energies::default() }
     }
 }
 
 /// The rates of [`EnergySums::works`] now (W).
 pub(super) fn powers(now: &Evaluation) -> [f64; WORKS] {
-    let [input, dashpots] = now.instant.powers(now.block, now.regime, now.forcing);
-    let [friction, ties] = now.dissipated();
-    [input, dashpots, friction, ties].map(|power| power * now.block.mass)
+    let powers = now.instant.powers(now.block, now.regime, now.forcing);
+    forces::joined::<_, 2, { forces::DISSIPATIVE }, WORKS>(powers, now.dissipated()).map(|power| power * now.block.mass)
 }
 
 impl Simulation {
@@ -110,10 +123,10 @@ impl Simulation {
         let (block, excitation) = (self.block(), Excitation::none());
         let now = self.now(block, &excitation);
         let (kinetic, potential) = energy(block, now.regime, &now.forcing, &now.instant);
-        let EnergySums { initial, input, dashpots, friction, ties, impacts, constraint } = self.sums;
-        let [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint] =
-            [kinetic, potential, initial, input, dashpots, friction, ties, impacts, constraint]
-                .map(|part| part * block.mass);
+        let EnergySums { initial, input, dashpots, friction, restraints, impacts, constraint } = self.sums;
+        let [kinetic, potential, initial, input, dashpots, friction, impacts, constraint] =
+            [kinetic, potential, initial, input, dashpots, friction, impacts, constraint].map(|part| part * block.mass);
+        let restraints = restraints.map(|part| part * block.mass);
         let total = kinetic + potential;
         Energies {
             total,
@@ -122,10 +135,10 @@ impl Simulation {
             input,
             dashpots,
             friction,
-            ties,
+            restraints,
             impacts,
             constraint,
-            residual: total - initial - input + dashpots + friction + ties + impacts,
+            residual: restraints.added_to(total - initial - input + dashpots + friction) + impacts,
         }
     }
 

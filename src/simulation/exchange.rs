@@ -313,7 +313,7 @@ impl Simulation {
         let mut inside = Inside { motion, between: Between::Known(between), evaluations: 0 };
         self.update_peaks(&here, there, near, &mut inside);
         self.take_in_slip(&here, there);
-        self.peaks.include_tensions_of_step(&here, there, |elapsed| inside.at(elapsed));
+        self.peaks.include_pulls_of_step(&here, there, |elapsed| inside.at(elapsed));
     }
 
     /// The observation and the energies with their exact derivatives in the direction whose components are `states`, the values of

@@ -56,7 +56,7 @@ impl Simulation {
         let support_heights = goes_on.support_heights.map(|top| top.value);
         let seen = observe(block, goes_on.regime, &goes_on.instant, support_heights, goes_on.forcing);
         let seen = seen.map(|x| Dual::new(x.re, x.eps[0]));
-        let peaks = Peaks { tension: seen.tension.map(|tension| tension.eps), ..channels(&seen).peak_sensitivity() };
+        let peaks = Peaks { pull: seen.pull.map(|pull| pull.eps), ..channels(&seen).peak_sensitivity() };
         let seen = if self.is_frozen() { seen.without_motion() } else { seen };
         let (kinetic, potential) = energy(block, begins.regime, &begins.forcing, &begins.instant);
         let [kinetic, potential] = [kinetic, potential].map(|part| (part * block.mass).eps[0]);

@@ -113,7 +113,7 @@ pub(super) fn first_event<L: Law, const N: usize>(
     if L::KNOWN { first } else { first_event_beyond(here, there, inside, first) }
 }
 
-/// The same through those of friction and ties, if that is earlier than `first`.
+/// The same through those of friction and restraints, if that is earlier than `first`.
 #[inline(never)]
 fn first_event_beyond<L: Law, const N: usize>(
     here: &Evaluation,

@@ -141,7 +141,7 @@ impl Simulation {
         let shown = system.released(&simulation.pose, &start).unwrap_or(simulation.pose);
         let shown = Motion::from_pose(&block, &shown, &excitation).at(time, shown.state);
         simulation.peaks.include(&shown.channels());
-        simulation.peaks.include_tensions(&shown);
+        simulation.peaks.include_pulls(&shown);
         simulation
     }
 

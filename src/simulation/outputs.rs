@@ -1,7 +1,7 @@
 //! State, regime and excitation of an instant → the observed quantities, with exact derivatives on request.
 
-use crate::block::ties::MOST_TIES;
-use crate::block::{Block, Corner, Regime, TieStates};
+use crate::block::restraints::{self, States};
+use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Excitation, Forcing, Inputs, Pulse};
 use crate::numerics::dual::{Dual, Dual64};
 use crate::numerics::roots::Sample;
@@ -52,14 +52,14 @@ pub struct Observation<T> {
     pub friction_demand: T,
     /// Rate at which the foot slides (m/s), positive to the right; zero where it grips and in flight.
     pub slip_rate: T,
-    /// Tensions of the ties (N).
-    pub tension: [T; MOST_TIES],
+    /// Pulls of the restraints (N), by their numbers.
+    pub pull: [T; restraints::MOST],
     /// Powers of the excitation and of the dashpots (W), the second positive when they take energy.
     pub power: [T; 2],
     /// Power taken by friction (W).
     pub friction_power: T,
-    /// Power taken by the dashpots of the ties (W).
-    pub tie_power: T,
+    /// Powers taken by the restraints (W).
+    pub restraint_power: restraints::Energies<T>,
 }
 
 /// Returns the observation of an instant; `support_heights` are the heights of the supports.
@@ -91,10 +91,10 @@ pub fn observe<P: Scalar, T: CombinesWith<P>>(
         uplift,
         friction_demand,
         slip_rate: x.slip_rate,
-        tension: forces::tie::tensions(block, &forcing.ties, x),
+        pull: forces::pulls(block, &forcing.restraints, x),
         power: [power[0] * block.mass, power[1] * block.mass],
         friction_power: forces::friction::power(horizontal, x.slip_rate),
-        tie_power: forces::tie::power(block, &forcing.ties, x) * block.mass,
+        restraint_power: forces::powers_of_restraints(block, &forcing.restraints, x).map(|power| power * block.mass),
     }
 }
 
@@ -174,10 +174,10 @@ impl<T: Scalar> Observation<T> {
             uplift: self.uplift.map(&f),
             friction_demand: f(self.friction_demand),
             slip_rate: f(self.slip_rate),
-            tension: self.tension.map(&f),
+            pull: self.pull.map(&f),
             power: self.power.map(&f),
             friction_power: f(self.friction_power),
-            tie_power: f(self.tie_power),
+            restraint_power: self.restraint_power.map(&f),
         }
     }
 
@@ -201,10 +201,10 @@ impl<T: Scalar> Observation<T> {
             base_moment: zero,
             friction_demand: zero,
             slip_rate: zero,
-            tension: [zero; MOST_TIES],
+            pull: [zero; restraints::MOST],
             power: [zero; 2],
             friction_power: zero,
-            tie_power: zero,
+            restraint_power: self.restraint_power.map(|_| zero),
             ..*self
         }
     }
@@ -252,9 +252,9 @@ impl Simulation {
         }
     }
 
-    /// The states of the ties.
-    pub fn ties(&self) -> TieStates {
-        self.pose.ties
+    /// The states of the restraints.
+    pub fn restraints(&self) -> States {
+        self.pose.restraints
     }
 
     /// The observed quantities right after these inputs have begun to act: a corner that the rigid base would have to pull has

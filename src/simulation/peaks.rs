@@ -4,8 +4,7 @@ use std::ops::Neg;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::ties::MOST_TIES;
-use crate::block::{Corner, Tie};
+use crate::block::{Corner, restraints};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::{Sample, greatest, may_rise_inside};
 use crate::numerics::scalar::{CombinesWith, Scalar};
@@ -28,8 +27,8 @@ pub struct Peaks<T = f64> {
     pub friction_demand: T,
     /// Of the displacement of the foot from the start (m).
     pub slip: T,
-    /// Of the tensions of the ties (N).
-    pub tension: [T; MOST_TIES],
+    /// Of the pulls of the restraints (N), by their numbers.
+    pub pull: [T; restraints::MOST],
 }
 
 /// A quantity whose greatest absolute value is a peak.
@@ -128,26 +127,26 @@ impl Peaks {
         });
     }
 
-    /// Includes the tensions of the ties at one instant.
-    pub fn include_tensions(&mut self, now: &Evaluation) {
-        for (tie, peak) in self.tension.iter_mut().enumerate().take(now.block.ties.all().len()) {
-            *peak = greater(*peak, now.tension(tie).value);
+    /// Includes the pulls of the restraints at one instant.
+    pub fn include_pulls(&mut self, now: &Evaluation) {
+        for number in now.block.restraints.numbers() {
+            self.pull[number] = greater(self.pull[number], now.pull(number).value);
         }
     }
 
-    /// Includes the tensions of a step between two instants; `inside` gives the instant at a time after the first one.
-    pub fn include_tensions_of_step<'a>(
+    /// Includes the pulls of a step between two instants; `inside` gives the instant at a time after the first one.
+    pub fn include_pulls_of_step<'a>(
         &mut self,
         here: &Evaluation,
         there: &Evaluation,
         mut inside: impl FnMut(f64) -> Evaluation<'a>,
     ) {
-        for (tie, Tie { strength, .. }) in here.block.ties.all().iter().enumerate() {
-            let [start, end] = [here, there].map(|now| now.tension(tie));
+        for number in here.block.restraints.numbers() {
+            let [start, end] = [here, there].map(|now| now.pull(number));
             let duration = there.time - here.time;
-            let most = greatest(self.tension[tie], start, end, duration, |elapsed| inside(elapsed).tension(tie));
-            // An impact may leave a dashpot with more, at which the tie breaks.
-            self.tension[tie] = if *strength > 0.0 { most.min(*strength) } else { most };
+            let most = greatest(self.pull[number], start, end, duration, |elapsed| inside(elapsed).pull(number));
+            // An impact may leave a dashpot with more, at which the restraint breaks.
+            self.pull[number] = restraints::strength(here.block, number).map_or(most, |strength| most.min(strength));
         }
     }
 

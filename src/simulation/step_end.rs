@@ -80,8 +80,8 @@ impl Simulation {
             self.take_in_slip(here, &there);
         }
         if N > 4 {
-            self.sums.add([beyond[6], beyond[7]]);
-            self.peaks.include_tensions_of_step(here, &there, |elapsed| inside.at(elapsed));
+            self.sums.add(std::array::from_fn(|i| beyond[6 + i]));
+            self.peaks.include_pulls_of_step(here, &there, |elapsed| inside.at(elapsed));
         } else {
             work[0] += here.footing.free_work(&there.footing);
         }

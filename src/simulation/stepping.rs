@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use crate::block::Regime;
+use crate::block::restraints;
 use crate::block::{Block, Foundation};
 use crate::excitation::Excitation;
 use crate::numerics::control::{
@@ -17,7 +18,6 @@ use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, Surface};
-use crate::system::forces;
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 #[cfg(feature = "lanes")]
@@ -403,8 +403,8 @@ impl Simulation {
         let all =
             [rocking * allowed, allowed, vertical * upright, upright, p * across, across, work_weight, work_weight];
         let weights = State::from(std::array::from_fn(|i| all[i]));
-        let tied = if law.is_extended() { forces::fastest(&self.system.block) } else { 0.0 };
-        let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(tied);
+        let restrained = if law.is_extended() { restraints::fastest(&self.system.block) } else { 0.0 };
+        let longest = LONGEST / rocking.max(vertical).max(decay).max(pulse_frequency).max(restrained);
         Limits {
             weights,
             work_weight,

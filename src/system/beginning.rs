@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Foot, Foundation, Regime};
+use crate::block::{Block, Foot, Foundation, Place, Regime, restraints};
 use crate::block::{Contacts, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::dual::Dual;
@@ -10,9 +10,8 @@ use crate::numerics::scalar::{CombinesWith, Elementary};
 use crate::system::System;
 use crate::system::events::change::Change;
 use crate::system::events::placement::Placement;
-use crate::system::forces;
 use crate::system::impact::Velocities;
-use crate::system::instant::{Footing, Place, Pose, State};
+use crate::system::instant::{Footing, Pose, State};
 
 /// Initial values of the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,7 +46,7 @@ where
         let contacts = Contacts::touching(touching, time);
         let footing = Footing::Grips { offset: T::from(0.0) };
         let state = placement.state(contacts.regime()).into();
-        let pose = self.switched(Pose::untied(time, state, contacts, footing), excitation);
+        let pose = self.switched(Pose::unrestrained(time, state, contacts, footing), excitation);
         // A corner that is drawn up faster than its support can follow leaves it at once.
         let mut change = Change::begin(self, &pose, excitation);
         change.grip_at_start(&mut placement);
@@ -78,7 +77,7 @@ impl<T: Elementary> Placement<T> {
             None => (turn[upper] - free[upper], turn_dot[upper]),
         };
         let middle = match vertical {
-            None if forces::act_at_rest(block) => balanced(block, [sin, cos], middle),
+            None if !block.restraints.is_empty() => balanced(block, [sin, cos], middle),
             _ => middle,
         };
         let (v, v_dot) = (middle - sunk, middle_dot - sunk_dot);
@@ -94,7 +93,7 @@ fn beginning_on_rigid_base<T: Elementary>(initial: &Initial<T>, time: T) -> Pose
     let state = State::from([initial.theta, initial.theta_dot, zero, zero]);
     // A block that leans to the left stands on L alone.
     let contacts = Contacts::touching([lean <= 0.0, lean >= 0.0], time);
-    Pose::untied(time, state, contacts, Footing::Grips { offset: zero })
+    Pose::unrestrained(time, state, contacts, Footing::Grips { offset: zero })
 }
 
 /// Height of the middle of the base (m) at which the supports bear the weight and the vertical pull of other forces, near `middle`,
@@ -130,7 +129,7 @@ fn balanced<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: T) -> T
 fn slope<T: Elementary>(block: &Block<T>, [sin, cos]: [T; 2], middle: f64) -> f64 {
     let (place, pushes) = stands(block, [sin, cos], T::from(middle));
     let supports: f64 = pushes.iter().filter(|push| push.value() > 0.0).map(|_| block.stiffness.value()).sum();
-    -(supports + forces::static_stiffness(block, &place))
+    -(supports + restraints::static_stiffness(block, &place))
 }
 
 /// The force (N) by which the supports push more than the weight and other forces pull, with the middle of the base at this height.
@@ -141,7 +140,7 @@ fn surplus<T: Elementary>(block: &Block<T>, turn: [T; 2], middle: T) -> T {
     for push in pushes {
         sum = sum + T::select_less(0.0, push.value(), push * block.stiffness, zero);
     }
-    forces::less_static_pull(block, &place, sum)
+    restraints::less_static_pull(block, &place, sum)
 }
 
 /// The place of a block that stands at this height, and how far its supports are pressed down (m).

@@ -7,12 +7,12 @@
 //! A foot that grips, a rigid base and a corner that is held are constraints: each adds the inertia of the centre of mass that it
 //! moves, or determines its rotation. Forces and energies are per unit of the block's mass.
 
-use crate::block::{Block, Corner, Foot, Foundation, Lever, Regime};
+use crate::block::{Block, Corner, Foot, Foundation, Lever, Place, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{CombinesWith, Scalar};
 use crate::system::forces::{self, friction, support};
-use crate::system::instant::{Footing, Held, Instant, Place};
+use crate::system::instant::{Footing, Held, Instant};
 
 /// The equations of motion at one instant.
 ///
@@ -308,11 +308,11 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
         }
     }
 
-    /// The forcing with the forces between block and ground; no foot stands in flight.
+    /// The forcing with the pull of the restraints; no foot stands in flight.
     #[inline(always)]
     fn with_forces(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
         // A copy, so that the rest stays in registers.
-        if forces::act(&forcing) { pulled(*self, foot, forcing) } else { forcing }
+        if forcing.restraints.pull() { pulled(*self, foot, forcing) } else { forcing }
     }
 
     /// Height of a corner above its place at rest (m).
@@ -350,7 +350,7 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     }
 }
 
-/// The forcing with the forces between block and ground. A function of its own, so that the equations without them stay small.
+/// The forcing with the pull of the restraints. A function of its own, so that the equations without them stay small.
 #[inline(never)]
 fn pulled<P: Scalar, T: CombinesWith<P>>(
     posture: Posture<P, T>,

@@ -126,7 +126,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } => [u, u_dot],
         };
         let State { 0: [theta, theta_dot, w, w_dot] } = pose.state;
-        State::first_of([theta, theta_dot, w, w_dot, u, u_dot, zero, zero])
+        extended([theta, theta_dot, w, w_dot, u, u_dot], [zero; forces::DISSIPATIVE])
     }
 
     /// The four numbers of a state at a time, and the footing.
@@ -144,7 +144,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
     #[inline(always)]
     pub fn state_of(&self, at: &Evaluation<T>) -> State<T, N> {
         let (State { 0: [theta, theta_dot, w, w_dot] }, zero) = (at.state, T::from(0.0));
-        State::first_of([theta, theta_dot, w, w_dot, at.instant.u, at.instant.u_dot, zero, zero])
+        extended([theta, theta_dot, w, w_dot, at.instant.u, at.instant.u_dot], [zero; forces::DISSIPATIVE])
     }
 
     /// Its rate, and the powers.
@@ -155,8 +155,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             return Rate { state: State::first_of([theta, theta_dot, w, w_dot]), quadratures };
         }
         let x = &at.instant;
-        let [one, other] = at.dissipated();
-        let state = State::first_of([theta, theta_dot, w, w_dot, x.u_dot, x.u_ddot, one, other]);
+        let state = extended([theta, theta_dot, w, w_dot, x.u_dot, x.u_ddot], at.dissipated());
         Rate { state, quadratures }
     }
 
@@ -202,7 +201,7 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
         })
     }
 
-    /// The horizontal hold at `time`. In free motion without ties, `ü = −a_gx` is integrated in closed form.
+    /// The horizontal hold at `time`. In free motion without restraints, `ü = −a_gx` is integrated in closed form.
     #[inline(always)]
     fn footing_at(&self, time: T, state: &State<T, N>) -> Footing<T> {
         match self.footing {
@@ -219,6 +218,12 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             }
         }
     }
+}
+
+/// The first numbers of these, a motion and the works of dissipative forces.
+#[inline(always)]
+fn extended<T: Scalar, const N: usize>(motion: [T; 6], works: [T; forces::DISSIPATIVE]) -> State<T, N> {
+    State::first_of(forces::joined::<_, 6, { forces::DISSIPATIVE }, EXTENDED>(motion, works))
 }
 
 /// The first four numbers of a state.

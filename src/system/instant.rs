@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::ties::NO_TIES;
-use crate::block::{Block, Contacts, Corner, TieStates};
+use crate::block::restraints::States;
+use crate::block::{Block, Contacts, Corner, Place};
 use crate::numerics;
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
@@ -52,19 +52,6 @@ pub struct Instant<T> {
     pub horizontal: T,
     /// Velocity of the foot (m/s), positive to the right: zero where it grips, and in flight.
     pub slip_rate: T,
-}
-
-/// Place and motion of the block, from which forces between block and ground follow.
-#[derive(Clone, Copy, Debug)]
-pub struct Place<T> {
-    /// Sine and cosine of θ.
-    pub sin_cos: [T; 2],
-    /// θ̇ (rad/s).
-    pub theta_dot: T,
-    /// Displacement of the centre of mass from its position at rest, `[u, v]` (m).
-    pub center: [T; 2],
-    /// Its velocity relative to the ground (m/s).
-    pub velocity: [T; 2],
 }
 
 impl<T: Scalar> Place<T> {
@@ -168,21 +155,21 @@ pub struct Pose<T = f64> {
     pub contacts: Contacts<T>,
     /// The horizontal hold.
     pub footing: Footing<T>,
-    /// The states of the ties.
-    pub ties: TieStates,
+    /// The states of the restraints.
+    pub restraints: States,
 }
 
 impl<T> Pose<T> {
-    /// A pose in which no tie pulls.
-    pub fn untied(time: T, state: State<T>, contacts: Contacts<T>, footing: Footing<T>) -> Pose<T> {
-        Pose { time, state, contacts, footing, ties: NO_TIES }
+    /// A pose in which no restraint acts.
+    pub fn unrestrained(time: T, state: State<T>, contacts: Contacts<T>, footing: Footing<T>) -> Pose<T> {
+        Pose { time, state, contacts, footing, restraints: States::NONE }
     }
 }
 
 impl Pose {
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let Pose { time, state, contacts, footing, ties: _ } = self;
+        let Pose { time, state, contacts, footing, restraints: _ } = self;
         time.is_finite() && state.is_finite() && contacts.is_finite() && footing.is_finite()
     }
 }

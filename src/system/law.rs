@@ -1,7 +1,7 @@
 //! A pose → the equations of motion that hold from there on.
 
-use crate::block::ties::NO_TIES;
-use crate::block::{Block, Corner, Foundation, Regime, TieStates};
+use crate::block::restraints::States;
+use crate::block::{Block, Corner, Foundation, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::Elementary;
 use crate::system::instant::{Footing, Pose};
@@ -23,8 +23,8 @@ pub trait Law: Copy {
     /// The corner that is held in contact though it bears nothing.
     fn held(self) -> Option<Corner>;
 
-    /// Whether the horizontal motion is integrated too, with the works of friction and of the ties: where the foot slides against
-    /// friction, or ties pull.
+    /// Whether the horizontal motion is integrated too, with the works of friction and of the restraints: where the foot slides against
+    /// friction, or restraints pull.
     const EXTENDED: bool = false;
 
     /// The corner of the rigid base about which the block turns under nothing but its weight and the excitation.
@@ -60,16 +60,16 @@ pub trait Law: Copy {
         false
     }
 
-    /// The states of the ties.
+    /// The states of the restraints.
     #[inline(always)]
-    fn ties(self) -> TieStates {
-        NO_TIES
+    fn restraints(self) -> States {
+        States::NONE
     }
 
     /// The forcing with the forces that act under this law.
     #[inline(always)]
     fn acting<T>(self, forcing: Forcing<T>) -> Forcing<T> {
-        Forcing { ties: self.ties(), ..forcing }
+        Forcing { restraints: self.restraints(), ..forcing }
     }
 }
 
@@ -82,15 +82,15 @@ pub struct AnyLaw<const EXTENDED: bool = false> {
     held: Option<Corner>,
     has_friction: bool,
     slides: bool,
-    tied: bool,
-    ties: TieStates,
+    restrained: bool,
+    restraints: States,
 }
 
 impl AnyLaw {
     /// The law of a block in a pose.
     #[inline]
     pub fn of<T: Elementary>(block: &Block<T>, pose: &Pose<T>) -> AnyLaw {
-        let Pose { contacts, footing, ties, .. } = pose;
+        let Pose { contacts, footing, restraints, .. } = pose;
         AnyLaw {
             regime: contacts.regime(),
             foundation: block.foundation,
@@ -98,16 +98,17 @@ impl AnyLaw {
             held: contacts.held(),
             has_friction: block.friction.value() > 0.0,
             slides: matches!(footing, Footing::Slides { .. }),
-            tied: !block.ties.is_empty(),
-            ties: *ties,
+            restrained: !block.restraints.is_empty(),
+            restraints: *restraints,
         }
     }
 
     /// The same as a law under which the horizontal motion is integrated too, if it is one.
     #[inline]
     pub fn extended(self) -> Option<AnyLaw<true>> {
-        let AnyLaw { regime, foundation, grips, held, has_friction, slides, tied, ties } = self;
-        (slides || tied).then_some(AnyLaw { regime, foundation, grips, held, has_friction, slides, tied, ties })
+        let AnyLaw { regime, foundation, grips, held, has_friction, slides, restrained, restraints } = self;
+        let extended = AnyLaw { regime, foundation, grips, held, has_friction, slides, restrained, restraints };
+        (slides || restrained).then_some(extended)
     }
 }
 
@@ -141,8 +142,8 @@ impl<const EXTENDED: bool> Law for AnyLaw<EXTENDED> {
     }
 
     #[inline(always)]
-    fn ties(self) -> TieStates {
-        self.ties
+    fn restraints(self) -> States {
+        self.restraints
     }
 }
 

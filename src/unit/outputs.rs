@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use crate::block::TieState;
+use crate::block::restraints::TieState;
 use crate::excitation::Inputs;
 use crate::simulation::outputs::Observation;
 use crate::simulation::peaks::{Channel, Channels, Peaks};
@@ -38,8 +38,8 @@ pub enum Source {
     Slip(fn(&simulation::Slip) -> f64, fn(f64) -> f64),
     /// The largest slip since the start.
     PeakSlip,
-    /// The largest tension of a tie since the start.
-    PeakTension(usize),
+    /// The largest pull of the restraint with this number since the start.
+    PeakPull(usize),
     /// Whether the foot slides.
     Slides,
     /// The regime.
@@ -50,7 +50,7 @@ pub enum Source {
 
 /// Returns the source of an output.
 pub fn source(output: Output) -> Source {
-    use Source::{Discrete, Energy, Observed, Peak, PeakSlip, PeakTension, Regime, Slides, Slip};
+    use Source::{Discrete, Energy, Observed, Peak, PeakPull, PeakSlip, Regime, Slides, Slip};
     match output {
         Output::Theta => Observed(|at| at.theta),
         Output::ThetaDot => Observed(|at| at.theta_dot),
@@ -73,17 +73,17 @@ pub fn source(output: Output) -> Source {
         Output::PowerInput => Observed(|at| at.power[0]),
         Output::PowerDashpots => Observed(|at| at.power[1]),
         Output::PowerFriction => Observed(|at| at.friction_power),
-        Output::PowerTies => Observed(|at| at.tie_power),
+        Output::PowerTies => Observed(|at| at.restraint_power.ties),
         Output::SlipRate => Observed(|at| at.slip_rate),
-        Output::Tie1Tension => Observed(|at| at.tension[0]),
-        Output::Tie2Tension => Observed(|at| at.tension[1]),
+        Output::Tie1Tension => Observed(|at| at.pull[0]),
+        Output::Tie2Tension => Observed(|at| at.pull[1]),
         Output::EnergyTotal => Energy(|energies| energies.total),
         Output::EnergyKinetic => Energy(|energies| energies.kinetic),
         Output::EnergyPotential => Energy(|energies| energies.potential),
         Output::EnergyInput => Energy(|energies| energies.input),
         Output::EnergyDashpots => Energy(|energies| energies.dashpots),
         Output::EnergyFriction => Energy(|energies| energies.friction),
-        Output::EnergyTies => Energy(|energies| energies.ties),
+        Output::EnergyTies => Energy(|energies| energies.restraints.ties),
         Output::EnergyImpacts => Energy(|energies| energies.impacts),
         Output::EnergyConstraint => Energy(|energies| energies.constraint),
         Output::EnergyResidual => Energy(|energies| energies.residual),
@@ -93,8 +93,8 @@ pub fn source(output: Output) -> Source {
         Output::PeakUplift => Peak(Channel::Uplift),
         Output::PeakFrictionDemand => Peak(Channel::FrictionDemand),
         Output::PeakSlip => PeakSlip,
-        Output::PeakTie1Tension => PeakTension(0),
-        Output::PeakTie2Tension => PeakTension(1),
+        Output::PeakTie1Tension => PeakPull(0),
+        Output::PeakTie2Tension => PeakPull(1),
         Output::Slip => Slip(|slip| slip.now, |rate| rate),
         Output::SlipTotal => Slip(|slip| slip.total, f64::abs),
         Output::Regime => Regime,
@@ -102,8 +102,8 @@ pub fn source(output: Output) -> Source {
         Output::EventsImpacts => Discrete(|simulation| f64::from(simulation.counts().impacts)),
         Output::EventsLiftoffs => Discrete(|simulation| f64::from(simulation.counts().liftoffs)),
         Output::Slides => Slides,
-        Output::Tie1Broken => Discrete(|simulation| flag(simulation.ties()[0] == TieState::Broken)),
-        Output::Tie2Broken => Discrete(|simulation| flag(simulation.ties()[1] == TieState::Broken)),
+        Output::Tie1Broken => Discrete(|simulation| flag(simulation.restraints().ties[0] == TieState::Broken)),
+        Output::Tie2Broken => Discrete(|simulation| flag(simulation.restraints().ties[1] == TieState::Broken)),
         Output::Separated => Discrete(|simulation| ended_by(simulation, Ending::is_separation)),
         Output::Overturned => Discrete(|simulation| ended_by(simulation, Ending::is_overturning)),
     }
@@ -152,7 +152,7 @@ impl Source {
             Source::Peak(channel) => simulation.peaks().of(*channel),
             Source::Slip(of, _) => of(&simulation.slip()),
             Source::PeakSlip => simulation.peaks().slip,
-            Source::PeakTension(tie) => simulation.peaks().tension[*tie],
+            Source::PeakPull(number) => simulation.peaks().pull[*number],
             Source::Slides => flag(simulation.slides_under(inputs)),
             Source::Discrete(of) => of(simulation),
         }
@@ -172,7 +172,7 @@ impl Source {
                 let outward = if slip.now == 0.0 { observed.slip_rate.abs() } else { outward };
                 rate_of_peak(peaks.slip, slip.now.abs(), outward)
             }
-            Source::PeakTension(tie) => rate_of_peak(peaks.tension[*tie], observed.tension[*tie], rates.tension[*tie]),
+            Source::PeakPull(number) => rate_of_peak(peaks.pull[*number], observed.pull[*number], rates.pull[*number]),
             Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }
@@ -183,7 +183,7 @@ impl Source {
             Source::Observed(of) => of(&along.observed),
             Source::Energy(of) => of(&along.energies),
             Source::Peak(channel) => along.peaks.of(*channel),
-            Source::PeakTension(tie) => along.peaks.tension[*tie],
+            Source::PeakPull(number) => along.peaks.pull[*number],
             Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }
@@ -198,7 +198,7 @@ impl Source {
             Source::Slip(of, _) => of(slip),
             Source::Peak(_)
             | Source::PeakSlip
-            | Source::PeakTension(_)
+            | Source::PeakPull(_)
             | Source::Slides
             | Source::Regime
             | Source::Discrete(_) => 0.0,

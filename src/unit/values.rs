@@ -2,11 +2,11 @@
 //!
 //! Names every parameter of modelDescription.xml, once.
 
-use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Tie, Ties};
+use crate::block::restraints::{Tie, Ties, tie};
+use crate::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Restraints};
 use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::simulation::{Initial, OnOverturning, OnSeparation, Settings};
-use crate::system::events::TIES;
 use crate::unit::fmi3_variables::Fmi3Values;
 use crate::unit::variables::{Choice, Parameter, Text, VARIABLES, Variable, choices};
 
@@ -57,7 +57,7 @@ impl std::ops::IndexMut<Variable> for Values {
 }
 
 /// The names and the variables of the ties.
-const TIE_VARIABLES: [(&str, Tie<Variable>); TIES] = [
+const TIE_VARIABLES: [(&str, Tie<Variable>); tie::VARIABLES] = [
     (
         "tie_1",
         Tie {
@@ -115,7 +115,7 @@ impl Values {
     /// Makes the block with the numbers of `of`, whose values are the parameters and are not checked.
     pub fn varied_block<T: Elementary>(&self, of: impl Fn(Variable) -> T) -> Block<T> {
         let (given, common) = self.given_block(&of);
-        Block { ties: Ties::of(&self.ties(of)), ..Block::of_given(&given, &common) }
+        Block { restraints: Restraints { ties: Ties::of(&self.ties(of)) }, ..Block::of_given(&given, &common) }
     }
 
     /// Returns the ties up to the last one that has a stiffness, with the numbers of `of`.

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use rocking_block::block::{Block, Common, Dimensionless, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, Common, Dimensionless};
 use serde::Deserialize;
 
 use crate::common::Motion;
@@ -129,7 +130,7 @@ impl Case {
         ]
         .map(|(name, value)| (name.to_string(), value))
         .into();
-        for (i, tie) in (1..).zip(block.ties.all()) {
+        for (i, tie) in (1..).zip(block.ties()) {
             let Tie { block, ground, stiffness, pretension, slack, damping, strength } = *tie;
             values.extend(
                 [

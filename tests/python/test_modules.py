@@ -1,4 +1,4 @@
-"""No two modules of a crate import each other, directly or through others."""
+"""No two modules of a crate import each other, directly or through others; few files name a kind of restraint."""
 
 import graphlib
 import pathlib
@@ -54,3 +54,13 @@ def test_modules_import_in_one_direction(source: pathlib.Path) -> None:
         graphlib.TopologicalSorter(graph).prepare()
     except graphlib.CycleError as error:
         pytest.fail(f"{source}: modules import each other: {' -> '.join(reversed(error.args[1]))}")
+
+
+@pytest.mark.check
+def test_few_files_of_the_unit_name_ties() -> None:
+    """Ties are known to their folder, to the list of kinds, and to the variables of the FMU (docs/design.md, "How to add")."""
+    tie = re.compile(r"(?<![A-Za-z])(?:un)?[Tt]ie[sd]?(?![a-z])|(?<![A-Z])TIES?(?![A-Z])|[a-z]Ties?(?![a-z])")
+    naming = {path.relative_to(ROOT) for path in (ROOT / "src").rglob("*.rs") if tie.search(path.read_text(encoding="utf-8"))}
+    beside = {path for path in naming if not path.is_relative_to("src/block/restraints/tie")}
+    expected = ["src/block/restraints/mod.rs", "src/unit/outputs.rs", "src/unit/values.rs"]
+    assert sorted(map(str, beside)) == expected

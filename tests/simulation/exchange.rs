@@ -1,6 +1,7 @@
 //! The block stepped from outside, as in Model Exchange: sizes of its states, peaks between them, events and energies.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime, Tie};
+use rocking_block::block::restraints::{self, Tie};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::exchange::{STATES, States, nominals};
 use rocking_block::simulation::outputs::Observation;
@@ -165,7 +166,7 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
         let size = expected.kinetic.abs() + expected.potential.abs();
         assert!(size > 1.0, "{expected:?}");
         assert_eq!(
-            expected.friction > 1e-3 * size && expected.ties > 1e-3 * size,
+            expected.friction > 1e-3 * size && expected.restraints.ties > 1e-3 * size,
             block.friction > 0.0,
             "{expected:?}"
         );
@@ -173,9 +174,9 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
             (energies.kinetic, expected.kinetic),
             (energies.potential, expected.potential),
             (energies.total, expected.total),
-            (energies.total, energies.input - energies.dashpots - energies.friction - energies.ties),
+            (energies.total, energies.input - energies.dashpots - energies.friction - energies.restraints.ties),
             (energies.friction, expected.friction),
-            (energies.ties, expected.ties),
+            (energies.restraints.ties, expected.restraints.ties),
             (energies.input, expected.input),
             (energies.dashpots, expected.dashpots),
             (energies.residual, 0.0),
@@ -186,7 +187,7 @@ fn derivatives_in_the_direction_of_the_motion_are_its_rates() {
             (6, Energies { input: 1.0, residual: -1.0, ..Energies::default() }),
             (7, Energies { dashpots: 1.0, residual: 1.0, ..Energies::default() }),
             (8, Energies { friction: 1.0, residual: 1.0, ..Energies::default() }),
-            (9, Energies { ties: 1.0, residual: 1.0, ..Energies::default() }),
+            (9, Energies { restraints: restraints::Energies { ties: 1.0 }, residual: 1.0, ..Energies::default() }),
         ] {
             let direction = std::array::from_fn(|i| if i == state { 1.0 } else { 0.0 });
             assert_eq!(simulation.directional(&inputs, &direction, &Inputs::default(), 0.0).1, expected);

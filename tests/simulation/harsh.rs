@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contacts, Corner, Dimensionless, Foot, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation, SimulationError};
@@ -315,7 +315,7 @@ fn a_landing_without_effect_gains_no_energy() {
             // v with L at the base.
             state: State::from([theta, theta_dot, block.h * (cos - 1.0) - block.b * sin, rate - reach * theta_dot]),
             contacts: Contacts::touching([false; 2], 0.0),
-            ties: NO_TIES,
+            restraints: States::NONE,
             footing: Footing::Free {
                 u: 0.0,
                 u_dot: height_over(&block, Foot::Corner(Corner::Left), theta) * theta_dot,

@@ -1,6 +1,7 @@
 //! Loads from a structural model: F_x, F_z and M_y on the centre of mass, on every foundation and in flight.
 
-use rocking_block::block::{Block, Common, Foundation, Regime, Tie, TieState};
+use rocking_block::block::restraints::{Tie, TieState};
+use rocking_block::block::{Block, Common, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Energies, Initial, OnSeparation, Settings, Simulation};
 
@@ -131,7 +132,7 @@ fn powers_are_the_rates_of_the_energy_sums() {
     let h = 1e-4;
     let [(before, _), (_, seen), (after, _)] = [0.1 - h, 0.1, 0.1 + h].map(|time| {
         simulation.advance(time, &inputs, &mut |_| ()).unwrap();
-        assert!(simulation.slides() && simulation.ties()[0] == TieState::Taut, "{simulation:?}");
+        assert!(simulation.slides() && simulation.restraints().ties[0] == TieState::Taut, "{simulation:?}");
         (simulation.energies(), simulation.observe(&inputs.moved_to(time)))
     });
     let rate = |of: fn(&Energies) -> f64| (of(&after) - of(&before)) / (2.0 * h);
@@ -139,7 +140,7 @@ fn powers_are_the_rates_of_the_energy_sums() {
         ("input", seen.power[0], rate(|sums| sums.input)),
         ("dashpots", seen.power[1], rate(|sums| sums.dashpots)),
         ("friction", seen.friction_power, rate(|sums| sums.friction)),
-        ("ties", seen.tie_power, rate(|sums| sums.ties)),
+        ("ties", seen.restraint_power.ties, rate(|sums| sums.restraints.ties)),
     ] {
         // The supports vibrate at ω_v, with an error of (ω_v h)²/6.
         assert!(power != 0.0 && (power / rate - 1.0).abs() < 1e-4, "{name}: {power} W, {rate} W by difference");

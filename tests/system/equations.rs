@@ -5,8 +5,9 @@
 
 use std::f64::consts::TAU;
 
-use rocking_block::block::ties::NO_TIES;
-use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime, Tie, TieState};
+use rocking_block::block::restraints::States;
+use rocking_block::block::restraints::{Tie, TieState};
+use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::{Equations, State};
 use rocking_block::system::evaluation::{Evaluation, Motion};
@@ -70,7 +71,7 @@ fn situations() -> Vec<(Block, Pose)> {
                     (_, [true, true] | [false, false]) => (0.02, 0.3),
                 };
                 let state = State::from([theta, theta_dot, w, w_dot]);
-                all.push((block, Pose { time: TIME, state, contacts, footing, ties: NO_TIES }));
+                all.push((block, Pose { time: TIME, state, contacts, footing, restraints: States::NONE }));
             }
         }
     }
@@ -94,7 +95,7 @@ fn held() -> Vec<(Block, Pose)> {
         let state = State::from([0.02, 0.3, 0.0, 0.0]);
         all.push((
             block,
-            Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 }, ties: NO_TIES },
+            Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 }, restraints: States::NONE },
         ));
     }
     all
@@ -301,7 +302,7 @@ fn ties_pull_a_block_whose_corner_is_held() {
         let stiffness = 20.0 * plain.mass * plain.gravity;
         let block = plain.with_ties(&[Tie { ground: [0.0, -1e6], stiffness, ..Tie::default() }]).unwrap();
         let mut tied = pose;
-        tied.ties[0] = TieState::Taut;
+        tied.restraints.ties[0] = TieState::Taut;
         let [free, pulled] = [(&plain, pose), (&block, tied)]
             .map(|(of, pose)| Motion::from_pose(of, &pose, &excitation).at(TIME, pose.state));
         // The end at the block has sunk with the middle of the base, or risen.
@@ -407,7 +408,8 @@ fn gaps_open_with_the_predicted_acceleration() {
         };
         let state = State::from([theta, theta_dot, w, w_dot]);
         let contacts = Contacts::touching(touching, 0.0);
-        let pose = Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 }, ties: NO_TIES };
+        let pose =
+            Pose { time: TIME, state, contacts, footing: Footing::Grips { offset: 0.17 }, restraints: States::NONE };
         let now = Motion::from_pose(&block, &pose, &excitation).at(TIME, state);
         assert!(now.instant.reaction[i].abs() < 1e-12 && (now.instant.corner_dot[i] - rate).abs() < 1e-13);
         let said = gap_opening(&now, leaving, now.instant.corner_dot[i]);

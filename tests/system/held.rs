@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector4};
-use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::outputs::Observation;
@@ -166,7 +166,7 @@ fn the_acceleration_decides_whether_a_landed_corner_stays() {
             state: State::from([libm::asin(free / block.b), -0.4, -free, 0.1]),
             contacts: Contacts::touching([false, true], 0.0),
             footing: Footing::AT_START,
-            ties: NO_TIES,
+            restraints: States::NONE,
         };
         for i in -400..400 {
             let inputs = Inputs { a_gx: Ramp::held(0.05 * f64::from(i)), ..Inputs::default() };
@@ -211,7 +211,7 @@ fn a_block_that_no_support_bears_slides_or_leaves() {
             contacts.set(Corner::Left, Contact::Held(Creep { depth, since: 0.0 }));
         }
         let state = State::from([0.0, 0.0, height, rate]);
-        let pose = Pose { time: 0.0, state, contacts, footing: Footing::AT_START, ties: NO_TIES };
+        let pose = Pose { time: 0.0, state, contacts, footing: Footing::AT_START, restraints: States::NONE };
         let excitation = Excitation::from_time(0.0, &Inputs::default(), &Pulse::NONE, &block);
         let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
         let Transition { pose: after, event, counts, .. } =
@@ -249,7 +249,7 @@ fn a_corner_of_a_sliding_block_is_held() {
             state: State::from([theta, theta_dot, middle[0], middle[1]]),
             contacts: Contacts::touching([true, true], 0.0),
             footing: Footing::Slides { u: 0.0, u_dot: direction, direction },
-            ties: NO_TIES,
+            restraints: States::NONE,
         };
         let inputs =
             Inputs { m_y: Ramp::held(1e-3 * f64::from(i) * block.mass * block.gravity * block.b), ..Inputs::default() };

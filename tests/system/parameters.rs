@@ -2,8 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use rocking_block::block::ties::MOST_TIES;
-use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical, Tie};
+use rocking_block::block::restraints::MOST_TIES;
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Physical};
 
 const PAPER: Dimensionless = Dimensionless { alpha: 0.3, p: 1.7, eta: 35.0, xi_v: 0.15 };
 const SIZES: Physical = Physical { width: 1.3, height: 3.1, stiffness: 2.0e4, damping: 150.0, inertia: None };
@@ -184,7 +185,7 @@ fn the_centre_of_mass_is_between_the_corners() {
 fn ties_are_counted_and_have_a_length() {
     let block = Block::from_dimensionless(&PAPER, &common()).unwrap();
     let tie = Tie { block: [0.5, 1.5], ground: [-2.0, 0.0], stiffness: 1e3, ..Tie::default() };
-    assert_eq!(block.with_ties(&[tie; MOST_TIES]).unwrap().ties.all(), [tie; MOST_TIES]);
+    assert_eq!(block.with_ties(&[tie; MOST_TIES]).unwrap().ties(), [tie; MOST_TIES]);
     assert!(block.with_ties(&[tie; MOST_TIES + 1]).is_err());
     assert!(block.with_ties(&[Tie { ground: tie.block, ..tie }]).is_err());
     for place in [[tie.block[0], 0.0], [0.0, tie.block[1]]] {

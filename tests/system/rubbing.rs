@@ -1,7 +1,7 @@
 //! Impacts of a block with friction, as transitions of its pose, against their impulses.
 
 use nalgebra::{Matrix2, Vector2};
-use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contacts, Corner, Foundation};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::system::System;
@@ -58,7 +58,7 @@ fn falling(block: &Block, u_dot: f64) -> (Pose, Velocities) {
         state: State::from([theta, theta_dot, v, v_dot]),
         contacts: Contacts::touching([false; 2], 0.0),
         footing: Footing::Free { u: 0.0, u_dot },
-        ties: NO_TIES,
+        restraints: States::NONE,
     };
     (pose, Velocities { u_dot, v_dot, theta_dot })
 }
@@ -161,7 +161,7 @@ fn a_sliding_block_changes_its_pivot() {
                 state: State::from([0.0, theta_dot, 0.0, 0.0]),
                 contacts: Contacts::touching([false, true], 0.0),
                 footing: Footing::Slides { u: 0.0, u_dot, direction: slip.signum() },
-                ties: NO_TIES,
+                restraints: States::NONE,
             };
             // The block turns about R before and about L after: v̇ = b θ̇, then −b θ̇.
             let before = Velocities { u_dot, v_dot: block.b * theta_dot, theta_dot };
@@ -206,7 +206,7 @@ fn a_level_landing_takes_what_friction_allows() {
                 state: State::from([0.0, 0.0, block.static_deflection(), v_dot]),
                 contacts: Contacts::touching([false; 2], 0.0),
                 footing: Footing::Free { u: 0.0, u_dot },
-                ties: NO_TIES,
+                restraints: States::NONE,
             };
             let (after, found) = transition(&block, &pose, Surface::Gap(Corner::Left));
             assert_eq!(after.counts.impacts, 2);
@@ -253,7 +253,7 @@ fn a_foot_that_stops_grips_or_turns() {
                     state: State::zeros(),
                     contacts: Contacts::FULL,
                     footing: Footing::Slides { u: 0.2, u_dot: 0.0, direction: side },
-                    ties: NO_TIES,
+                    restraints: States::NONE,
                 };
                 let (after, _) = transition_under(a_gx, &block, &pose, Surface::Speed);
                 let case = format!("{foundation:?}, {a_gx:?}: {after:?}");
@@ -280,7 +280,7 @@ fn friction_takes_its_limit_times_the_speed() {
                 state: State::zeros(),
                 contacts: Contacts::FULL,
                 footing: Footing::Slides { u: 0.2, u_dot: 3.0 * direction, direction },
-                ties: NO_TIES,
+                restraints: States::NONE,
             };
             let now = Motion::from_pose(&block, &pose, &excitation).at(0.0, pose.state);
             let [taken, _] = now.dissipated();

@@ -1,12 +1,13 @@
 //! Ties at an instant: their forces by virtual work, from the distance of their ends as the block moves.
 
 use nalgebra::{Matrix3, Vector3};
-use rocking_block::block::ties::NO_TIES;
-use rocking_block::block::{Block, Common, Regime, Tie, TieState, TieStates};
+use rocking_block::block::restraints::tie::NO_TIES;
+use rocking_block::block::restraints::{self, States, Tie, TieState, TieStates, tie::pull};
+use rocking_block::block::{Block, Common, Place, Regime};
 use rocking_block::excitation::Forcing;
 use rocking_block::system::dynamics::instant;
-use rocking_block::system::forces::{self, tie};
-use rocking_block::system::instant::{Footing, Instant, Place};
+use rocking_block::system::forces;
+use rocking_block::system::instant::{Footing, Instant};
 
 use crate::blocks;
 
@@ -42,15 +43,15 @@ fn tied() -> Block {
 /// A block has up to eight ties.
 #[test]
 fn nine_ties_are_refused() {
-    let (block, tie) = (tied(), tied().ties.all()[0]);
-    assert_eq!(block.with_ties(&[tie; 8]).unwrap().ties.all().len(), 8);
+    let (block, tie) = (tied(), tied().ties()[0]);
+    assert_eq!(block.with_ties(&[tie; 8]).unwrap().ties().len(), 8);
     let error = block.with_ties(&[tie; 9]).unwrap_err();
     assert_eq!(error.to_string(), "ties = 9 is not valid; expected at most 8 ties");
 }
 
 /// The ties that there are, with their numbers.
 fn real(block: &Block) -> impl Iterator<Item = (usize, &Tie)> {
-    block.ties.all().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0)
+    block.ties().iter().enumerate().filter(|(_, tie)| tie.stiffness > 0.0)
 }
 
 /// The distance of the ends of a tie less that at which it begins to pull (m).
@@ -76,7 +77,7 @@ fn slopes(block: &Block, tie: &Tie, at: [f64; 3]) -> Vector3<f64> {
 /// The block in flight with ties in these states.
 fn flying(block: &Block, [u, v, theta]: [f64; 3], ties: TieStates) -> Instant<f64> {
     let [u_dot, v_dot, theta_dot] = RATE;
-    let forcing = Forcing { ties, ..Forcing::default() };
+    let forcing = Forcing { restraints: States { ties }, ..Forcing::default() };
     instant(block, Regime::Separated, [theta, theta_dot, v, v_dot], Footing::Free { u, u_dot }, forcing)
 }
 
@@ -99,12 +100,12 @@ fn ties_pull_shorten_and_store() {
             ties[..5].copy_from_slice(&states);
             let x = flying(&block, at, ties);
             let (mut force, mut stored, mut taken) = (Vector3::zeros(), 0.0, 0.0);
-            let tensions = tie::tensions(&block, &ties, &x);
+            let tensions = forces::pulls(&block, &States { ties }, &x);
             for (i, of) in real(&block) {
                 let (s, slopes) = (stretch(&block, of, at), slopes(&block, of, at));
                 let rate = slopes.dot(&Vector3::from(RATE));
-                let found = tie::length(&block, of, &x);
-                near(found.value, s, "stretch");
+                let found = pull::stretch(&block, of, &Place::of(&x));
+                near(found.length, s, "stretch");
                 near(found.rate, rate, "rate of the stretch");
                 let pull = if states[i] == Taut { of.stiffness * s + of.damping * rate } else { 0.0 };
                 near(tensions[i], pull, "tension");
@@ -118,7 +119,7 @@ fn ties_pull_shorten_and_store() {
             near(mass * x.u_ddot, force[0], "M ü");
             near(mass * (x.v_ddot + block.gravity), force[1], "M (v̈ + g)");
             near(mass * block.i0 * x.theta_ddot, force[2], "I0 θ̈");
-            let (tied, untied) = (Forcing { ties, ..Forcing::default() }, Forcing::default());
+            let (tied, untied) = (Forcing { restraints: States { ties }, ..Forcing::default() }, Forcing::default());
             let potential = |forcing: &Forcing<f64>| mass * forces::energy(&block, Regime::Separated, forcing, &x).1;
             near(potential(&tied) - potential(&untied), stored, "stored energy");
             near(mass * forces::dissipated(&block, &tied, &x)[1], taken, "power");
@@ -134,7 +135,7 @@ fn the_static_stiffness_is_the_slope_of_the_static_pull() {
     for [u, v, theta] in MOVED {
         let pull = |v: f64| {
             let place = Place { sin_cos: theta.sin_cos().into(), theta_dot: 0.0, center: [u, v], velocity: [0.0; 2] };
-            (100.0 - forces::less_static_pull(&block, &place, 100.0), forces::static_stiffness(&block, &place))
+            (100.0 - restraints::less_static_pull(&block, &place, 100.0), restraints::static_stiffness(&block, &place))
         };
         let mut exact = 0.0;
         for (_, of) in real(&block) {
@@ -146,7 +147,7 @@ fn the_static_stiffness_is_the_slope_of_the_static_pull() {
         near(found, exact, "pull");
         near(stiffness, (pull(v + H).0 - pull(v - H).0) / (2.0 * H), "stiffness");
     }
-    assert!(slack > 0 && forces::act_at_rest(&block));
+    assert!(slack > 0 && !block.restraints.is_empty());
 }
 
 /// The bound on circular frequencies and rates of decay is not below those of a free block, and is reached by a tie across the line
@@ -164,7 +165,7 @@ fn the_bound_on_frequencies_is_the_least() {
             .sum();
         sum.symmetric_eigenvalues().max()
     };
-    assert!(forces::fastest(&block) >= greatest(&block, |tie| tie.stiffness).sqrt());
+    assert!(restraints::fastest(&block) >= greatest(&block, |tie| tie.stiffness).sqrt());
     let [x, z] = [0.9, -1.4];
     let end = [block.eccentricity + x, block.h + z];
     for (stiffness, damping) in [(90.0, 0.0), (90.0, 500.0)] {
@@ -172,7 +173,7 @@ fn the_bound_on_frequencies_is_the_least() {
         for count in 1..=2 {
             let block = block.with_ties(&[across; 2][..count]).unwrap();
             let [spring, dashpot] = [greatest(&block, |tie| tie.stiffness).sqrt(), greatest(&block, |tie| tie.damping)];
-            near(forces::fastest(&block), spring.max(dashpot), "bound");
+            near(restraints::fastest(&block), spring.max(dashpot), "bound");
         }
     }
 }

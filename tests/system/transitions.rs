@@ -1,6 +1,6 @@
 //! Transitions from rare poses, each against its definition.
 
-use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Foundation, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Counts, Initial, OnSeparation, Settings, Simulation};
@@ -48,7 +48,7 @@ fn a_corner_joins_its_support_if_their_rates_agree_to_rounding() {
                 contacts
             },
             footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
-            ties: NO_TIES,
+            restraints: States::NONE,
         };
         let Transition { pose: after, event, counts, .. } =
             transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
@@ -81,7 +81,7 @@ fn a_corner_that_lands_without_rebound_stands_still() {
         state: State::from([theta, 0.0, top.value - corner, -0.5]),
         contacts,
         footing: Footing::Free { u: block.h * libm::sin(theta), u_dot: 0.0 },
-        ties: NO_TIES,
+        restraints: States::NONE,
     };
     let Transition { pose: after, counts, .. } = transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
     assert_eq!((after.contacts.regime(), counts.impacts), (Regime::TiltingLeft, 1));
@@ -98,7 +98,7 @@ fn a_corner_that_slid_until_the_other_one_landed_has_lifted() {
             state: State::from([0.0, -0.4, 0.0, 0.0]),
             contacts: Contacts::touching([false, true], 0.0),
             footing: Footing::Free { u: 0.0, u_dot: -0.4 * block.h },
-            ties: NO_TIES,
+            restraints: States::NONE,
         };
         let Transition { pose: after, event, counts, .. } =
             transition(&system(block), &pose, 0.0, Surface::Gap(Corner::Left));
@@ -153,7 +153,7 @@ fn evaluations_in_transitions_are_counted() {
         state: State::from([-0.1, theta_dot, height - block.b * libm::sin(0.1), 0.0]),
         contacts: Contacts::FULL,
         footing: Footing::AT_START,
-        ties: NO_TIES,
+        restraints: States::NONE,
     };
     let Transition { pose: after, counts, .. } =
         transition(&system(block), &pose, 0.0, Surface::Reaction(Corner::Right));

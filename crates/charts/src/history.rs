@@ -8,7 +8,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, significant};
 use crate::page::{Key, Symbol, page, with_legend};
 use crate::picture::PictureError;
-use rocking_block::block::ties::MOST_TIES;
+use rocking_block::block::restraints::MOST_TIES;
 use rocking_block::block::{Block, Foundation, Regime};
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row};
@@ -78,7 +78,7 @@ pub fn history(block: &Block, history: &History, title: &str) -> Result<String, 
     }
     if ties > 0 {
         let tensions = Chart { x: axis(false), y: ("T/(M g)", 0.0..0.0), ..Chart::default() };
-        let value = |tie: usize| move |row: &Row| row.observation.tension[tie] / weight;
+        let value = |tie: usize| move |row: &Row| row.observation.pull[tie] / weight;
         let values: Vec<_> = (0..ties).map(value).collect();
         let series: Vec<Series> =
             values.iter().zip(TIES).map(|(value, (name, style))| -> Series { (name, style, value) }).collect();
@@ -141,7 +141,7 @@ pub fn block_line(block: &Block) -> String {
     if block.friction > 0.0 {
         holds += &format!(", μ = {}", short(block.friction));
     }
-    match block.ties.all().len() {
+    match block.ties().len() {
         0 => {}
         1 => holds += ", 1 tie",
         ties => holds += &format!(", {ties} ties"),

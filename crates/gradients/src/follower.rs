@@ -82,7 +82,7 @@ impl Follower {
             end: time,
             end_shift: [0.0; BATCH],
         };
-        follower.raised.begin(&start, simulation.block().ties.all().len());
+        follower.raised.begin(&start, simulation.block().restraints.numbers());
         follower
     }
 
@@ -191,7 +191,7 @@ impl Follower {
     /// Takes the values of the run's pose; they differ by round-off only. A pose of another kind leaves no derivatives.
     fn meet(&mut self, run: &Pose) {
         let pose = &mut self.pose;
-        let mut alike = self.system.block.ties.is_empty() || pose.ties == run.ties;
+        let mut alike = self.system.block.restraints.is_empty() || pose.restraints == run.restraints;
         pose.time.re = run.time;
         for (number, value) in pose.state.0.iter_mut().zip(run.state.0) {
             number.re = value;
@@ -213,7 +213,7 @@ impl Follower {
                 (contact, value) => (*contact, alike) = (value.map(Number::from), false),
             }
         }
-        pose.ties = run.ties;
+        pose.restraints = run.restraints;
         debug_assert!(alike, "{pose:?} {run:?}");
         if !alike {
             for number in &mut pose.state.0 {

@@ -1,6 +1,6 @@
 //! The steps in which peaks rise for the last time → the derivatives of the peaks.
 
-use rocking_block::block::ties::MOST_TIES;
+use rocking_block::block::restraints;
 use rocking_block::excitation::Excitation;
 use rocking_block::numerics::roots::sign_change;
 use rocking_block::simulation::follow::Course;
@@ -34,7 +34,8 @@ pub(crate) type Within<'a> = dyn Fn(&Stretch, f64) -> [Observation<Number>; 2] +
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     Channel(Channel),
-    Tension(usize),
+    /// The pull of the restraint with this number.
+    Pull(usize),
 }
 
 const CHANNELS: [Channel; 5] =
@@ -44,20 +45,23 @@ const CHANNELS: [Channel; 5] =
 #[derive(Clone, Debug)]
 pub(crate) struct Raised {
     channels: [Option<Box<Stretch>>; CHANNELS.len()],
-    tensions: [Option<Box<Stretch>>; MOST_TIES],
+    pulls: [Option<Box<Stretch>>; restraints::MOST],
     /// Derivatives of the peak slip.
     slip: [f64; BATCH],
 }
 
 impl Raised {
     pub fn new() -> Raised {
-        Raised { channels: Default::default(), tensions: Default::default(), slip: [0.0; BATCH] }
+        Raised { channels: Default::default(), pulls: Default::default(), slip: [0.0; BATCH] }
     }
 
-    /// Takes in the beginning of a block with this number of ties.
-    pub fn begin(&mut self, start: &Stretch, ties: usize) {
-        for place in self.channels.iter_mut().chain(self.tensions.iter_mut().take(ties)) {
+    /// Takes in the beginning of a block with restraints of these numbers.
+    pub fn begin(&mut self, start: &Stretch, restraints: impl Iterator<Item = usize>) {
+        for place in &mut self.channels {
             *place = Some(Box::new(*start));
+        }
+        for number in restraints {
+            self.pulls[number] = Some(Box::new(*start));
         }
     }
 
@@ -72,8 +76,8 @@ impl Raised {
                 take_in(place);
             }
         }
-        for (tie, place) in self.tensions.iter_mut().enumerate() {
-            if after.tension[tie] != before.tension[tie] {
+        for (number, place) in self.pulls.iter_mut().enumerate() {
+            if after.pull[number] != before.pull[number] {
                 take_in(place);
             }
         }
@@ -96,7 +100,7 @@ impl Raised {
             uplift: channel(3),
             friction_demand: channel(4),
             slip: Number::new(peaks.slip, self.slip),
-            tension: std::array::from_fn(|i| of(Quantity::Tension(i), peaks.tension[i], &self.tensions[i])),
+            pull: std::array::from_fn(|i| of(Quantity::Pull(i), peaks.pull[i], &self.pulls[i])),
         }
     }
 }
@@ -138,7 +142,7 @@ fn derivatives(within: &Within, stretch: &Stretch, quantity: Quantity, peak: f64
 /// The values of a quantity, whose greatest is its peak, with their rates.
 fn samples(quantity: Quantity, [now, along]: &[Observation<Number>; 2]) -> Vec<(Number, f64)> {
     let values = |x: &Observation<Number>| match quantity {
-        Quantity::Tension(tie) => vec![x.tension[tie]],
+        Quantity::Pull(number) => vec![x.pull[number]],
         Quantity::Channel(Channel::Theta) => vec![x.theta, -x.theta],
         Quantity::Channel(Channel::Reaction) => x.reaction.to_vec(),
         Quantity::Channel(Channel::Horizontal) => vec![x.horizontal, -x.horizontal],

@@ -1,6 +1,7 @@
 //! The parameters of a run and the directions in which they vary → block, initial values and excitation with their derivatives.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given, Physical, Tie, Ties};
+use rocking_block::block::restraints::{Tie, Ties};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given, Physical};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
 use rocking_block::simulation::Initial;
@@ -211,9 +212,10 @@ impl Varied {
             *varied.number(name)?.eps.get_mut(i)? = 1.0;
         }
         let Parameters { given, common, ties, initial, pulse, scale } = varied;
-        let derived = Block::of_given(&given, &common);
+        let mut derived = Block::of_given(&given, &common);
         let ground = Number::new(1.0, scale.map_or([0.0; BATCH], |scale| scale.eps.map(|eps| eps / scale.re)));
-        let block = with_values(Block { ties: Ties::of(&ties), ..derived }, block);
+        derived.restraints.ties = Ties::of(&ties);
+        let block = with_values(derived, block);
         Some(Varied { block, initial, pulse, ground })
     }
 
@@ -270,6 +272,6 @@ fn with_values(from: Block<Number>, block: &Block) -> Block<Number> {
         eccentricity: at(from.eccentricity, block.eccentricity),
         share: std::array::from_fn(|i| at(from.share[i], block.share[i])),
         friction: at(from.friction, block.friction),
-        ties: from.ties,
+        restraints: from.restraints,
     }
 }

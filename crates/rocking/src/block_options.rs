@@ -7,7 +7,8 @@ use crate::choices;
 use crate::explicit_options::ExplicitOptions;
 use crate::run_options::warn_of_soft_supports;
 use crate::tie::tie;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Given, Physical};
 use rocking_block::words::Words;
 
 /// The parameters of a block.

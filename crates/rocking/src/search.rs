@@ -159,7 +159,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
             let common = damping.block.common(Foundation::Viscoelastic);
             let block = damping.block.dimensionless(0.1, &common, explicit)?;
             let tied = damping.block.tied(&block, &common, explicit)?;
-            let ties = tied.ties.all();
+            let ties = tied.ties();
             let (settings, width) = (damping.search.settings()?, damping.search.processor.width());
             damping.search.search(
                 "xi_v",
@@ -286,7 +286,7 @@ impl BlockOptions {
     fn tied(&self, block: &Dimensionless, common: &Common, explicit: &ExplicitOptions) -> anyhow::Result<Block> {
         let block = self.extended.tied(Block::from_dimensionless(block, common)?)?;
         anyhow::ensure!(
-            block.ties.is_empty() || explicit.has("mass"),
+            block.ties().is_empty() || explicit.has("mass"),
             "--tie without --mass; expected both, since the effect of a tie depends on the mass"
         );
         Ok(block)

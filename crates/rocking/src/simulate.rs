@@ -17,7 +17,8 @@ use crate::progress::Progress;
 use crate::report::{ReportOptions, WrittenFiles};
 use crate::single_run::SingleRunOptions;
 use crate::summary::Summary;
-use rocking_block::block::{Foundation, TieState};
+use rocking_block::block::Foundation;
+use rocking_block::block::restraints::TieState;
 use rocking_block::simulation::{Ending, Initial, OnSeparation};
 use rocking_block::words::Words;
 use rocking_charts::picture::PictureFormat;
@@ -153,7 +154,7 @@ impl Options {
         let parameters = Parameters {
             given,
             common,
-            ties: run.block.ties.all().to_vec(),
+            ties: run.block.ties().to_vec(),
             initial: run.initial,
             pulse: run.pulse,
             scale: (!run.ground.is_empty()).then_some(self.excitation.scale),
@@ -241,8 +242,8 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
     if block.friction > 0.0 {
         taken += &format!(", friction {:.1} J", energies.friction);
     }
-    if !block.ties.is_empty() {
-        taken += &format!(", ties {:.1} J", energies.ties);
+    if !block.ties().is_empty() {
+        taken += &format!(", ties {:.1} J", energies.restraints.ties);
     }
     let mut text = String::new();
     let mut line = |name: &str, value: String| text.push_str(&format!("{name:13} {value}\n"));
@@ -266,7 +267,7 @@ fn summary(run: &Run, history: &History, excitation: &str, demand: Option<(f64, 
             format!("{:.1} mm at the end, at most {peak:.1} mm, {:.1} mm in all", 1e3 * slip.now, 1e3 * slip.total),
         );
     }
-    for ((number, tension), state) in (1..).zip(peaks.tension).zip(history.ties).take(block.ties.all().len()) {
+    for ((number, tension), state) in (1..).zip(peaks.pull).zip(history.ties).take(block.ties().len()) {
         let broken = if state == TieState::Broken { "; it broke" } else { "" };
         line(&format!("tie {number}"), format!("tension of at most {tension:.4e} N{broken}"));
     }

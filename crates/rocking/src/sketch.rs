@@ -97,7 +97,7 @@ impl Values {
         };
         let slope = (block.b - block.eccentricity.abs()) / block.h;
         let start = match block.friction {
-            _ if !block.ties.is_empty() => None,
+            _ if !block.ties().is_empty() => None,
             friction if friction > 0.0 && friction < slope => Some(Start::Slides(friction * block.gravity)),
             _ => Some(Start::Rocks(slope * block.gravity)),
         };
@@ -111,7 +111,7 @@ impl Values {
                 "supports      K = {stiffness:.4e} N/m, C = {damping:.4e} N.s/m each, δ_s = {:.3} mm",
                 1e3 * delta_s
             );
-            if block.eccentricity == 0.0 && block.ties.is_empty() {
+            if block.eccentricity == 0.0 && block.ties().is_empty() {
                 text += &format!("; a corner lifts at |θ|/α = {:.4}", theta_separation / block.alpha);
             }
             text.push('\n');
@@ -132,7 +132,8 @@ impl Values {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rocking_block::block::{Common, Physical, Tie};
+    use rocking_block::block::restraints::Tie;
+    use rocking_block::block::{Common, Physical};
 
     /// Shenton (1996): a block rocks beyond g tan α of its nearer corner, and slides beyond μ g if that is less.
     #[test]

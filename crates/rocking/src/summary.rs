@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use crate::gradients::{GradientSummary, GrazingSummary, summaries};
 
-use rocking_block::block::{Block, Corner, Foundation, Tie, TieState};
+use rocking_block::block::restraints::{Tie, TieState};
+use rocking_block::block::{Block, Corner, Foundation};
 use rocking_block::simulation::Energies;
 use rocking_block::system::events::Event;
 use rocking_block::words::Words;
@@ -203,7 +204,7 @@ impl<'a> Summary<'a> {
                 total: slip.total,
                 peak: peaks.slip,
             }),
-            ties: (ties.iter().zip(peaks.tension).take(run.block.ties.all().len()))
+            ties: (ties.iter().zip(peaks.pull).take(run.block.ties().len()))
                 .map(|(state, peak_tension)| TieSummary { peak_tension, broken: *state == TieState::Broken })
                 .collect(),
             gradients: summaries(gradients),
@@ -251,7 +252,7 @@ impl Parameters {
                 alpha_right: block.alpha_of(Corner::Right),
             }),
             friction: (block.friction > 0.0).then_some(block.friction),
-            ties: block.ties.all().iter().map(TieParameters::of).collect(),
+            ties: block.ties().iter().map(TieParameters::of).collect(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Text of an option → a tie.
 
-use rocking_block::block::Tie;
+use rocking_block::block::restraints::Tie;
 
 /// The keys of a tie.
 const KEYS: [&str; 9] =

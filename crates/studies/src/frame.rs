@@ -199,7 +199,7 @@ fn equivalent(column: &Block) -> Result<(), FrameError> {
         let reason = "tops and bases would slide at different times";
         return refused("friction", reason, "0; the forces at bases and tops show the friction that the frame needs");
     }
-    if !column.ties.is_empty() {
+    if !column.ties().is_empty() {
         let reason = "a tie of a column moves its top and the beam by different amounts";
         return refused("ties", reason, "none");
     }
@@ -209,7 +209,8 @@ fn equivalent(column: &Block) -> Result<(), FrameError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rocking_block::block::{Physical, Tie};
+    use rocking_block::block::Physical;
+    use rocking_block::block::restraints::Tie;
 
     fn column(common: Common) -> Block {
         let physical = Physical { width: 1.6, height: 9.6, stiffness: 1e9, damping: 0.0, inertia: None };

@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::block::{Block, Foundation, Regime, Ties};
+use crate::block::{Block, Foundation, Regime, Restraints};
 use crate::excitation::{Excitation, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::Step;
@@ -160,8 +160,8 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
             | Surface::Slide
             | Surface::Friction(_)
             | Surface::Speed
-            | Surface::Tie(..) => {
-                unreachable!("a block that is held, slides, or has friction or ties is not stepped in a lane")
+            | Surface::Restraint(_) => {
+                unreachable!("a block that is held, slides, or has friction or restraints is not stepped in a lane")
             }
         }
     }
@@ -341,7 +341,7 @@ impl<L: Law> Together<'_, L> {
             eccentricity: of_block(|block| block.eccentricity),
             share: [of_block(|block| block.share[0]), of_block(|block| block.share[1])],
             friction: unread,
-            ties: Ties::none(),
+            restraints: Restraints::none(),
         };
         let ramp = |i: usize| Ramp {
             value: self.each(|lane| lane.ground.1[i].value),

@@ -3,7 +3,7 @@
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
 //! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages or the swing of its lane if
 //! only an event or a peak may be inside.
-//! So do runs with friction or ties, in flight, sliding, held, at rest on the rigid base, or on supports under a pulse.
+//! So do runs with friction or restraints, in flight, sliding, held, at rest on the rigid base, or on supports under a pulse.
 
 mod bounds;
 mod kernel;

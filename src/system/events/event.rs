@@ -1,7 +1,6 @@
 //! The events that a run reports, with their words.
 
-use crate::block::ties::MOST_TIES;
-use crate::block::{Corner, Regime};
+use crate::block::{Corner, Regime, restraints};
 
 /// A reported event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,12 +14,8 @@ pub enum EventKind {
     Slip,
     /// The foot slides no more.
     Grip,
-    /// A tie, by its place in the list, begins to pull.
-    Taut(u8),
-    /// A tie pulls no more.
-    Slack(u8),
-    /// A tie breaks.
-    Break(u8),
+    /// A restraint changed its state.
+    Restraint(restraints::Event),
     /// The block reached a quarter turn: a side lies on the ground.
     Overturning,
 }
@@ -33,32 +28,17 @@ impl EventKind {
             EventKind::Landing(_) => "landing",
             EventKind::Slip => "slip",
             EventKind::Grip => "grip",
-            EventKind::Taut(_) => "taut",
-            EventKind::Slack(_) => "slack",
-            EventKind::Break(_) => "break",
+            EventKind::Restraint(event) => event.word(),
             EventKind::Overturning => "overturning",
         }
     }
 
-    /// The tie to which it belongs, by its place in the list.
-    pub fn tie(self) -> Option<u8> {
-        match self {
-            EventKind::Taut(tie) | EventKind::Slack(tie) | EventKind::Break(tie) => Some(tie),
-            EventKind::LiftOff(_)
-            | EventKind::Landing(_)
-            | EventKind::Slip
-            | EventKind::Grip
-            | EventKind::Overturning => None,
-        }
-    }
-
-    /// The name of its corner, `L` or `R`, or of its tie, `tie 1` and so on; none for an event of the whole block.
+    /// The name of its corner, `L` or `R`, or of its restraint; none for an event of the whole block.
     pub fn place(self) -> Option<&'static str> {
-        const TIES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
         match self {
             EventKind::LiftOff(Corner::Left) | EventKind::Landing(Corner::Left) => Some("L"),
             EventKind::LiftOff(Corner::Right) | EventKind::Landing(Corner::Right) => Some("R"),
-            EventKind::Taut(tie) | EventKind::Slack(tie) | EventKind::Break(tie) => TIES.get(usize::from(tie)).copied(),
+            EventKind::Restraint(event) => event.place(),
             EventKind::Slip | EventKind::Grip | EventKind::Overturning => None,
         }
     }
@@ -89,9 +69,7 @@ impl std::fmt::Display for Event {
             EventKind::Landing(Corner::Right) => "landing on R",
             EventKind::Slip => "slip",
             EventKind::Grip => "grip",
-            EventKind::Taut(tie) => return write(f, &format_args!("tie {} is taut", tie + 1)),
-            EventKind::Slack(tie) => return write(f, &format_args!("tie {} is slack", tie + 1)),
-            EventKind::Break(tie) => return write(f, &format_args!("tie {} breaks", tie + 1)),
+            EventKind::Restraint(event) => return write(f, &event),
             EventKind::Overturning => "overturning",
         };
         write(f, &kind)

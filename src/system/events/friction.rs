@@ -123,7 +123,7 @@ where
         }
     }
 
-    /// Where ties, friction or an eccentric centre of mass make the place of the block matter, a foot that grips has not
+    /// Where restraints, friction or an eccentric centre of mass make the place of the block matter, a foot that grips has not
     /// moved it.
     pub(super) fn place_foot(&mut self, placement: &Placement<T>) {
         if self.system.block.is_extended() && self.pose.footing.grips() && self.regime() != Regime::Separated {

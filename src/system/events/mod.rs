@@ -10,7 +10,7 @@
 //! | `flight` | the same in flight, or while the other one slides → landing with or without grip |
 //! | [`grip`] | without a limit of friction: the pressure on a foot that slides, if it gripped → it grips |
 //! | `friction` | the distance of H from Coulomb's limit, the speed of a foot that slides → it slides, or grips |
-//! | `tie` | stretch and tension of a tie → it is taut, or slack, or breaks |
+//! | `restraint` | a function of a restraint → its state changes |
 //! | [`quarter_turn`] | the rest of the quarter turn → the run ends |
 //!
 //! [`watched`] is the table of the functions that are watched in each regime; the driver, Model Exchange's indicators and the
@@ -27,14 +27,14 @@ pub mod lift_off;
 mod pivot;
 pub(in crate::system) mod placement;
 pub mod quarter_turn;
+mod restraint;
 mod settle;
 mod slip;
-mod tie;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::ties::MOST_TIES;
-use crate::block::{Block, Corner, Foundation, Regime};
+use crate::block::restraints;
+use crate::block::{Block, Corner, Foundation, Place, Regime};
 use crate::numerics::dual::Dual;
 use crate::numerics::roots::Sample;
 use crate::numerics::scalar::{CombinesWith, Elementary};
@@ -49,7 +49,6 @@ pub(crate) use change::ROUNDING;
 pub use change::{Path, TransitionCounts};
 pub use event::{Event, EventKind};
 pub use lift_off::gap_opening;
-pub use tie::TieSurface;
 
 /// A function of the motion that is positive within a regime and falls through zero when the regime ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -69,8 +68,8 @@ pub enum Surface {
     Friction(Corner),
     /// The speed of a foot that slides (m/s).
     Speed,
-    /// A function of a tie, by its place in the list.
-    Tie(u8, TieSurface),
+    /// A function of a restraint.
+    Restraint(restraints::Surface),
     /// The rest of the quarter turn, `π/2 − |θ|` (rad).
     QuarterTurn,
 }
@@ -96,7 +95,7 @@ pub fn watched(law: impl Law) -> [Option<Surface>; 4] {
     [Some(left), Some(right), Some(QuarterTurn), if slides { Some(Slide) } else { contact }]
 }
 
-/// The further surfaces of a block with friction or ties: two of the foot, then two of each tie.
+/// The further surfaces of a block with friction or restraints: two of the foot, then those of the restraints.
 #[inline(never)]
 pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND] {
     let mut watched = [None; BEYOND];
@@ -108,22 +107,20 @@ pub fn watched_beyond(law: impl Law, block: &Block) -> [Option<Surface>; BEYOND]
             watched[0] = Some(Surface::Speed);
         }
     }
-    for (i, tie) in (0..).zip(block.ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
-        let place = 2 + 2 * usize::from(i);
-        let of_tie = tie::watched(tie, law.ties()[usize::from(i)]);
-        [watched[place], watched[place + 1]] = of_tie.map(|surface| surface.map(|surface| Surface::Tie(i, surface)));
+    if !block.restraints.is_empty() {
+        for (place, surface) in watched[2..].iter_mut().zip(restraints::watched(block, &law.restraints())) {
+            *place = surface.map(Surface::Restraint);
+        }
     }
     watched
 }
 
 /// The number of surfaces of [`watched_beyond`].
-pub const BEYOND: usize = 2 + 2 * MOST_TIES;
+pub const BEYOND: usize = 2 + restraints::WATCHED;
 
-/// The number of ties among the variables of the FMU.
-pub const TIES: usize = 2;
-
-/// The number of Model Exchange's event indicators: the surfaces of [`watched`] and, with [`TIES`] ties, of [`watched_beyond`].
-pub const INDICATORS: usize = 4 + 2 + 2 * TIES;
+/// The number of Model Exchange's event indicators: the surfaces of [`watched`], and those of [`watched_beyond`] that belong to
+/// variables of the FMU.
+pub const INDICATORS: usize = 4 + 2 + restraints::INDICATORS;
 
 impl Surface {
     /// Value and rate at an instant.
@@ -149,7 +146,7 @@ impl Surface {
             Surface::Slide => grip::slide(at),
             Surface::Friction(push) => friction::rest_to_limit(at, push),
             Surface::Speed => friction::speed(at),
-            Surface::Tie(tie, surface) => surface.sample(tie.into(), at),
+            Surface::Restraint(surface) => restraint::sample(surface, at),
             Surface::QuarterTurn => quarter_turn::rest(&at.instant),
         }
     }
@@ -164,7 +161,7 @@ impl Surface {
             Surface::Slide => grip::distance(at.block, at.regime, &at.instant),
             Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
             Surface::Speed => friction::speed(at).value,
-            Surface::Tie(tie, surface) => surface.value(tie.into(), at),
+            Surface::Restraint(surface) => surface.value(at.block, &Place::of(&at.instant)),
             Surface::QuarterTurn => quarter_turn::rest(&at.instant).value,
         }
     }
@@ -174,7 +171,7 @@ impl Surface {
     pub fn follows_from_state(self, foundation: Foundation) -> bool {
         match self {
             Surface::Gap(_) | Surface::Slide | Surface::Speed => true,
-            Surface::Tie(_, surface) => surface.follows_from_state(),
+            Surface::Restraint(surface) => surface.follows_from_state(),
             Surface::Reaction(_) => match foundation {
                 Foundation::Viscoelastic => true,
                 Foundation::Rigid => false,
@@ -183,10 +180,10 @@ impl Surface {
         }
     }
 
-    /// Whether the block has the watched tie, if this surface belongs to one.
+    /// Whether the block has the watched restraint, if this surface belongs to one.
     pub fn is_of(self, block: &Block) -> bool {
         match self {
-            Surface::Tie(tie, _) => usize::from(tie) < block.ties.all().len(),
+            Surface::Restraint(surface) => surface.is_of(block),
             Surface::Reaction(_)
             | Surface::Gap(_)
             | Surface::Held(_)
@@ -207,7 +204,7 @@ impl Surface {
             Surface::Slide => grip::rounding(block),
             Surface::Friction(_) => friction::rounding_of_limit(block),
             Surface::Speed => friction::rounding_of_speed(block),
-            Surface::Tie(tie, surface) => surface.rounding(tie.into(), block),
+            Surface::Restraint(surface) => ROUNDING * surface.size(block),
             Surface::QuarterTurn => ROUNDING * quarter_turn::SIZE,
         }
     }
@@ -266,7 +263,7 @@ where
             }
             Surface::Friction(push) => Some(change.slide_or_grip(Some(push), now)),
             Surface::Speed => Some(change.slide_or_grip(None, now)),
-            Surface::Tie(tie, surface) => change.switch_tie(tie, surface, now),
+            Surface::Restraint(surface) => change.switch(surface, now),
             Surface::QuarterTurn => Some(EventKind::Overturning),
         };
         let Change { pose, counts, path, .. } = change;

@@ -6,22 +6,20 @@
 //! | [`load`] | excitation → its power on the moving block |
 //! | [`weight`] | height of the centre of mass → potential energy |
 //! | [`friction`] | vertical reaction under a foot that slides → its horizontal reaction, its power |
-//! | [`tie`] | place of the block → tension; its energy, its power |
 //!
-//! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). Any force between block
-//! and ground is one more line of the functions here: the equations, the energies, the step sizes and the beginning know no
-//! single force.
+//! Weight, supports, friction and the excitation stand in the equations themselves ([`super::dynamics`]). Forces between block
+//! and ground that switch are [restraints]: the functions here combine them with the others, and name none of them.
 
 pub mod friction;
 pub mod load;
 pub mod support;
-pub mod tie;
 pub mod weight;
 
-use crate::block::{Block, Regime};
+use crate::block::restraints::{self, MOST, States};
+use crate::block::{Block, Place, Regime};
 use crate::excitation::Forcing;
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
-use crate::system::instant::{Instant, Place};
+use crate::system::instant::Instant;
 
 impl<T: Scalar> Instant<T> {
     /// Powers of the excitation and of the dashpots (m²/s³); the second is positive when they take energy.
@@ -34,51 +32,69 @@ impl<T: Scalar> Instant<T> {
     }
 }
 
-/// Whether a force between block and ground acts.
-#[inline(always)]
-pub fn act<T>(forcing: &Forcing<T>) -> bool {
-    tie::pulls(&forcing.ties)
+/// The forcing with the pull of the restraints.
+pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
+    let Forcing { x, z, moment, restraints } = forcing;
+    let [x, z, moment] = restraints::add_pull(block, &restraints, place, [x, z, moment]);
+    Forcing { x, z, moment, restraints }
 }
 
-/// The forcing with the forces between block and ground.
-pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
-    tie::added_to(block, forcing, place)
+/// Two arrays as one, `N + M = K`.
+#[inline(always)]
+pub fn joined<T: Copy, const N: usize, const M: usize, const K: usize>(first: [T; N], second: [T; M]) -> [T; K] {
+    const { assert!(N + M == K) };
+    let mut all = [first[0]; K];
+    all[..N].copy_from_slice(&first);
+    all[N..].copy_from_slice(&second);
+    all
 }
 
 /// The number of dissipative forces besides the dashpots of the supports.
-pub const DISSIPATIVE: usize = 2;
+pub const DISSIPATIVE: usize = 1 + restraints::KINDS;
 
-/// Powers per mass (m²/s³) taken by friction and by the dashpots of the ties.
+/// Powers per mass (m²/s³) taken by friction and by each kind of restraint.
 #[inline(always)]
 pub fn dissipated<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
     forcing: &Forcing<T>,
     x: &Instant<T>,
 ) -> [T; DISSIPATIVE] {
-    [friction::power(x.horizontal, x.slip_rate), tie::power(block, &forcing.ties, x)]
+    let friction = friction::power(x.horizontal, x.slip_rate);
+    joined([friction], powers_of_restraints(block, &forcing.restraints, x).into_array())
 }
 
-/// A bound on the circular frequencies and rates of decay that the forces between block and ground give (rad/s).
-pub fn fastest(block: &Block) -> f64 {
-    tie::fastest(block)
+/// Pulls of the restraints (N), by their numbers.
+#[inline(always)]
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: &Instant<T>) -> [T; MOST] {
+    if states.pull() { pulls_called(block, states, *x) } else { [T::from(0.0); MOST] }
 }
 
-/// Whether a force between block and ground acts on a block at rest.
-pub fn act_at_rest<T>(block: &Block<T>) -> bool {
-    !block.ties.is_empty()
+#[inline(never)]
+fn pulls_called<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, x: Instant<T>) -> [T; MOST] {
+    restraints::pulls(block, states, &Place::of(&x))
 }
 
-/// Returns a vertical force on the block at rest (N, positive up) less the pull of the forces between block and ground.
-pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, force: T) -> T {
-    tie::less_static_pull(block, place, force)
+/// Powers per mass (m²/s³) taken by restraints.
+#[inline(always)]
+pub fn powers_of_restraints<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States,
+    x: &Instant<T>,
+) -> restraints::Energies<T> {
+    if states.dissipate() { powers_called(block, states, *x) } else { restraints::Energies::of_all(T::from(0.0)) }
 }
 
-/// Vertical stiffness (N/m) of the forces between block and ground at rest.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f64 {
-    tie::static_stiffness(block, place)
+#[inline(never)]
+fn powers_called<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States,
+    x: Instant<T>,
+) -> restraints::Energies<T> {
+    restraints::powers(block, states, &Place::of(&x))
 }
 
-/// Kinetic energy, and potential energy of weight, supports and ties, per unit mass (m²/s²); their sum is zero at rest without ties.
+/// Kinetic energy, and potential energy of weight, supports and restraints, per unit mass (m²/s²); their sum is zero at rest without
+/// restraints.
 pub fn energy<P: Elementary, T: CombinesWith<P>, F>(
     block: &Block<P>,
     regime: Regime,
@@ -86,12 +102,14 @@ pub fn energy<P: Elementary, T: CombinesWith<P>, F>(
     x: &Instant<T>,
 ) -> (T, T) {
     let kinetic = (x.theta_dot * x.theta_dot * block.i0 + x.u_dot * x.u_dot + x.v_dot * x.v_dot) * 0.5;
-    let untied = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
-    let potential = if block.ties.is_empty() { untied } else { untied + tie::energy(block, &forcing.ties, x) };
+    let mut potential = weight::energy(block, x.v) + support::energy(block, regime, x.corner);
+    if !block.restraints.is_empty() {
+        potential = potential + restraints::energy(block, &forcing.restraints, &Place::of(x));
+    }
     (kinetic, potential)
 }
 
-/// Whether forces of the block switch on and off: friction, and the forces between block and ground.
+/// Whether forces of the block switch on and off: friction, and restraints.
 pub fn switch(block: &Block) -> bool {
-    block.friction > 0.0 || act_at_rest(block)
+    block.friction > 0.0 || !block.restraints.is_empty()
 }

@@ -31,7 +31,7 @@ impl Case {
         let mut contacts = Contacts::FULL;
         contacts.set(self.corner.other(), Contact::Lifted(Creep::default()));
         let state = State::from([theta, theta_dot, 0.0, 0.0]);
-        Motion::from_pose(&self.block, &Pose::untied(0.5, state, contacts, Footing::AT_START), &self.excitation)
+        Motion::from_pose(&self.block, &Pose::unrestrained(0.5, state, contacts, Footing::AT_START), &self.excitation)
     }
 }
 

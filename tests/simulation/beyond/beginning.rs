@@ -1,6 +1,7 @@
 //! The first instant of uneven and tied blocks.
 
-use rocking_block::block::{Block, Common, Foundation, Regime, Tie, TieState};
+use rocking_block::block::restraints::{Tie, TieState};
+use rocking_block::block::{Block, Common, Foundation, Regime};
 use rocking_block::excitation::{Inputs, Pulse};
 use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
@@ -123,8 +124,8 @@ fn ties_begin_taut_limp_or_broken() {
                 (_, t) if strength > 0.0 && t > tie.strength => (Broken, 0.0),
                 (_, t) => (Taut, t),
             };
-            assert_eq!(run.ties()[0], expected.0, "{theta_dot} rad/s, {strength}: {tension} N");
-            let shown = seen.tension[0];
+            assert_eq!(run.restraints().ties[0], expected.0, "{theta_dot} rad/s, {strength}: {tension} N");
+            let shown = seen.pull[0];
             assert!((shown - expected.1).abs() < 1e-11 * weight, "{shown} N, expected {expected:?}");
             found.push(expected.0);
         }

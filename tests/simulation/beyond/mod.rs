@@ -5,6 +5,7 @@ mod friction;
 mod random;
 mod ties;
 
+use rocking_block::block::restraints::{Event, tie::Event as TieEvent};
 use rocking_block::simulation::{Initial, Progress, Settings, Simulation};
 use rocking_block::system::events::EventKind;
 use rocking_block::system::instant::Footing;
@@ -44,8 +45,10 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
                 simulation
                     .settle(&inputs, &mut |event| {
                         changes.push(match event.kind {
-                            EventKind::Taut(tie) | EventKind::Slack(tie) => Some(format!("tie{tie}")),
-                            EventKind::Break(tie) => Some(format!("break{tie}")),
+                            EventKind::Restraint(Event::Tie(tie, TieEvent::Taut | TieEvent::Slack)) => {
+                                Some(format!("tie{tie}"))
+                            }
+                            EventKind::Restraint(Event::Tie(tie, TieEvent::Break)) => Some(format!("break{tie}")),
                             _ => None,
                         });
                     })
@@ -68,9 +71,9 @@ fn run(case: &Case) -> Result<Vec<String>, String> {
             (seen.u - row.u) / block.r0,
             (seen.reaction[0] - row.n_l).abs().max((seen.reaction[1] - row.n_r).abs()) / weight,
             (seen.horizontal - row.h) / weight,
-            (seen.tension[0] - row.tension_1.unwrap_or(0.0))
+            (seen.pull[0] - row.tension_1.unwrap_or(0.0))
                 .abs()
-                .max((seen.tension[1] - row.tension_2.unwrap_or(0.0)).abs())
+                .max((seen.pull[1] - row.tension_2.unwrap_or(0.0)).abs())
                 / weight,
         ];
         for (greatest, difference) in greatest.iter_mut().zip(differences) {

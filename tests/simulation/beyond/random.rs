@@ -1,7 +1,8 @@
 //! Random blocks with friction, ties and an eccentric centre of mass: energy, mirror images, and limits.
 
 use proptest::prelude::*;
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Progress, Settings, Simulation};
 use rocking_block::system::events::{Event, EventKind};
@@ -188,7 +189,7 @@ fn check(draw: &Draw) -> Result<(), String> {
             seen.horizontal,
             simulation.time()
         );
-        ensure!(seen.tension.iter().all(|&t| t > -1e-9 * weight), "{seen:?}");
+        ensure!(seen.pull.iter().all(|&t| t > -1e-9 * weight), "{seen:?}");
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! Ties: an elastic tendon through the middle of a rigid base, and ties that break together.
 
-use rocking_block::block::{Block, Common, Corner, Foundation, Tie, TieState};
+use rocking_block::block::restraints::{Event, Tie, TieState, tie::Event as TieEvent};
+use rocking_block::block::{Block, Common, Corner, Foundation};
 use rocking_block::excitation::{Inputs, Pulse, Ramp};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::events::EventKind;
@@ -32,7 +33,7 @@ fn released(block: Block, theta: f64) -> Simulation {
 /// back, with the tendon's elongation `2 b sin(θ/2)` on the arm `b cos(θ/2)`.
 fn angular_acceleration(block: &Block, theta: f64) -> f64 {
     let Block { mass, gravity, r0, alpha, b, i0, .. } = *block;
-    let tie = block.ties.all()[0];
+    let tie = block.ties()[0];
     let tension = tie.pretension + tie.stiffness * 2.0 * b * libm::sin(0.5 * theta);
     -(gravity * r0 * libm::sin(alpha - theta) + tension / mass * b * libm::cos(0.5 * theta)) / (i0 + r0 * r0)
 }
@@ -71,7 +72,7 @@ fn a_tendon_through_the_base() {
 #[test]
 fn the_rocking_period_with_a_tendon() {
     let block = with_tendon(Foundation::Rigid, 1.5, 0.1);
-    let (from, tie) = (0.12, block.ties.all()[0]);
+    let (from, tie) = (0.12, block.ties()[0]);
     let Block { mass, gravity, r0, alpha, b, i0, .. } = block;
     // Potential energy over the inertia about the corner.
     let potential = |theta: f64| {
@@ -140,7 +141,7 @@ fn two_ties_that_break_at_once() {
             let mut broken = vec![];
             simulation
                 .advance(1.5, &Inputs::default(), &mut |event| {
-                    if let EventKind::Break(_) = event.kind {
+                    if let EventKind::Restraint(Event::Tie(_, TieEvent::Break)) = event.kind {
                         broken.push(event.time);
                     }
                 })
@@ -151,7 +152,7 @@ fn two_ties_that_break_at_once() {
         let (one, alone) = run(&[Tie { damping: 0.02 * weight, ..tie(1.0, 0.04) }]);
         assert_eq!((broken.len(), alone.len()), (2, 1));
         assert!(broken[1] - broken[0] < 1e-9 && (broken[0] - alone[0]).abs() < 1e-8, "{broken:?} {alone:?}");
-        assert_eq!(two.ties()[..2], [TieState::Broken; 2]);
+        assert_eq!(two.restraints().ties[..2], [TieState::Broken; 2]);
         let [two, one] = [two, one].map(|simulation| simulation.observe(&Inputs::default()).theta);
         assert!((two - one).abs() < 1e-8, "{two} {one}");
     }
@@ -176,10 +177,13 @@ fn an_impact_that_breaks_a_tendon() {
         let mut simulation = released(block, 0.15);
         simulation.advance(1.5, &Inputs::default(), &mut |event| events.push(*event)).unwrap();
         let impact = events.iter().find(|event| matches!(event.kind, EventKind::Landing(_))).unwrap().time;
-        let broken: Vec<f64> =
-            events.iter().filter(|event| event.kind == EventKind::Break(0)).map(|event| event.time).collect();
+        let broken: Vec<f64> = events
+            .iter()
+            .filter(|event| event.kind == EventKind::Restraint(Event::Tie(0, TieEvent::Break)))
+            .map(|event| event.time)
+            .collect();
         assert_eq!(broken, if breaks { vec![impact] } else { vec![] }, "{events:?}");
-        let peak = simulation.peaks().tension[0] / weight;
+        let peak = simulation.peaks().pull[0] / weight;
         assert!(if breaks { peak == strength } else { peak < strength && peak > 0.45 }, "{peak} M g");
     }
 }
@@ -204,16 +208,25 @@ fn a_tie_that_snaps_taut_too_fast_breaks_at_once() {
             let block = plain.with_ties(ties).unwrap();
             let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default());
             simulation.advance(0.6, &Inputs::default(), &mut |event| events.push((event.kind, event.time))).unwrap();
-            events.retain(|(kind, _)| kind.tie().is_some());
+            events.retain(|(kind, _)| matches!(kind, EventKind::Restraint(_)));
             (simulation.observe(&Inputs::default()).theta, events)
         };
         let (untied, _) = run(&[]);
         let (theta, events) = run(&[Tie { strength: 0.01 * weight, ..tie }]);
-        let [(EventKind::Taut(0), taut), (EventKind::Break(0), broken)] = events[..] else { panic!("{events:?}") };
+        let [
+            (EventKind::Restraint(Event::Tie(0, TieEvent::Taut)), taut),
+            (EventKind::Restraint(Event::Tie(0, TieEvent::Break)), broken),
+        ] = events[..]
+        else {
+            panic!("{events:?}")
+        };
         assert_eq!(taut, broken);
         assert!((theta - untied).abs() < 1e-9, "{theta}, untied {untied}");
         let (held, events) = run(&[Tie { strength: weight, ..tie }]);
-        assert!(matches!(events[..], [(EventKind::Taut(0), _), ..]) && held < 0.9 * untied, "{held}: {events:?}");
+        assert!(
+            matches!(events[..], [(EventKind::Restraint(Event::Tie(0, TieEvent::Taut)), _), ..]) && held < 0.9 * untied,
+            "{held}: {events:?}"
+        );
     }
 }
 
@@ -260,7 +273,7 @@ fn a_pretensioned_block_rests() {
         Tie { ground: [0.0, -3.0], stiffness: 2.0 * weight / plain.b, pretension: 0.5 * weight, ..Tie::default() };
     let mut simulation = released(plain.with_ties(&[tendon]).unwrap(), 0.0);
     let seen = simulation.observe(&Inputs::default());
-    let pull = seen.tension[0];
+    let pull = seen.pull[0];
     assert!((seen.reaction[0] + seen.reaction[1] - weight - pull).abs() < 1e-9 * weight, "{seen:?}");
     assert!(pull < 0.5 * weight && pull > 0.4 * weight, "{pull}");
     simulation.advance(10.0, &Inputs::default(), &mut |event| panic!("{event}")).unwrap();

@@ -131,7 +131,7 @@ fn same(event: &Event, other: &IndependentEvent) -> bool {
         EventKind::Landing(corner) => Kind::Landing(corner.index()),
         EventKind::Slip => Kind::Slip,
         EventKind::Grip => Kind::Grip,
-        EventKind::Overturning | EventKind::Taut(_) | EventKind::Slack(_) | EventKind::Break(_) => return false,
+        EventKind::Overturning | EventKind::Restraint(_) => return false,
     };
     let touching = |regime: Regime| Corner::BOTH.map(|corner| regime.touches(corner));
     (kind, [touching(event.before), touching(event.after)]) == (other.kind, [other.before, other.after])

@@ -4,7 +4,7 @@
 //! closed form until it lands.
 
 use nalgebra::{Matrix2, Vector2};
-use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Contacts, Corner, Regime};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
 use rocking_block::simulation::outputs::Observation;
@@ -191,7 +191,7 @@ fn a_level_landing_gains_no_energy() {
         state: State::from([0.0, 0.05, 0.0, -2.0]),
         contacts: Contacts::touching([false; 2], 0.0),
         footing: Footing::Free { u: 0.0, u_dot: 0.0 },
-        ties: NO_TIES,
+        restraints: States::NONE,
     };
     let at = |pose: &Pose| Motion::from_pose(&block, pose, &excitation).at(pose.time, pose.state);
     let before = at(&pose);
@@ -212,7 +212,7 @@ fn a_sliding_corner_grips_if_the_grip_presses_it_down() {
             state: State::from([side * 0.1, side * -0.05, 0.0, 0.0]),
             contacts: Contacts::touching(Corner::BOTH.map(|of| of == corner), 0.0),
             footing: Footing::Free { u: side * 0.4, u_dot: side * 0.3 },
-            ties: NO_TIES,
+            restraints: States::NONE,
         };
         let at = |pose: &Pose| Motion::from_pose(&block, pose, &excitation).at(pose.time, pose.state);
         let before = at(&pose);

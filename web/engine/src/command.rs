@@ -1,6 +1,7 @@
 //! A run → the command line of `rocking` with the same numbers.
 
-use rocking_block::block::{Common, Dimensionless, Foundation, Physical, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Common, Dimensionless, Foundation, Physical};
 use rocking_block::excitation::Pulse;
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_block::words::Words;
@@ -123,12 +124,12 @@ pub fn simulate(inputs: &Inputs, vertical: &Vertical) -> String {
     }
     if matches!(inputs.parameters, Parameters::Dimensionless(_)) {
         // A tie needs a mass, even that of the default.
-        match block.ties.is_empty() {
+        match block.ties().is_empty() {
             true => line.unless("mass", block.mass, common.mass),
             false => line.option("mass", block.mass),
         };
     }
-    for tie in block.ties.all() {
+    for tie in block.ties() {
         line.option("tie", tie_text(tie));
     }
     if !inputs.parameters.has_inertia() {

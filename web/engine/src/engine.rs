@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rocking_block::block::{Corner, Foundation};
+use rocking_block::block::restraints::tie;
+use rocking_block::block::{Corner, Foundation, restraints};
 use rocking_block::simulation::Ending;
 use rocking_block::system::events::{Event, EventKind};
 use rocking_charts::numerals::significant;
@@ -281,9 +282,14 @@ fn events(history: &History) -> Vec<EventSummary> {
 
 /// The time at which each tie breaks (s), if it does.
 fn broken(run: &Run, history: &History) -> Vec<Option<f64>> {
-    let time =
-        |tie: u8| history.events.iter().find(|event| event.kind == EventKind::Break(tie)).map(|event| event.time);
-    (0..run.block.ties.all().len() as u8).map(time).collect()
+    let time = |tie: u8| {
+        history
+            .events
+            .iter()
+            .find(|event| event.kind == EventKind::Restraint(restraints::Event::Tie(tie, tie::Event::Break)))
+            .map(|event| event.time)
+    };
+    (0..run.block.ties().len() as u8).map(time).collect()
 }
 
 fn peaks(run: &Run, history: &History) -> Value {
@@ -296,7 +302,7 @@ fn peaks(run: &Run, history: &History) -> Value {
         "reaction": significant(peaks.reaction / weight, 4),
         "horizontal": significant(peaks.horizontal / weight, 4),
         "friction_demand": significant(peaks.friction_demand, 4),
-        "tension": run.block.ties.all().iter().zip(peaks.tension).map(|(_, tension)| significant(tension, 4)).collect::<Vec<_>>(),
+        "tension": run.block.ties().iter().zip(peaks.pull).map(|(_, tension)| significant(tension, 4)).collect::<Vec<_>>(),
         "slip": significant(1e3 * peaks.slip, 4),
     })
 }
@@ -316,7 +322,7 @@ fn parameters(inputs: &Inputs) -> Value {
         "weight": block.mass * block.gravity,
         "g": block.gravity,
         "friction": block.friction,
-        "ties": block.ties.all().iter().map(|tie| [tie.block, tie.ground]).collect::<Vec<_>>(),
+        "ties": block.ties().iter().map(|tie| [tie.block, tie.ground]).collect::<Vec<_>>(),
         "line": rocking_charts::history::block_line(block),
         "lift_off": significant(libm::tan(Corner::each(|corner| block.alpha_of(corner)).into_iter().fold(f64::INFINITY, f64::min)), 4),
     })

@@ -148,7 +148,7 @@ fn parameters(inputs: &Inputs, amplitudes: Option<Vec<f64>>) -> Vec<SweptParamet
     }
     let swept =
         |name: &str, values| SweptParameter { parameter: parameter(name), values: ParameterValues::List(values) };
-    let ties = (1..).zip(inputs.run.block.ties.all()).flat_map(|(number, tie)| {
+    let ties = (1..).zip(inputs.run.block.ties()).flat_map(|(number, tie)| {
         let nonzero = command::tie_values(tie).into_iter().filter(|(_, value)| *value != 0.0);
         nonzero.map(move |(key, value)| swept(&format!("tie_{number}.{key}"), vec![value]))
     });

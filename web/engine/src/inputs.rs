@@ -1,6 +1,7 @@
 //! Fields → a run.
 
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Physical};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, Settings};

@@ -1,6 +1,7 @@
 //! A history → its outcome in words.
 
 use rocking_block::block::Foundation;
+use rocking_block::block::restraints::{self, tie};
 use rocking_block::simulation::Ending;
 use rocking_block::system::events::EventKind;
 use rocking_charts::numerals::significant;
@@ -50,7 +51,7 @@ fn broken_ties(history: &History) -> Option<String> {
     let breaks: Vec<f64> = history
         .events
         .iter()
-        .filter(|event| matches!(event.kind, EventKind::Break(_)))
+        .filter(|event| matches!(event.kind, EventKind::Restraint(restraints::Event::Tie(_, tie::Event::Break))))
         .map(|event| event.time)
         .collect();
     match breaks.as_slice() {

@@ -2,7 +2,8 @@
 
 use super::{COLUMN, Sketch};
 use crate::sketch::symbols::{End, Point};
-use rocking_block::block::{Foundation, Tie};
+use rocking_block::block::Foundation;
+use rocking_block::block::restraints::Tie;
 
 /// Height of a support.
 pub const SUPPORT: f64 = 1600.0;
@@ -72,7 +73,7 @@ impl Layout {
     pub fn new(sketch: &Sketch) -> Layout {
         let b = sketch.block.b;
         let body = sketch.height.unwrap_or(2.0 * sketch.block.h);
-        let reaches: Vec<Reach> = sketch.block.ties.all().iter().map(|tie| Reach::new(tie, b, body)).collect();
+        let reaches: Vec<Reach> = sketch.block.ties().iter().map(|tie| Reach::new(tie, b, body)).collect();
         let furthest = |of: fn([f64; 2]) -> f64| {
             reaches.iter().flat_map(|reach| [of(reach.block), of(reach.end)]).fold(0.0, f64::max)
         };
@@ -111,7 +112,7 @@ impl Layout {
         let outward = if on_supports { (0.5 * (APART - (right - left))).max(0.0) } else { 0.0 };
         let supports = [left - outward, right + outward];
         let room = if on_supports { RECESS + 500.0 } else { 900.0 };
-        let edges = match sketch.block.ties.is_empty() {
+        let edges = match sketch.block.ties().is_empty() {
             true => [supports[0] - room, supports[1] + room],
             false => [left - beside_left, right + beside_right],
         };

@@ -16,7 +16,8 @@ use crate::numerals::significant;
 use crate::page::{page, wrapped};
 use crate::picture::PictureError;
 use layout::{Layout, RECESS, SUPPORT};
-use rocking_block::block::{Block, Corner, Foundation, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, Corner, Foundation};
 use symbols::{
     OUTLINE, angle, axis, centre_of_mass, extension, fill_polygon, hatched, horizontal_dimension, leader, stroke,
     support, tie, vertical_dimension, write,
@@ -94,7 +95,7 @@ impl Sketch {
                 }
                 write(area, "K", (layout.supports[0] - 560.0, base + 0.55 * SUPPORT), HPos::Right, VPos::Center)?;
                 write(area, "C", (layout.supports[1] + 560.0, base + 0.55 * SUPPORT), HPos::Left, VPos::Center)?;
-                if self.block.ties.is_empty() {
+                if self.block.ties().is_empty() {
                     return hatched(area, (edges[0], ground), (edges[1], ground), OUTLINE);
                 }
                 // The ground around the block is at the height of its base, from which anchors are measured.
@@ -219,7 +220,7 @@ impl Sketch {
         if self.block.friction > 0.0 {
             base.push(format!("friction μ = {}", short(self.block.friction)));
         }
-        let ties = (1..).zip(self.block.ties.all()).map(|(number, tie)| tie_values(tie, number));
+        let ties = (1..).zip(self.block.ties()).map(|(number, tie)| tie_values(tie, number));
         [body, base].into_iter().chain(ties).collect()
     }
 }

@@ -85,7 +85,7 @@ fn sketches_are_to_scale() {
         for (corner, side) in Corner::BOTH.into_iter().zip([centre.0 - left, right - centre.0]) {
             assert!(close(sketch.block.alpha_of(corner).tan(), side / (base - centre.1)), "{sketch:?}");
         }
-        for (tie, drawn) in sketch.block.ties.all().iter().zip(ties) {
+        for (tie, drawn) in sketch.block.ties().iter().zip(ties) {
             assert!(drawn.block.0 > 0.0 && drawn.block.1 > 0.0 && drawn.end.0 > 0.0 && drawn.end.1 < end, "{drawn:?}");
             if tie.block[0].abs() > b || tie.block[1] > 2.0 * h {
                 continue;

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use rocking_block::block::{Common, Dimensionless, Foundation, Given, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Common, Dimensionless, Foundation, Given};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::Initial;

@@ -27,7 +27,7 @@ fn groups<T: Copy>(results: &Results<T>, without: &[usize]) -> Vec<(&'static str
         ("N_R", |x| x.reaction[1]),
         ("H", |x| x.horizontal),
         ("uplift_L", |x| x.uplift[0]),
-        ("tension", |x| x.tension[0]),
+        ("tension", |x| x.pull[0]),
     ];
     let rows = || results.rows.iter().enumerate().filter(|(i, _)| !without.contains(i));
     let mut groups: Vec<(&'static str, Vec<T>)> =
@@ -42,7 +42,7 @@ fn groups<T: Copy>(results: &Results<T>, without: &[usize]) -> Vec<(&'static str
         ("peak uplift", vec![peaks.uplift]),
         ("peak slip", vec![peaks.slip]),
         ("slip", vec![results.slip]),
-        ("peak tension", peaks.tension.to_vec()),
+        ("peak tension", peaks.pull.to_vec()),
     ]);
     groups
 }

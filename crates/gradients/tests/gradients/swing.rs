@@ -1,6 +1,6 @@
 //! The tangent series of a swing about a corner of the rigid base, against the equations of motion in numbers with derivatives.
 
-use rocking_block::block::ties::NO_TIES;
+use rocking_block::block::restraints::States;
 use rocking_block::block::{Block, Common, Contact, Contacts, Corner, Creep, Dimensionless, Foundation};
 use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::numerics::scalar::Elementary;
@@ -71,7 +71,7 @@ fn tangents_of_a_swing_follow_the_equations_of_motion() {
             state: [tilt, rate, Number::from(0.0), Number::from(0.0)].into(),
             contacts,
             footing: Footing::Grips { offset: Number::from(0.0) },
-            ties: NO_TIES,
+            restraints: States::NONE,
         };
         let swing = Swing::of(&plain, corner, &acts, [START, tilt.re, rate.re], 0.3, 1e-14);
         let end = |step: u32| START + PART * swing.size * f64::from(step) / f64::from(STEPS);

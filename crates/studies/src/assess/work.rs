@@ -191,7 +191,7 @@ fn frictions(plan: &Plan) -> Vec<f64> {
 
 /// The horizontal acceleration (m/s²) that lifts a corner of a block if it acts slowly; nothing with ties, which hold it.
 fn static_threshold(block: &Block) -> Option<f64> {
-    block.ties.is_empty().then(|| block.gravity * (block.b - block.eccentricity.abs()) / block.h)
+    block.ties().is_empty().then(|| block.gravity * (block.b - block.eccentricity.abs()) / block.h)
 }
 
 fn object(plan: &Plan) -> ObjectResult {
@@ -233,7 +233,7 @@ fn object(plan: &Plan) -> ObjectResult {
         e,
         friction: block.friction,
         eccentricity: block.eccentricity,
-        ties: block.ties.all().len(),
+        ties: block.ties().len(),
         static_threshold: static_threshold(block),
     }
 }

@@ -1,6 +1,7 @@
 //! A block, tests of it and the names of free parameters → a checked problem.
 
-use rocking_block::block::{Block, BlockError, Common, Given, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Given};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};

@@ -70,7 +70,7 @@ impl Run {
         for (k, (name, rows)) in names.iter().zip(of_parameters).enumerate() {
             let (follower, i) = (&followers[k / BATCH], k % BATCH);
             let of = |number: Number| number.eps[i];
-            let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, tension } =
+            let Peaks { theta, reaction, horizontal, uplift, friction_demand, slip, pull } =
                 follower.peaks(&simulation);
             derivatives.push(Derivatives {
                 name: name.clone(),
@@ -83,7 +83,7 @@ impl Run {
                     uplift: of(uplift),
                     friction_demand: of(friction_demand),
                     slip: of(slip),
-                    tension: tension.map(of),
+                    pull: pull.map(of),
                 },
             });
         }

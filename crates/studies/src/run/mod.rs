@@ -22,7 +22,8 @@ use crate::run::outcome::{End, Flights, Outcome};
 use crate::run::sliding::Sliding;
 use crate::run::stopping_rule::{StoppingRule, fraction_of_barrier, is_at_rest};
 use rocking_block::block::Block;
-use rocking_block::block::{Regime, TieStates};
+use rocking_block::block::Regime;
+use rocking_block::block::restraints::TieStates;
 use rocking_block::excitation::{Inputs, Pulse, PulseShape};
 use rocking_block::ground::{Ground, Piece};
 use rocking_block::simulation::outputs::Observation;
@@ -126,7 +127,7 @@ impl Run {
         let (peaks, counts, ending) = (simulation.peaks(), simulation.counts(), simulation.ending());
         let end = self.end(simulation);
         let is_at_rest = end == End::Completed && is_at_rest(simulation);
-        let (slip, ties) = (simulation.slip(), simulation.ties());
+        let (slip, ties) = (simulation.slip(), simulation.restraints().ties);
         History { rows, events, peaks, counts, ending, end, is_at_rest, slip, ties }
     }
 

@@ -85,7 +85,7 @@ pub struct Holds {
 impl Holds {
     /// Those of a block.
     pub fn of(block: &Block) -> Holds {
-        Holds { friction: block.friction > 0.0, ties: block.ties.all().len() }
+        Holds { friction: block.friction > 0.0, ties: block.ties().len() }
     }
 
     /// Those of either.
@@ -102,7 +102,7 @@ impl Holds {
     /// The peaks of the slip and of the tensions, as fields of a table.
     pub fn fields(self, peaks: &Peaks) -> Vec<String> {
         let slip = self.friction.then_some(peaks.slip);
-        slip.into_iter().chain(peaks.tension.into_iter().take(self.ties)).map(|peak| peak.to_string()).collect()
+        slip.into_iter().chain(peaks.pull.into_iter().take(self.ties)).map(|peak| peak.to_string()).collect()
     }
 }
 
@@ -130,9 +130,7 @@ impl Flights {
             EventKind::LiftOff(_)
             | EventKind::Slip
             | EventKind::Grip
-            | EventKind::Taut(_)
-            | EventKind::Slack(_)
-            | EventKind::Break(_)
+            | EventKind::Restraint(_)
             | EventKind::Overturning => event.before != Regime::Separated,
         };
         if touched && event.after == Regime::Separated {

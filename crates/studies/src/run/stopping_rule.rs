@@ -11,7 +11,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use rocking_block::block::{Block, Corner, Foundation, Regime, TieState, TieStates};
+use rocking_block::block::restraints::{TieState, TieStates};
+use rocking_block::block::{Block, Corner, Foundation, Regime};
 use rocking_block::excitation::Inputs;
 use rocking_block::simulation::Simulation;
 
@@ -70,7 +71,7 @@ fn barrier_over(block: &Block, corner: Corner) -> f64 {
 /// block with ties see [`tied_rocking_period`].
 fn cycle(block: &Block, ties: &TieStates, theta: f64, fraction: f64) -> f64 {
     let Block { b, h, i0, gravity, omega_v, .. } = *block;
-    let rocking = match block.ties.is_empty() {
+    let rocking = match block.ties().is_empty() {
         true => 4.0 / slowest(block) * libm::acosh(1.0 / (1.0 - fraction).sqrt()),
         false => tied_rocking_period(block, ties, theta, fraction),
     };
@@ -131,7 +132,7 @@ fn rate_squared(block: &Block, ties: &TieStates, energy: f64, theta: f64) -> f64
     let (sin, cos) = libm::sincos(theta);
     // The corner stays; the centre of mass rises by `Q − h`.
     let mut potential = block.gravity * (h * cos - offset * sin - h);
-    for (tie, _) in block.ties.all().iter().zip(ties).filter(|(_, state)| **state != TieState::Broken) {
+    for (tie, _) in block.ties().iter().zip(ties).filter(|(_, state)| **state != TieState::Broken) {
         let foot = -block.half_base(corner);
         let [x, z] = [tie.block[0] - foot, tie.block[1]];
         let end = [foot + x * cos + z * sin - tie.ground[0], z * cos - x * sin - tie.ground[1]];
@@ -201,7 +202,7 @@ impl StoppingRule {
     pub fn check(&mut self, simulation: &Simulation) {
         let block = simulation.block();
         if let (None, Some(fraction)) = (self.earliest, fraction_of_barrier(simulation)) {
-            let period = cycle(block, &simulation.ties(), simulation.state()[0], fraction);
+            let period = cycle(block, &simulation.restraints().ties, simulation.state()[0], fraction);
             let further = (period * block.p).ceil();
             self.earliest = Some(self.checks + further as u64);
         }
@@ -233,7 +234,7 @@ fn is_held_by_ties(simulation: &Simulation) -> bool {
     /// The same of accelerations, as a part of g.
     const BALANCED: f64 = 1e-2;
     let block = simulation.block();
-    if block.ties.is_empty() {
+    if block.ties().is_empty() {
         return false;
     }
     let seen = simulation.observe(&Inputs { time: simulation.time(), ..Inputs::default() });

@@ -82,10 +82,10 @@ pub fn columns(block: &Block) -> Vec<Column> {
     columns.extend((0..ties).map(|tie| Column {
         name: format!("tie_{}.tension", tie + 1),
         unit: "N",
-        value: Box::new(move |row| row.observation.tension[tie]),
+        value: Box::new(move |row| row.observation.pull[tie]),
     }));
     if ties > 0 {
-        columns.push(fixed(("energy.ties", "J", |row| row.energies.ties)));
+        columns.push(fixed(("energy.ties", "J", |row| row.energies.restraints.ties)));
     }
     columns
 }

@@ -16,7 +16,8 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::End;
 pub use bisection::{Change, OutcomeMap, Scan, Threshold, changes};
-use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Corner, Dimensionless, Foundation};
 use rocking_block::excitation::Pulse;
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
@@ -98,7 +99,7 @@ pub fn usual_strengths(block: &Block, shaking: &Shaking) -> [f64; 2] {
         }
     };
     let static_limit = |alpha: f64| block.gravity * libm::tan(alpha) / pga;
-    let holds = block.foundation == Foundation::Rigid && is_horizontal && block.ties.is_empty();
+    let holds = block.foundation == Foundation::Rigid && is_horizontal && block.ties().is_empty();
     let [left, right] = Corner::each(|corner| static_limit(block.alpha_of(corner)));
     [if holds { left.min(right) } else { 0.0 }, 10.0 * static_limit(block.alpha)]
 }

@@ -15,7 +15,8 @@ use crate::run::Run;
 use crate::run::batch::outcomes;
 use crate::run::outcome::{Holds, Outcome};
 use crate::run::sliding;
-use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Dimensionless, Foundation};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
@@ -99,7 +100,7 @@ pub struct InProportion {
 impl InProportion {
     /// The proportions of a block.
     pub fn of(block: &Block) -> InProportion {
-        let ties = block.ties.all().iter().map(|tie| scaled(tie, block, |value, unit| value / unit));
+        let ties = block.ties().iter().map(|tie| scaled(tie, block, |value, unit| value / unit));
         InProportion { eccentricity: block.eccentricity / block.b, ties: ties.collect() }
     }
 

@@ -1,7 +1,8 @@
 //! A block → the same block with another base, foundation, friction or ties.
 
 use crate::run::outcome::Holds;
-use rocking_block::block::{Block, BlockError, Common, Physical, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, BlockError, Common, Physical};
 use rocking_block::unit::values::Values;
 use rocking_block::unit::variables::Variable;
 
@@ -70,7 +71,7 @@ impl Change {
                     slack: SLACK * r0,
                     ..Tie::default()
                 };
-                block.with_ties(&[block.ties.all(), &[side(-1.0), side(1.0)]].concat())
+                block.with_ties(&[block.ties(), &[side(-1.0), side(1.0)]].concat())
             }
         }
     }
@@ -96,7 +97,7 @@ fn rebuilt(block: &Block, stiffness: f64, damping: f64) -> Result<Block, BlockEr
     let common = Common { mass, gamma, epsilon, gravity, foundation, restitution_factor, eccentricity, friction };
     let (width, height) = (2.0 * block.b, 2.0 * block.h);
     let physical = Physical { width, height, stiffness, damping, inertia: Some(block.inertia()) };
-    Block::from_physical(&physical, &common)?.with_ties(block.ties.all())
+    Block::from_physical(&physical, &common)?.with_ties(block.ties())
 }
 
 #[cfg(test)]
@@ -138,8 +139,8 @@ mod tests {
     fn ties_join_those_of_the_block() {
         let once = Change::Tied(5.0).block(block()).unwrap();
         let twice = Change::Tied(5.0).block(once).unwrap();
-        assert_eq!([once, twice].map(|block| block.ties.all().len()), [2, 4]);
-        let [left, right] = [once.ties.all()[0], once.ties.all()[1]];
+        assert_eq!([once, twice].map(|block| block.ties().len()), [2, 4]);
+        let [left, right] = [once.ties()[0], once.ties()[1]];
         assert_eq!(left.block[0], -right.block[0]);
         near(right.stiffness, 5.0 * once.mass * once.gravity / once.r0);
         near(right.ground[0] - right.block[0], once.h);

@@ -1,6 +1,7 @@
 //! End of runs without a duration, and the rule that counts a separation as overturning.
 
-use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime, Tie};
+use rocking_block::block::restraints::Tie;
+use rocking_block::block::{Block, Common, Corner, Dimensionless, Foundation, Regime};
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Ending, Initial, OnSeparation, Settings, Simulation};
@@ -101,7 +102,7 @@ fn the_rocking_period_with_ties_is_the_measured_one() {
         let initial = Initial { theta: 0.08, ..Initial::default() };
         let mut simulation = Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &inputs);
         let fraction = fraction_of_barrier(&simulation).unwrap();
-        let rule = tied_rocking_period(&block, &simulation.ties(), 0.08, fraction);
+        let rule = tied_rocking_period(&block, &simulation.restraints().ties, 0.08, fraction);
         let mut landings = vec![];
         let take = &mut |event: &_| {
             let &rocking_block::system::events::Event { time, kind, .. } = event;

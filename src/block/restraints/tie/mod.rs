@@ -1,16 +1,32 @@
 //! Ties between the block and the ground: their ends, stiffness and strength, and their states.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`pull`] | place and motion of the block → stretch and tension of a tie; its energy and power |
+//! | [`switching`] | the functions of a tie that are watched → it is taut, slack or limp, or breaks |
+
+pub mod pull;
+pub mod switching;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::BlockError;
 use crate::block::parameters::not_negative;
+use crate::block::{Block, BlockError};
 use crate::numerics::scalar::Elementary;
+
+pub use switching::{Event, Surface};
 
 /// Maximum number of ties of a block.
 pub const MOST_TIES: usize = 8;
 
 /// [`MOST_TIES`], in errors.
-pub(super) const EXPECTED: &str = "at most 8 ties";
+const EXPECTED: &str = "at most 8 ties";
+
+/// Names of the ties in tables of events.
+pub const NAMES: [&str; MOST_TIES] = ["tie 1", "tie 2", "tie 3", "tie 4", "tie 5", "tie 6", "tie 7", "tie 8"];
+
+/// The number of ties among the variables of the FMU.
+pub const VARIABLES: usize = 2;
 
 /// A tendon, guy or restraint, which pulls a point of the block towards a point of the ground along the line between them. It never
 /// pushes.
@@ -127,6 +143,26 @@ impl Tie {
             });
         }
         Ok(())
+    }
+}
+
+impl Block {
+    /// Returns the block with these ties, at most [`MOST_TIES`]. Errors name the first parameter that is not valid.
+    pub fn with_ties(mut self, ties: &[Tie]) -> Result<Block, BlockError> {
+        if ties.len() > MOST_TIES {
+            return Err(BlockError::OutOfRange { name: "ties", value: ties.len() as f64, expected: EXPECTED });
+        }
+        ties.iter().try_for_each(Tie::check)?;
+        self.restraints.ties = Ties::of(ties);
+        Ok(self)
+    }
+}
+
+impl<T> Block<T> {
+    /// Its ties.
+    #[inline(always)]
+    pub fn ties(&self) -> &[Tie<T>] {
+        self.restraints.ties.all()
     }
 }
 

@@ -2,13 +2,9 @@
 //!
 //! Stretched by `s = L − L0 − slack + T0/k` a tie pulls with `T = k s + c ṡ` while it is taut, and not at all otherwise.
 
-use crate::block::ties::MOST_TIES;
-use crate::block::{Block, Tie, TieState, TieStates};
-use crate::excitation::Forcing;
-use crate::numerics::dual::Dual;
-use crate::numerics::roots::Sample;
+use super::{MOST_TIES, Tie, TieState, TieStates, Ties};
+use crate::block::{Block, Place};
 use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
-use crate::system::instant::{Instant, Place};
 
 /// A tie that is stretched.
 #[derive(Clone, Copy, Debug)]
@@ -58,21 +54,25 @@ pub fn tension<P: Scalar, T: CombinesWith<P>>(tie: &Tie<P>, state: TieState, str
     }
 }
 
-/// The forcing with the pull of the ties in place of their states.
-pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcing<T>, place: &Place<T>) -> Forcing<T> {
-    let mut sum = forcing;
-    for (tie, state) in block.ties.all().iter().zip(forcing.ties) {
+/// Adds the pull of the ties to a forcing `[x, z, moment]` per mass.
+pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &TieStates,
+    place: &Place<T>,
+    [mut x, mut z, mut moment]: [T; 3],
+) -> [T; 3] {
+    for (tie, &state) in block.ties().iter().zip(states) {
         if state == TieState::Taut {
             let stretch = stretch(block, tie, place);
             let pull = tension(tie, state, &stretch) * (P::from(1.0) / block.mass);
-            let [x, z, arm] = stretch.along;
+            let along = stretch.along;
             // A forcing is an acceleration of the ground: a load counts less.
-            sum.x = sum.x + pull * x;
-            sum.z = sum.z + pull * z;
-            sum.moment = sum.moment - pull * arm;
+            x = x + pull * along[0];
+            z = z + pull * along[1];
+            moment = moment - pull * along[2];
         }
     }
-    sum
+    [x, z, moment]
 }
 
 /// Whether a tie pulls.
@@ -82,9 +82,15 @@ pub fn pulls(states: &TieStates) -> bool {
     states.iter().any(|state| matches!(state, TieState::Taut))
 }
 
+/// Whether the dashpot of a tie may take energy.
+#[inline(always)]
+pub fn dissipates(states: &TieStates) -> bool {
+    states.iter().any(|state| matches!(state, TieState::Taut | TieState::Limp))
+}
+
 /// Returns a vertical force on the block at rest (N, positive up) less the pull of the ties.
-pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, mut force: T) -> T {
-    for tie in block.ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
+pub fn less_static_pull<T: Elementary>(block: &Block<T>, ties: &Ties<T>, place: &Place<T>, mut force: T) -> T {
+    for tie in ties.all().iter().filter(|tie| tie.stiffness.value() != 0.0) {
         let Stretch { length, along: [_, z, _], .. } = stretch(block, tie, place);
         let tension = T::select_less(0.0, length.value(), length * tie.stiffness, T::from(0.0));
         force = force - tension * z;
@@ -93,8 +99,8 @@ pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, mut f
 }
 
 /// Vertical stiffness (N/m) of the ties at rest.
-pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f64 {
-    block.ties.all().iter().map(|tie| stiffness_at_rest(block, tie, place)).sum()
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, ties: &Ties<T>, place: &Place<T>) -> f64 {
+    ties.all().iter().map(|tie| stiffness_at_rest(block, tie, place)).sum()
 }
 
 /// Vertical stiffness (N/m) of a tie at rest: `k z² + T (1 − z²)/L` with its vertical direction z.
@@ -110,35 +116,26 @@ fn stiffness_at_rest<T: Elementary>(block: &Block<T>, tie: &Tie<T>, place: &Plac
 }
 
 /// Tensions of all ties (N).
-#[inline(always)]
-pub fn tensions<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> [T; MOST_TIES] {
-    if pulls(ties) { taut_tensions(block, ties, *x) } else { [T::from(0.0); MOST_TIES] }
-}
-
-#[inline(never)]
-fn taut_tensions<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> [T; MOST_TIES] {
+pub fn tensions<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &TieStates,
+    place: &Place<T>,
+) -> [T; MOST_TIES] {
     let mut tensions = [T::from(0.0); MOST_TIES];
-    let place = Place::of(&x);
-    for ((of, tie), &state) in tensions.iter_mut().zip(block.ties.all()).zip(ties) {
-        *of = tension(tie, state, &stretch(block, tie, &place));
+    for ((of, tie), &state) in tensions.iter_mut().zip(block.ties()).zip(states) {
+        *of = tension(tie, state, &stretch(block, tie, place));
     }
     tensions
 }
 
 /// Energy of the springs of the ties per mass (m²/s²): `½ k s²` while a tie is stretched.
-pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
-    each(block, ties, x, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
+pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, place: &Place<T>) -> T {
+    each(block, states, place, |tie, _, Stretch { length, .. }| length * length * (tie.stiffness * 0.5))
 }
 
 /// Power per mass (m²/s³) that the dashpots of the ties take: all that T does beyond the spring, `(T − k s) ṡ`.
-#[inline(always)]
-pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: &Instant<T>) -> T {
-    if pulls(ties) || ties.contains(&TieState::Limp) { power_of_dashpots(block, ties, *x) } else { T::from(0.0) }
-}
-
-#[inline(never)]
-fn power_of_dashpots<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &TieStates, x: Instant<T>) -> T {
-    each(block, ties, &x, |tie, state, stretch| {
+pub fn power<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &TieStates, place: &Place<T>) -> T {
+    each(block, states, place, |tie, state, stretch| {
         (tension(tie, state, &stretch) - stretch.length * tie.stiffness) * stretch.rate
     })
 }
@@ -146,49 +143,23 @@ fn power_of_dashpots<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, ties: &Tie
 /// A sum over the stretched ties, per mass.
 fn each<P: Scalar, T: CombinesWith<P>>(
     block: &Block<P>,
-    ties: &TieStates,
-    x: &Instant<T>,
+    states: &TieStates,
+    place: &Place<T>,
     of: impl Fn(&Tie<P>, TieState, Stretch<T>) -> T,
 ) -> T {
     let mut sum = T::from(0.0);
-    if block.ties.is_empty() {
-        return sum;
-    }
-    let place = Place::of(x);
-    for (tie, &state) in block.ties.all().iter().zip(ties) {
+    for (tie, &state) in block.ties().iter().zip(states) {
         if matches!(state, TieState::Taut | TieState::Limp) {
-            sum = sum + of(tie, state, stretch(block, tie, &place)) * (P::from(1.0) / block.mass);
+            sum = sum + of(tie, state, stretch(block, tie, place)) * (P::from(1.0) / block.mass);
         }
     }
     sum
 }
 
-/// Stretch of a tie (m) and its rate (m/s), from an instant.
-#[inline]
-pub fn length<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<R>) -> Sample<R> {
-    let Stretch { length, rate, .. } = stretch(block, tie, &Place::of(x));
-    Sample { value: length, rate }
-}
-
-/// Tension of a tie if it is taut (N) and its rate (N/s), from an instant with rates.
-#[inline]
-pub fn tension_with_rate<R: Scalar>(block: &Block<R>, tie: &Tie<R>, x: &Instant<Dual<R>>) -> Sample<R>
-where
-    Dual<R>: CombinesWith<R>,
-{
-    let Dual { re, eps } = tension_if_taut(block, tie, x);
-    Sample { value: re, rate: eps }
-}
-
-/// Tension of a tie if it is taut (N), from an instant.
-#[inline]
-pub fn tension_if_taut<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, tie: &Tie<P>, x: &Instant<T>) -> T {
-    taut_tension(tie, &stretch(block, tie, &Place::of(x)))
-}
-
-/// A bound on the circular frequencies and rates of decay that ties give the block (rad/s): that of a free block.
-pub fn fastest(block: &Block) -> f64 {
-    let Block { mass, i0, h, eccentricity, ref ties, .. } = *block;
+/// Sums of bounds on the squares of the circular frequencies ((rad/s)²) and on the rates of decay (1/s) that ties give the block:
+/// those of a free block.
+pub fn stiffest(block: &Block, ties: &Ties) -> [f64; 2] {
+    let Block { mass, i0, h, eccentricity, .. } = *block;
     let (mut stiffness, mut damping) = (0.0, 0.0);
     for tie in ties.all() {
         let (x, z) = (tie.block[0] - eccentricity, tie.block[1] - h);
@@ -196,5 +167,5 @@ pub fn fastest(block: &Block) -> f64 {
         stiffness += tie.stiffness * mobility;
         damping += tie.damping * mobility;
     }
-    stiffness.sqrt().max(damping)
+    [stiffness, damping]
 }

@@ -1,0 +1,324 @@
+//! Restraints: forces between block and ground that switch on and off, a folder for each kind.
+//!
+//! | module | in → out |
+//! | --- | --- |
+//! | [`tie`] | place and motion of the block → its pull; stretch and tension → whether it pulls, or breaks |
+//!
+//! A kind has parameters, a state, a pull, energies, and functions that are watched and change the state. The functions here name the
+//! kinds, each taking [`Restraints`] or [`States`] apart or matching [`Surface`] or [`Event`]: the compiler lists them where
+//! a kind is added. All other modules know restraints only through them. Each restraint has a number among the [`MOST`] of a block.
+
+pub mod tie;
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Block, Place};
+use crate::numerics::dual::Dual;
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
+
+pub use tie::{MOST_TIES, Tie, TieState, TieStates, Ties};
+
+/// The restraints of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Restraints<T = f64> {
+    /// Its ties.
+    pub ties: Ties<T>,
+}
+
+impl<T: From<f64> + Copy> Restraints<T> {
+    /// No restraint.
+    #[inline(always)]
+    pub fn none() -> Restraints<T> {
+        Restraints { ties: Ties::none() }
+    }
+}
+
+impl<T> Restraints<T> {
+    /// Whether there is none.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        let Restraints { ties } = self;
+        ties.is_empty()
+    }
+
+    /// The numbers of the restraints.
+    #[inline(always)]
+    pub fn numbers(&self) -> impl Iterator<Item = usize> + use<T> {
+        let Restraints { ties } = self;
+        0..ties.all().len()
+    }
+}
+
+/// Maximum number of restraints of a block.
+pub const MOST: usize = MOST_TIES;
+
+/// The states of all restraints of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct States {
+    /// The states of the ties.
+    pub ties: TieStates,
+}
+
+impl States {
+    /// No restraint acts.
+    pub const NONE: States = States { ties: tie::NO_TIES };
+
+    /// Whether a restraint pulls.
+    #[inline(always)]
+    pub fn pull(&self) -> bool {
+        let States { ties } = self;
+        tie::pull::pulls(ties)
+    }
+
+    /// Whether a restraint takes energy.
+    #[inline(always)]
+    pub fn dissipate(&self) -> bool {
+        let States { ties } = self;
+        tie::pull::dissipates(ties)
+    }
+
+    /// The function whose value is the pull of the restraint with this number, if it pulls.
+    pub fn pull_of(&self, number: usize) -> Option<Surface> {
+        let States { ties } = self;
+        let surface = tie::switching::of_pull(*ties.get(number)?)?;
+        Some(Surface::Tie(number as u8, surface))
+    }
+}
+
+/// Energies or powers, one account for each kind of restraint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Energies<T = f64> {
+    /// Taken by the dashpots of the ties, and lost from the springs of those that broke.
+    pub ties: T,
+}
+
+/// Number of kinds of restraints.
+pub const KINDS: usize = 1;
+
+impl<T> Energies<T> {
+    /// The accounts.
+    #[inline(always)]
+    pub fn into_array(self) -> [T; KINDS] {
+        let Energies { ties } = self;
+        [ties]
+    }
+
+    /// The same from the accounts.
+    #[inline(always)]
+    pub fn from_array([ties]: [T; KINDS]) -> Energies<T> {
+        Energies { ties }
+    }
+
+    /// The same number in each account.
+    #[inline(always)]
+    pub fn of_all(number: T) -> Energies<T>
+    where
+        T: Copy,
+    {
+        Energies::from_array([number; KINDS])
+    }
+
+    /// Applies `f` to each account.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl FnMut(T) -> U) -> Energies<U> {
+        Energies::from_array(self.into_array().map(f))
+    }
+}
+
+impl Energies {
+    /// Adds each account of `others`.
+    pub fn add(&mut self, others: Energies) {
+        let Energies { ties } = self;
+        *ties += others.ties;
+    }
+
+    /// A number with all accounts added to it, in their order.
+    pub fn added_to(self, sum: f64) -> f64 {
+        self.into_array().into_iter().fold(sum, |sum, account| sum + account)
+    }
+
+    /// Includes the energy that was lost in an event.
+    pub fn lose(&mut self, event: Event, energy: f64) {
+        match event {
+            Event::Tie(..) => self.ties += energy,
+        }
+    }
+}
+
+/// Adds the pull of the restraints to a forcing `[x, z, moment]` per mass.
+pub fn add_pull<P: Scalar, T: CombinesWith<P>>(
+    block: &Block<P>,
+    states: &States,
+    place: &Place<T>,
+    forcing: [T; 3],
+) -> [T; 3] {
+    let States { ties } = states;
+    tie::pull::add_pull(block, ties, place, forcing)
+}
+
+/// Pulls of all restraints (N), by their numbers.
+pub fn pulls<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, place: &Place<T>) -> [T; MOST] {
+    let States { ties } = states;
+    tie::pull::tensions(block, ties, place)
+}
+
+/// The greatest pull (N) of the restraint with this number, if it has one.
+pub fn strength(block: &Block, number: usize) -> Option<f64> {
+    let strength = block.ties().get(number)?.strength;
+    (strength > 0.0).then_some(strength)
+}
+
+/// Returns a vertical force on the block at rest (N, positive up) less the pull of the restraints.
+pub fn less_static_pull<T: Elementary>(block: &Block<T>, place: &Place<T>, force: T) -> T {
+    let Restraints { ties } = &block.restraints;
+    tie::pull::less_static_pull(block, ties, place, force)
+}
+
+/// Vertical stiffness (N/m) of the restraints at rest.
+pub fn static_stiffness<T: Elementary>(block: &Block<T>, place: &Place<T>) -> f64 {
+    let Restraints { ties } = &block.restraints;
+    tie::pull::static_stiffness(block, ties, place)
+}
+
+/// A bound on the circular frequencies and rates of decay that the restraints give the block (rad/s).
+pub fn fastest(block: &Block) -> f64 {
+    let Restraints { ties } = &block.restraints;
+    let [stiffness, damping] = tie::pull::stiffest(block, ties);
+    stiffness.sqrt().max(damping)
+}
+
+/// Energy stored in the restraints per mass (m²/s²).
+pub fn energy<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, place: &Place<T>) -> T {
+    let States { ties } = states;
+    tie::pull::energy(block, ties, place)
+}
+
+/// Powers per mass (m²/s³) that the restraints take.
+pub fn powers<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, states: &States, place: &Place<T>) -> Energies<T> {
+    let States { ties } = states;
+    Energies { ties: tie::pull::power(block, ties, place) }
+}
+
+/// A function of a restraint that is watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Surface {
+    /// One of a tie, by its place in the list.
+    Tie(u8, tie::Surface),
+}
+
+/// Maximum number of functions that are watched.
+pub const WATCHED: usize = 2 * MOST_TIES;
+
+/// The functions of restraints in these states that are watched.
+pub fn watched(block: &Block, states: &States) -> [Option<Surface>; WATCHED] {
+    let (Restraints { ties }, mut watched) = (&block.restraints, [None; WATCHED]);
+    for (i, tie) in (0..).zip(ties.all()).filter(|(_, tie)| tie.stiffness > 0.0) {
+        let place = 2 * usize::from(i);
+        let of_tie = tie::switching::watched(tie, states.ties[usize::from(i)]);
+        [watched[place], watched[place + 1]] = of_tie.map(|surface| surface.map(|surface| Surface::Tie(i, surface)));
+    }
+    watched
+}
+
+/// The number of watched functions that belong to variables of the FMU, which are the first ones.
+pub const INDICATORS: usize = 2 * tie::VARIABLES;
+
+impl Surface {
+    /// Value and rate at a place; `rates` is the place with its rates of change in the dual parts.
+    pub fn sample<T: Elementary>(
+        self,
+        block: &Block<T>,
+        place: impl Fn() -> Place<T>,
+        rates: impl Fn() -> Place<Dual<T>>,
+    ) -> Sample<T>
+    where
+        Dual<T>: CombinesWith<T>,
+    {
+        match self {
+            Surface::Tie(tie, surface) => surface.sample(block, &block.ties()[usize::from(tie)], place, rates),
+        }
+    }
+
+    /// Its value alone at a place.
+    pub fn value<T: Elementary>(self, block: &Block<T>, place: &Place<T>) -> T {
+        match self {
+            Surface::Tie(tie, surface) => surface.value(block, &block.ties()[usize::from(tie)], place),
+        }
+    }
+
+    /// The size of its terms.
+    pub fn size<T: Elementary>(self, block: &Block<T>) -> f64 {
+        match self {
+            Surface::Tie(tie, surface) => surface.size(block, &block.ties()[usize::from(tie)]),
+        }
+    }
+
+    /// Whether its value follows from the state and its rate from that of the state.
+    pub fn follows_from_state(self) -> bool {
+        match self {
+            Surface::Tie(_, surface) => surface.follows_from_state(),
+        }
+    }
+
+    /// Whether the block has the restraint.
+    pub fn is_of(self, block: &Block) -> bool {
+        match self {
+            Surface::Tie(tie, _) => usize::from(tie) < block.ties().len(),
+        }
+    }
+
+    /// Changes the state of the restraint, as this function has fallen through zero at a place.
+    pub fn switch<T: Elementary>(
+        self,
+        block: &Block<T>,
+        states: &mut States,
+        place: impl Fn() -> Place<T>,
+    ) -> Option<Event> {
+        match self {
+            Surface::Tie(tie, surface) => {
+                let i = usize::from(tie);
+                let (state, event) = surface.switched(block, &block.ties()[i], place);
+                states.ties[i] = state;
+                event.map(|event| Event::Tie(tie, event))
+            }
+        }
+    }
+}
+
+/// The states at a place at which a run begins; `rounding` is the round-off of a zero relative to its largest term.
+pub fn at_beginning<T: Elementary>(block: &Block<T>, place: &Place<T>, rounding: f64) -> States {
+    let Restraints { ties } = &block.restraints;
+    States { ties: tie::switching::at_beginning(block, ties, place, rounding) }
+}
+
+/// A reported event of a restraint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// One of a tie, by its place in the list.
+    Tie(u8, tie::Event),
+}
+
+impl Event {
+    /// Its name in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Event::Tie(_, event) => event.word(),
+        }
+    }
+
+    /// The name of the restraint, `tie 1` and so on.
+    pub fn place(self) -> Option<&'static str> {
+        match self {
+            Event::Tie(tie, _) => tie::NAMES.get(usize::from(tie)).copied(),
+        }
+    }
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Event::Tie(tie, event) => write!(f, "tie {} {event}", tie + 1),
+        }
+    }
+}

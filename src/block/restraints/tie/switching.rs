@@ -1,0 +1,191 @@
+//! A tie is taut where its stretch rises through zero, goes slack where its tension falls through zero, and breaks where its tension
+//! reaches its strength.
+
+use serde::{Deserialize, Serialize};
+
+use super::pull::{stretch, taut_tension};
+use super::{NO_TIES, Tie, TieState, TieStates, Ties};
+use crate::block::{Block, Place};
+use crate::numerics::dual::Dual;
+use crate::numerics::roots::Sample;
+use crate::numerics::scalar::{CombinesWith, Elementary};
+
+/// A function of a tie that is watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Surface {
+    /// The stretch of a slack tie, with opposite sign (m).
+    Shortness,
+    /// The stretch of a limp tie (m).
+    Stretch,
+    /// The tension of a taut tie (N).
+    Tension,
+    /// The tension that a limp tie would have if taut, with opposite sign (N).
+    Limpness,
+    /// The strength of a taut tie less its tension (N).
+    Strength,
+}
+
+/// A reported event of a tie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// It begins to pull.
+    Taut,
+    /// It pulls no more.
+    Slack,
+    /// It breaks.
+    Break,
+}
+
+impl Event {
+    /// Its name in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Event::Taut => "taut",
+            Event::Slack => "slack",
+            Event::Break => "break",
+        }
+    }
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Event::Taut => "is taut",
+            Event::Slack => "is slack",
+            Event::Break => "breaks",
+        })
+    }
+}
+
+/// The functions that are watched in a state of a tie.
+pub fn watched(tie: &Tie, state: TieState) -> [Option<Surface>; 2] {
+    use Surface::{Limpness, Shortness, Strength, Stretch, Tension};
+    match state {
+        TieState::Slack => [Some(Shortness), None],
+        TieState::Taut => [Some(Tension), (tie.strength > 0.0).then_some(Strength)],
+        TieState::Limp => [Some(Stretch), Some(Limpness)],
+        TieState::Broken => [None; 2],
+    }
+}
+
+/// The function whose value is the tension of a tie in this state, if it pulls.
+pub fn of_pull(state: TieState) -> Option<Surface> {
+    match state {
+        TieState::Taut => Some(Surface::Tension),
+        TieState::Slack | TieState::Limp | TieState::Broken => None,
+    }
+}
+
+impl Surface {
+    /// Value and rate at a place; `rates` is the place with its rates of change in the dual parts.
+    #[inline(never)]
+    pub fn sample<T: Elementary>(
+        self,
+        block: &Block<T>,
+        tie: &Tie<T>,
+        place: impl Fn() -> Place<T>,
+        rates: impl Fn() -> Place<Dual<T>>,
+    ) -> Sample<T>
+    where
+        Dual<T>: CombinesWith<T>,
+    {
+        let stretch_with_rate = || {
+            let stretch = stretch(block, tie, &place());
+            Sample { value: stretch.length, rate: stretch.rate }
+        };
+        let tension = || {
+            let Dual { re, eps } = taut_tension(tie, &stretch(block, tie, &rates()));
+            Sample { value: re, rate: eps }
+        };
+        match self {
+            Surface::Shortness => stretch_with_rate().negated(),
+            Surface::Stretch => stretch_with_rate(),
+            Surface::Tension => tension(),
+            Surface::Limpness => tension().negated(),
+            Surface::Strength => {
+                let Sample { value, rate } = tension();
+                Sample { value: tie.strength - value, rate: -rate }
+            }
+        }
+    }
+
+    /// Its value alone at a place.
+    pub fn value<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>, place: &Place<T>) -> T {
+        let stretch = stretch(block, tie, place);
+        match self {
+            Surface::Shortness => -stretch.length,
+            Surface::Stretch => stretch.length,
+            Surface::Tension => taut_tension(tie, &stretch),
+            Surface::Limpness => -taut_tension(tie, &stretch),
+            Surface::Strength => tie.strength - taut_tension(tie, &stretch),
+        }
+    }
+
+    /// Whether its value follows from the state and its rate from that of the state.
+    pub fn follows_from_state(self) -> bool {
+        match self {
+            Surface::Shortness | Surface::Stretch => true,
+            Surface::Tension | Surface::Limpness | Surface::Strength => false,
+        }
+    }
+
+    /// The size of its terms.
+    #[inline(never)]
+    pub fn size<T: Elementary>(self, block: &Block<T>, tie: &Tie<T>) -> f64 {
+        match self {
+            Surface::Shortness | Surface::Stretch => size_of_stretch(block, tie),
+            Surface::Tension | Surface::Limpness | Surface::Strength => size_of_tension(block, tie),
+        }
+    }
+
+    /// The state of a tie, and the event that is reported, as this function has fallen through zero at a place.
+    pub fn switched<T: Elementary>(
+        self,
+        block: &Block<T>,
+        tie: &Tie<T>,
+        place: impl Fn() -> Place<T>,
+    ) -> (TieState, Option<Event>) {
+        match self {
+            Surface::Shortness | Surface::Limpness => (TieState::Taut, Some(Event::Taut)),
+            Surface::Tension => {
+                let stretched = stretch(block, tie, &place()).length.value() > 0.0;
+                let damped = tie.damping.value() > 0.0 && stretched;
+                (if damped { TieState::Limp } else { TieState::Slack }, Some(Event::Slack))
+            }
+            Surface::Stretch => (TieState::Slack, None),
+            Surface::Strength => (TieState::Broken, Some(Event::Break)),
+        }
+    }
+}
+
+/// Size of the terms of a stretch (m).
+fn size_of_stretch<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
+    tie.length().value().max(block.r0.value())
+}
+
+/// Size of the terms of a tension (N).
+fn size_of_tension<T: Elementary>(block: &Block<T>, tie: &Tie<T>) -> f64 {
+    let spring = tie.stiffness.value() * size_of_stretch(block, tie);
+    let dashpot = (tie.damping * block.p * block.r0).value();
+    spring.max(dashpot).max((block.mass * block.gravity).value())
+}
+
+/// The states of ties as they are stretched at the beginning; one beyond its strength is broken. `rounding` is the round-off of a zero
+/// relative to its largest term.
+pub fn at_beginning<T: Elementary>(block: &Block<T>, ties: &Ties<T>, place: &Place<T>, rounding: f64) -> TieStates {
+    let mut states = NO_TIES;
+    for (state, tie) in states.iter_mut().zip(ties.all()).filter(|(_, tie)| tie.stiffness.value() > 0.0) {
+        let stretch = stretch(block, tie, place);
+        let (tension, strength) = (taut_tension(tie, &stretch).value(), tie.strength.value());
+        *state = if stretch.length.value() <= rounding * size_of_stretch(block, tie) {
+            TieState::Slack
+        } else if tension < 0.0 {
+            TieState::Limp
+        } else if strength > 0.0 && tension > strength + rounding * size_of_tension(block, tie) {
+            TieState::Broken
+        } else {
+            TieState::Taut
+        };
+    }
+    states
+}
