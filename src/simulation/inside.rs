@@ -5,7 +5,7 @@ use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::roots::{self, Sample};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Surface, watched, watched_beyond};
+use crate::system::events::{Surface, quarter_turn, watched, watched_beyond};
 use crate::system::instant::{Powers, State};
 use crate::system::law::Law;
 use crate::system::swing::Swing;
@@ -97,7 +97,7 @@ pub(super) fn first_event<L: Law, const N: usize>(
         if !hidden && !roots::may_fall(start, end, rounding, duration) {
             continue;
         }
-        let mut sample = |elapsed| surface.sample(&inside.at(elapsed));
+        let mut sample = |elapsed| inside.sample(surface, elapsed);
         // On the rigid base none lifts with a rate, so that what falls from there has come down beside the other corner. From a
         // support one may, where the angular momentum is kept.
         let on_base = here.block.foundation == Foundation::Rigid && matches!(surface, Surface::Gap(_));
@@ -179,6 +179,16 @@ impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
             }
             Between::Known(_) | Between::Within(..) => self.dense().state(elapsed),
         }
+    }
+
+    /// The function of a surface `elapsed` seconds after the beginning of the step.
+    #[inline]
+    fn sample(&mut self, surface: Surface, elapsed: f64) -> Sample {
+        if surface == Surface::QuarterTurn {
+            let state = self.state(elapsed);
+            return quarter_turn::rest([state[0], state[1]]);
+        }
+        surface.sample(&self.at(elapsed))
     }
 
     /// The works from the beginning of the step to `elapsed`.

@@ -154,7 +154,7 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         match surface {
             Surface::Reaction(corner) => lift_off::on_support(now.block, x, corner),
             Surface::Gap(corner) => landing::gap(x, now.support_heights, corner),
-            Surface::QuarterTurn => quarter_turn::rest(x),
+            Surface::QuarterTurn => quarter_turn::rest([x.theta, x.theta_dot]),
             Surface::Held(_)
             | Surface::Unloaded(_)
             | Surface::Slide

@@ -147,7 +147,7 @@ impl Surface {
             Surface::Friction(push) => friction::rest_to_limit(at, push),
             Surface::Speed => friction::speed(at),
             Surface::Restraint(surface) => restraint::sample(surface, at),
-            Surface::QuarterTurn => quarter_turn::rest(&at.instant),
+            Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]),
         }
     }
 
@@ -162,7 +162,7 @@ impl Surface {
             Surface::Friction(push) => friction::distance(at.block, &at.instant, push),
             Surface::Speed => friction::speed(at).value,
             Surface::Restraint(surface) => surface.value(at.block, &Place::of(&at.instant)),
-            Surface::QuarterTurn => quarter_turn::rest(&at.instant).value,
+            Surface::QuarterTurn => quarter_turn::rest([at.instant.theta, at.instant.theta_dot]).value,
         }
     }
 

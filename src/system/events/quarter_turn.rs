@@ -4,17 +4,16 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::numerics::Scalar;
 use crate::numerics::roots::Sample;
-use crate::system::instant::Instant;
 
 /// Size of the function (rad).
 pub(crate) const SIZE: f64 = FRAC_PI_2;
 
-/// The rest of the quarter turn, `π/2 − |θ|` (rad).
+/// The rest of the quarter turn, `π/2 − |θ|` (rad), from θ and θ̇.
 #[inline(always)]
-pub fn rest<R: Scalar>(x: &Instant<R>) -> Sample<R> {
-    let (theta, zero) = (x.theta.value(), R::Real::default());
+pub fn rest<R: Scalar>([theta, theta_dot]: [R; 2]) -> Sample<R> {
+    let (side, zero) = (theta.value(), R::Real::default());
     Sample {
-        value: -R::select_less(theta, zero, -x.theta, x.theta) + FRAC_PI_2,
-        rate: R::select_less(theta, zero, x.theta_dot, -x.theta_dot),
+        value: -R::select_less(side, zero, -theta, theta) + FRAC_PI_2,
+        rate: R::select_less(side, zero, theta_dot, -theta_dot),
     }
 }
