@@ -9,17 +9,29 @@
 //! Casteljau's algorithm, are four times closer (R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective",
 //! Computer Aided Geometric Design 29 (2012) 379–419).
 
-use crate::numerics::roots::sign_change;
+/// Relative error of a zero.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The highest degree.
 pub const DEGREE: usize = 16;
+
+/// One number per power or per Bernstein coefficient; those beyond the degree are zero.
+pub type Row<T = f64> = [T; DEGREE + 1];
 
 /// A polynomial on [0, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct Bernstein {
     degree: usize,
-    powers: [f64; DEGREE + 1],
-    coefficients: [f64; DEGREE + 1],
+    powers: Row,
+    coefficients: Row,
+}
+
+/// Two polynomials p and q on [0, 1].
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    degree: usize,
+    powers: Row<[f64; 2]>,
+    coefficients: Row<[f64; 2]>,
 }
 
 /// The first zero of a polynomial.
@@ -33,55 +45,94 @@ pub enum Zero {
     Unclear,
 }
 
-/// `C(j, k)` in row k and column j.
-static BINOMIAL: [[f64; DEGREE + 1]; DEGREE + 1] = binomials();
+/// `1/C(n, k)` with the highest degree n.
+static RECIPROCALS: Row = reciprocals();
 
-const fn binomials() -> [[f64; DEGREE + 1]; DEGREE + 1] {
-    let mut binomials = [[0.0; DEGREE + 1]; DEGREE + 1];
-    let mut j = 0;
-    while j <= DEGREE {
-        let (mut k, mut binomial) = (0, 1);
-        while k <= j {
-            binomials[k][j] = binomial as f64;
-            binomial = binomial * (j - k) / (k + 1);
-            k += 1;
-        }
-        j += 1;
+const fn reciprocals() -> Row {
+    let mut reciprocals = [0.0; DEGREE + 1];
+    let (mut k, mut binomial) = (0, 1);
+    while k <= DEGREE {
+        reciprocals[k] = 1.0 / binomial as f64;
+        binomial = binomial * (DEGREE - k) / (k + 1);
+        k += 1;
     }
-    binomials
+    reciprocals
+}
+
+/// The Bernstein coefficients of N polynomials from those of the powers. The differences of the b_j at j = 0 are `a_k / C(n, k)`;
+/// additions as in Pascal's triangle restore the b_j.
+#[inline(always)]
+fn convert<const N: usize>(powers: &Row<[f64; N]>) -> Row<[f64; N]> {
+    let mut coefficients = *powers;
+    for (k, of_power) in coefficients.iter_mut().enumerate() {
+        for coefficient in of_power {
+            *coefficient *= RECIPROCALS[k];
+        }
+    }
+    // Written out, so that all sums stay in registers.
+    macro_rules! sweeps {
+        ($($from:literal)*) => {
+            $(for k in ($from..DEGREE + 1).rev() {
+                for i in 0..N {
+                    coefficients[k][i] += coefficients[k - 1][i];
+                }
+            })*
+        };
+    }
+    sweeps!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
+    coefficients
+}
+
+impl Pair {
+    /// The polynomials of this degree with these coefficients of the powers. Those beyond the degree are zero.
+    #[inline]
+    pub fn of(powers: Row<[f64; 2]>, degree: usize) -> Pair {
+        Pair { degree, powers, coefficients: convert(&powers) }
+    }
+
+    /// Values at both ends, and in between numbers whose least and greatest are bounds of the polynomials and of their linear
+    /// combinations.
+    #[inline]
+    pub fn coefficients(&self) -> &Row<[f64; 2]> {
+        &self.coefficients
+    }
+
+    /// The linear combination `a p + b q`.
+    #[inline]
+    pub fn combined(&self, [a, b]: [f64; 2]) -> Bernstein {
+        let (mut powers, mut coefficients) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
+        for k in 0..DEGREE + 1 {
+            powers[k] = a * self.powers[k][0] + b * self.powers[k][1];
+            coefficients[k] = a * self.coefficients[k][0] + b * self.coefficients[k][1];
+        }
+        Bernstein { degree: self.degree, powers, coefficients }
+    }
+
+    /// The place inside the interval of the greatest value of `a p + b q`, if that exceeds `most` and the values at both ends.
+    #[inline]
+    pub fn highest(&self, [a, b]: [f64; 2], most: f64) -> Option<f64> {
+        let exceeds = self.coefficients().iter().any(|[p, q]| a * p + b * q > most);
+        if exceeds { self.combined([a, b]).highest(most) } else { None }
+    }
 }
 
 impl Bernstein {
-    /// The polynomial with these coefficients of the powers, one to [`DEGREE`] + 1 of them.
-    pub fn of(from: &[f64]) -> Bernstein {
-        let degree = DEGREE.min(from.len() - 1);
-        let (mut powers, mut coefficients) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
-        for k in 0..degree + 1 {
-            powers[k] = from[k];
-            // Columns beyond the degree are not used; sums of the same length for all degrees stay in registers.
-            let (row, part) = (&BINOMIAL[k], from[k] / BINOMIAL[k][degree]);
-            for j in 0..DEGREE + 1 {
-                coefficients[j] += part * row[j];
-            }
+    /// The polynomial of this degree with these coefficients of the powers. Those beyond the degree are zero.
+    #[inline]
+    pub fn of(powers: Row, degree: usize) -> Bernstein {
+        let (mut rows, mut coefficients) = ([[0.0]; DEGREE + 1], [0.0; DEGREE + 1]);
+        for k in 0..DEGREE + 1 {
+            rows[k] = [powers[k]];
+        }
+        let rows = convert(&rows);
+        for k in 0..DEGREE + 1 {
+            coefficients[k] = rows[k][0];
         }
         Bernstein { degree, powers, coefficients }
     }
 
-    /// The linear combination `a p + b q` with a polynomial q of the same degree.
-    pub fn combined(&self, a: f64, other: &Bernstein, b: f64) -> Bernstein {
-        let mut sum = *self;
-        for k in 0..self.degree + 1 {
-            sum.powers[k] = a * self.powers[k] + b * other.powers[k];
-            sum.coefficients[k] = a * self.coefficients[k] + b * other.coefficients[k];
-        }
-        sum
-    }
-
-    fn all(&self) -> &[f64] {
-        &self.coefficients[..self.degree + 1]
-    }
-
     /// The value at a place.
+    #[inline]
     pub fn at(&self, place: f64) -> f64 {
         let mut sum = 0.0;
         for k in (0..self.degree + 1).rev() {
@@ -90,7 +141,19 @@ impl Bernstein {
         sum
     }
 
+    /// Value and slope at a place.
+    #[inline]
+    fn value_and_slope(&self, place: f64) -> [f64; 2] {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for k in (0..self.degree + 1).rev() {
+            slope = slope * place + value;
+            value = value * place + self.powers[k];
+        }
+        [value, slope]
+    }
+
     /// Slope and curvature at a place.
+    #[inline]
     fn slope(&self, place: f64) -> [f64; 2] {
         let (mut slope, mut curvature) = (0.0, 0.0);
         for k in (1..self.degree + 1).rev() {
@@ -102,62 +165,90 @@ impl Bernstein {
 
     /// The values at both ends.
     pub fn ends(&self) -> [f64; 2] {
-        [self.coefficients[0], self.coefficients[self.degree]]
+        [self.coefficients[0], self.coefficients[DEGREE]]
     }
 
-    /// Whether bounds show that it exceeds `floor` everywhere: those of the whole, or of its parts after at most `halvings`.
-    pub fn stays_above(&self, floor: f64, halvings: u32) -> bool {
-        if self.all().iter().all(|&b| b > floor) {
-            return true;
-        }
-        let ends_above = self.ends().iter().all(|&end| end > floor);
-        ends_above && halvings > 0 && self.halves().iter().all(|half| half.stays_above(floor, halvings - 1))
-    }
-
-    /// The same on both halves of the interval: other bounds of the same polynomial.
-    fn halves(&self) -> [Bernstein; 2] {
-        let (mut left, mut right) = (*self, *self);
-        for j in 1..self.degree + 1 {
-            for k in 0..self.degree + 1 - j {
-                right.coefficients[k] = 0.5 * (right.coefficients[k] + right.coefficients[k + 1]);
+    /// The coefficients on both halves of the interval: closer bounds of the same polynomial.
+    fn halves(coefficients: &Row) -> [Row; 2] {
+        let (mut left, mut right) = (*coefficients, *coefficients);
+        for (j, left) in left.iter_mut().enumerate().skip(1) {
+            for k in 0..DEGREE + 1 - j {
+                right[k] = 0.5 * (right[k] + right[k + 1]);
             }
-            left.coefficients[j] = right.coefficients[0];
+            *left = right[0];
         }
         [left, right]
     }
 
     /// The first zero of a polynomial that begins above zero; to 4 ulp.
     pub fn zero(&self) -> Zero {
-        self.first_zero(|place| self.at(place))
+        /// Halvings of the interval, as long as there may be several zeros.
+        const HALVINGS: u32 = 4;
+        if self.coefficients[0] > 0.0 {
+            self.zero_within([0.0, 1.0], &self.coefficients, HALVINGS)
+        } else {
+            Zero::Unclear
+        }
     }
 
     /// The first zero of a function with these `values`, which the polynomial approximates closely.
-    pub fn first_zero(&self, mut values: impl FnMut(f64) -> f64) -> Zero {
-        /// Halvings of the interval, as long as there may be several zeros.
-        const HALVINGS: u32 = 4;
-        if self.coefficients[0] > 0.0 { self.zero_within([0.0, 1.0], &mut values, HALVINGS) } else { Zero::Unclear }
+    pub fn zero_of(&self, mut values: impl FnMut(f64) -> f64) -> Zero {
+        /// The polynomial's zero is so close that two steps suffice.
+        const MOST: u32 = 4;
+        let Zero::At(mut place) = self.zero() else { return self.zero() };
+        let [_, slope] = self.value_and_slope(place);
+        for _ in 0..MOST {
+            let next = place - values(place) / slope;
+            if !(next > 0.0 && next <= 1.0) {
+                return Zero::Unclear;
+            }
+            let step = (next - place).abs();
+            place = next;
+            if step <= ROUNDING * place {
+                break;
+            }
+        }
+        Zero::At(place)
     }
 
-    /// The same of a part of the interval.
-    fn zero_within(&self, [low, high]: [f64; 2], values: &mut impl FnMut(f64) -> f64, halvings: u32) -> Zero {
-        match (sign_changes(self.all()), self.coefficients[self.degree] > 0.0) {
+    /// The first zero in a part of the interval.
+    fn zero_within(&self, [low, high]: [f64; 2], coefficients: &Row, halvings: u32) -> Zero {
+        match (sign_changes(coefficients), coefficients[DEGREE] > 0.0) {
             (0, true) => Zero::None,
-            (1, false) => match [values(low), values(high)] {
-                [at_low, at_high] if at_low > 0.0 && at_high < 0.0 => {
-                    Zero::At(sign_change(low, high, at_low, at_high, values))
-                }
-                _ => Zero::Unclear,
-            },
+            (1, false) => Zero::At(self.only_zero([low, high], [coefficients[0], coefficients[DEGREE]])),
             _ if halvings == 0 => Zero::Unclear,
             _ => {
                 let middle = 0.5 * (low + high);
-                let [left, right] = self.halves();
-                match left.zero_within([low, middle], values, halvings - 1) {
-                    Zero::None => right.zero_within([middle, high], values, halvings - 1),
+                let [left, right] = Bernstein::halves(coefficients);
+                match self.zero_within([low, middle], &left, halvings - 1) {
+                    Zero::None => self.zero_within([middle, high], &right, halvings - 1),
                     found => found,
                 }
             }
         }
+    }
+
+    /// The only zero between two places with these values, positive and negative, by Newton's method, or by bisection where that would
+    /// leave them.
+    fn only_zero(&self, [mut low, mut high]: [f64; 2], [first, last]: [f64; 2]) -> f64 {
+        const MOST: u32 = 100;
+        let mut place = low + (high - low) * (first / (first - last));
+        for _ in 0..MOST {
+            let [value, slope] = self.value_and_slope(place);
+            if value > 0.0 {
+                low = place;
+            } else {
+                high = place;
+            }
+            let next = place - value / slope;
+            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
+            let step = (next - place).abs();
+            place = next;
+            if step <= ROUNDING * place {
+                break;
+            }
+        }
+        place
     }
 
     /// The place inside the interval of the greatest value, if that exceeds `most` and the values at both ends.
@@ -167,15 +258,15 @@ impl Bernstein {
         if most > value {
             value = most;
         }
-        self.raise(&mut place, &mut value, [0.0, 1.0]);
+        self.raise(&mut place, &mut value, [0.0, 1.0], &self.coefficients);
         place
     }
 
     /// [`Bernstein::highest`] of a part of the interval, if that exceeds the value that has been found.
-    fn raise(&self, place: &mut Option<f64>, value: &mut f64, [low, high]: [f64; 2]) {
+    fn raise(&self, place: &mut Option<f64>, value: &mut f64, [low, high]: [f64; 2], coefficients: &Row) {
         /// Parts that are not divided further: extrema that close to each other are of round-off.
         const LEAST: f64 = 1.0 / 1024.0;
-        if self.all().iter().all(|b| b <= value) {
+        if coefficients.iter().all(|b| b <= value) {
             return;
         }
         let mut include = |at: f64, found: f64| {
@@ -183,31 +274,31 @@ impl Bernstein {
                 (*place, *value) = (Some(at), found);
             }
         };
-        let [first, last] = self.ends();
+        let [first, last] = [coefficients[0], coefficients[DEGREE]];
         include(low, first);
         include(high, last);
         let mut differences = [0.0; DEGREE];
-        for k in 1..self.degree + 1 {
-            differences[k - 1] = self.coefficients[k] - self.coefficients[k - 1];
+        for k in 0..DEGREE {
+            differences[k] = coefficients[k + 1] - coefficients[k];
         }
-        match sign_changes(&differences[..self.degree]) {
-            1 if self.coefficients[1] > first || self.coefficients[self.degree - 1] > last => {
+        match sign_changes(&differences) {
+            1 if coefficients[1] > first || coefficients[DEGREE - 1] > last => {
                 let at = self.top(low, high);
                 include(at, self.at(at));
             }
             0 | 1 => {}
             _ if high - low > LEAST => {
                 let middle = 0.5 * (low + high);
-                let [left, right] = self.halves();
-                left.raise(place, value, [low, middle]);
-                right.raise(place, value, [middle, high]);
+                let [left, right] = Bernstein::halves(coefficients);
+                self.raise(place, value, [low, middle], &left);
+                self.raise(place, value, [middle, high], &right);
             }
             _ => {}
         }
     }
 
     /// The only maximum between two places, by Newton's method, or by bisection where that would leave them.
-    pub fn top(&self, mut low: f64, mut high: f64) -> f64 {
+    fn top(&self, mut low: f64, mut high: f64) -> f64 {
         /// Of the place: the value at a maximum is as exact as its square.
         const WIDTH: f64 = 1e-9;
         let mut place = 0.5 * (low + high);
@@ -247,6 +338,13 @@ mod tests {
 
     const N: usize = 9;
 
+    /// The polynomial with these coefficients of the powers.
+    fn polynomial(from: &[f64]) -> Bernstein {
+        let mut powers = [0.0; DEGREE + 1];
+        powers[..from.len()].copy_from_slice(from);
+        Bernstein::of(powers, from.len() - 1)
+    }
+
     fn value(powers: &[f64], at: f64) -> f64 {
         powers.iter().rev().fold(0.0, |sum, power| sum * at + power)
     }
@@ -257,21 +355,26 @@ mod tests {
         /// Values, bounds, halves and the greatest value of random polynomials are those of the powers.
         #[test]
         fn the_form_is_that_of_the_powers(powers in prop::collection::vec(-1.0..1.0_f64, 2..N + 1)) {
-            let form = Bernstein::of(&powers);
-            let halves = form.halves();
+            let form = polynomial(&powers);
+            let halves = Bernstein::halves(&form.coefficients);
             let samples = (0..=2000).map(|i| f64::from(i) / 2000.0);
             let mut greatest = f64::NEG_INFINITY;
-            let (least, most) = (form.all().iter().copied().fold(f64::INFINITY, f64::min), form.all().iter().copied().fold(f64::NEG_INFINITY, f64::max));
-            prop_assert!(form.stays_above(least - 1e-9, 0) && !form.stays_above(least, 0));
+            let bounds = |row: &Row| {
+                let all = row.iter().copied();
+                (all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max))
+            };
+            let ((least, most), halves) = (bounds(&form.coefficients), halves.map(|half| bounds(&half)));
             for at in samples {
                 let exact = value(&powers, at);
                 prop_assert!((form.at(at) - exact).abs() < 1e-13);
                 let terms = || powers.iter().enumerate().map(|(k, power)| (k as i32, power));
                 let slope: f64 = terms().map(|(k, power)| f64::from(k) * power * at.powi(k - 1)).skip(1).sum();
                 prop_assert!((form.slope(at)[0] - slope).abs() < 1e-12);
+                prop_assert_eq!(form.value_and_slope(at)[0], form.at(at));
+                prop_assert!((form.value_and_slope(at)[1] - slope).abs() < 1e-12);
                 prop_assert!(least - 1e-13 <= exact && exact <= most + 1e-13, "{} beyond {} to {}", exact, least, most);
                 let half = if at < 0.5 { halves[0] } else { halves[1] };
-                prop_assert!(!half.stays_above(exact + 1e-13, 0), "{} below the bounds of its half", exact);
+                prop_assert!(half.0 - 1e-13 <= exact && exact <= half.1 + 1e-13, "{} beyond {:?}", exact, half);
                 greatest = f64::max(greatest, exact);
             }
             let ends = value(&powers, 0.0).max(value(&powers, 1.0));
@@ -284,12 +387,12 @@ mod tests {
         #[test]
         fn separate_zeros_and_maxima_are_found(first in 0.01..0.9_f64, apart in 0.07..2.0_f64, c in 0.15..0.85_f64) {
             let zeros = [first, first + apart];
-            let form = Bernstein::of(&[zeros[0] * zeros[1], -zeros[0] - zeros[1], 1.0]);
+            let form = polynomial(&[zeros[0] * zeros[1], -zeros[0] - zeros[1], 1.0]);
             let Zero::At(found) = form.zero() else { return Err(TestCaseError::fail(format!("{:?}", form.zero()))) };
             prop_assert!((found - first).abs() < 1e-14, "{} instead of {}", found, first);
             // 1 − q² has maxima at the zeros c ± 0.1 of q = τ² + q₁ τ + q₀.
             let (q0, q1) = (c * c - 0.01, -2.0 * c);
-            let form = Bernstein::of(&[1.0 - q0 * q0, -2.0 * q0 * q1, -2.0 * q0 - q1 * q1, -2.0 * q1, -1.0]);
+            let form = polynomial(&[1.0 - q0 * q0, -2.0 * q0 * q1, -2.0 * q0 - q1 * q1, -2.0 * q1, -1.0]);
             let place = form.highest(0.0).unwrap_or_default();
             prop_assert!(((place - c).abs() - 0.1).abs() < 1e-6, "{} instead of {} ± 0.1", place, c);
         }
@@ -305,30 +408,59 @@ mod tests {
                 }
             }
             let inside = zeros.iter().filter(|zero| (0.0..1.0).contains(*zero)).count();
-            let form = Bernstein::of(&powers);
-            let changes = sign_changes(form.all()) as usize;
+            let form = polynomial(&powers);
+            let changes = sign_changes(&form.coefficients) as usize;
             prop_assert!(changes >= inside && (changes - inside).is_multiple_of(2), "{} of {}", changes, inside);
-            prop_assert!(!form.stays_above(0.0, 4) || inside == 0);
             // The least zero inside is found, or unclear if others are near.
             let first = zeros.iter().copied().filter(|zero| (0.0..1.0).contains(zero)).fold(f64::INFINITY, f64::min);
             let sign = if powers[0] < 0.0 { -1.0 } else { 1.0 };
-            match form.combined(sign, &form, 0.0).zero() {
+            match polynomial(&powers.iter().map(|power| sign * power).collect::<Vec<_>>()).zero() {
                 Zero::None => prop_assert_eq!(inside, 0),
                 Zero::At(place) => prop_assert!((place - first).abs() < 1e-6, "{} instead of {}", place, first),
                 Zero::Unclear => prop_assert!(zeros.len() > 1),
             }
         }
     }
-    /// Halvings bring the lowest coefficient of `(τ − 1/3)² + d`, `(l − 1/3)(h − 1/3) + d` on the part from l to h around 1/3, up
-    /// from d − 2/9 to d − 1/18, d − 1/72 and d − 1/288.
+
+    /// Halvings bring the lowest coefficient of `(τ − 1/3)²` up to a quarter, about; that of degree n is some `(h − l)²/4n` below zero on
+    /// the part from l to h around 1/3.
     #[test]
     fn halves_have_closer_bounds() {
         let third = 1.0 / 3.0;
-        for (d, enough) in [(0.23, 0), (0.1, 1), (0.05, 2), (0.01, 3)] {
-            let form = Bernstein::of(&[third * third + d, -2.0 * third, 1.0]);
-            for halvings in 0..4 {
-                assert_eq!(form.stays_above(0.0, halvings), halvings >= enough, "d = {d} after {halvings} halvings");
-            }
+        let form = polynomial(&[third * third, -2.0 * third, 1.0]);
+        let (mut row, mut low, mut high) = (form.coefficients, 0.0, 1.0);
+        for part in [1.0_f64, 0.5, 0.25, 0.125] {
+            let found = row.iter().copied().fold(f64::INFINITY, f64::min);
+            let lowest = -part * part / (4.0 * DEGREE as f64);
+            assert!(found < 0.0 && found > 1.1 * lowest, "{found} from {low} to {high}");
+            let middle = 0.5 * (low + high);
+            let [left, right] = Bernstein::halves(&row);
+            (row, low, high) = if third < middle { (left, low, middle) } else { (right, middle, high) };
         }
+    }
+
+    /// Pairs have the coefficients of each polynomial, and the greatest value of a combination is that of its powers.
+    #[test]
+    fn pairs_combine() {
+        let (p, q) = ([0.3, -1.0, 2.0, -0.5], [0.1, 4.0, -7.0, 3.0]);
+        let pair = Pair::of(std::array::from_fn(|k| [p, q].map(|powers| powers.get(k).copied().unwrap_or(0.0))), 3);
+        let each = [polynomial(&p), polynomial(&q)];
+        for (j, both) in pair.coefficients().iter().enumerate() {
+            assert_eq!(*both, each.map(|form| form.coefficients[j]));
+        }
+        let sum = polynomial(&std::array::from_fn::<_, 4, _>(|k| -2.0 * p[k] + q[k]));
+        let found = pair.highest([-2.0, 1.0], 0.0).unwrap();
+        assert!((found - sum.highest(0.0).unwrap()).abs() < 1e-9);
+        assert_eq!(pair.highest([-2.0, 1.0], 1.0), None);
+    }
+
+    /// A zero of a function near the polynomial, which has another slope there.
+    #[test]
+    fn the_zero_of_a_close_function_is_found() {
+        let form = polynomial(&[1.0, -1.5, -0.25]);
+        let function = |x: f64| 1.0 - 1.5 * x - 0.25 * x * x + 1e-8 * libm::sin(40.0 * x);
+        let Zero::At(found) = form.zero_of(function) else { panic!("no zero") };
+        assert!(function(found).abs() < 4e-16, "{:e}", function(found));
+        assert_eq!(form.zero_of(|_| 1.0), Zero::Unclear);
     }
 }

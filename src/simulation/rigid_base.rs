@@ -1,13 +1,11 @@
 //! A block on the rigid base → its rest, or swings about a corner, each to the next landing or to the end of the piece.
 
-use std::slice;
-
 use crate::block::{Block, Corner, Regime};
 use crate::excitation::{Forcing, ForcingSeries};
-use crate::numerics::bernstein::{Bernstein, Zero};
+use crate::numerics::bernstein::{DEGREE, Pair, Zero};
 use crate::numerics::control::LONGEST;
 use crate::simulation::inside::{Between, Inside};
-use crate::simulation::outputs::{Strain, strain};
+use crate::simulation::outputs::{MOST_FRICTION_DEMAND, Strain, strain};
 use crate::simulation::peaks::{Peaks, greater};
 use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::step_end::{Finished, StepEnd};
@@ -20,8 +18,8 @@ use crate::system::instant::{Footing, Instant, Powers, State};
 use crate::system::law::Law;
 use crate::system::swing::{Bounds, ORDER, Swing};
 
-/// The least reaction, as a part of the weight, above which the corner does not lift.
-pub(super) const PRESSED: f64 = 0.01;
+/// The least reaction, as a part of the weight, above which a corner is pressed on in spite of the series' error.
+pub(super) const PRESSED: f64 = 1e-6;
 
 /// The greatest rotation (rad) that is below a quarter turn.
 pub(super) const UPRIGHT: f64 = 1.5;
@@ -52,7 +50,7 @@ impl Way {
     }
 }
 
-/// Whether the corner is pressed on all the time, and no force exceeds its peak.
+/// Whether bounds show that the corner is pressed on all the time, and that no force exceeds its peak.
 #[inline]
 fn is_below_peaks(bounds: &Bounds, block: &Block, peaks: &Peaks) -> bool {
     let [least, most] = bounds.reaction;
@@ -101,17 +99,40 @@ impl Standing {
         Standing(forces)
     }
 
-    /// Up to a part of the step.
-    fn up_to(&self, part: f64) -> [Bernstein; 3] {
-        self.0.map(|mut powers| {
-            let mut power = 1.0;
-            for term in &mut powers {
-                *term *= power;
-                power *= part;
-            }
-            Bernstein::of(&powers)
-        })
+    /// N_L/M and N_R/M up to a part of the step.
+    fn reactions(&self, part: f64) -> Pair {
+        let [left, right, _] = &self.0;
+        pair(part, |k| [left[k], right[k]])
     }
+
+    /// Their sum and H/M up to a part of the step.
+    fn resultant(&self, part: f64) -> Pair {
+        let [left, right, shear] = &self.0;
+        pair(part, |k| [left[k] + right[k], shear[k]])
+    }
+}
+
+/// Two polynomials from their coefficients of each power, in powers of the elapsed part of a `part`.
+#[inline(always)]
+fn pair(part: f64, of_power: impl Fn(usize) -> [f64; 2]) -> Pair {
+    let (mut powers, mut power) = ([[0.0; 2]; ORDER + 1], 1.0);
+    for (k, both) in powers.iter_mut().enumerate() {
+        let [p, q] = of_power(k);
+        *both = [p * power, q * power];
+        power *= part;
+    }
+    Pair::of(powers, ORDER)
+}
+
+/// The linear combination of two polynomials that is one of them.
+fn unit(i: usize) -> [f64; 2] {
+    if i == 0 { [1.0, 0.0] } else { [0.0, 1.0] }
+}
+
+/// The block after a part of a swing that begins at `time` (s), by the equations of motion.
+fn along<'a>(motion: &Motion<'a, impl Law>, swing: &Swing, time: f64, part: f64) -> Evaluation<'a> {
+    let [theta, theta_dot] = swing.at(part);
+    motion.at(time + part * swing.size, State::from([theta, theta_dot, 0.0, 0.0]))
 }
 
 /// The longest swing (s) under a pulse of this circular frequency (rad/s).
@@ -176,10 +197,15 @@ impl Simulation {
             let remaining = stop - time;
             let size = remaining / (remaining / longest).ceil().max(1.0);
             let forces = Standing::of(block, here.footing, &excitation.series(time), size);
-            let [left, right, _] = forces.up_to(1.0);
+            let reactions = forces.reactions(1.0);
             let zeros = Corner::each(|corner| {
-                let form = if corner == Corner::Left { &left } else { &right };
-                form.first_zero(|part| motion.at(time + part * size, upright).instant.reaction[corner.index()])
+                let i = corner.index();
+                let reaction = |part: f64| motion.at(time + part * size, upright).instant.reaction[i];
+                if reactions.coefficients().iter().all(|both| both[i] > 0.0) {
+                    Zero::None
+                } else {
+                    reactions.combined(unit(i)).zero_of(reaction)
+                }
             });
             let (part, lifts) = match zeros {
                 [Zero::None, Zero::None] => (1.0, None),
@@ -195,9 +221,9 @@ impl Simulation {
                 return Ok(time > begin);
             }
             self.stay(&here, &there);
-            let [left, right, shear] = forces.up_to(part);
-            let total = left.combined(1.0, &right, 1.0);
-            self.search_peaks(&[left, right], &total, &shear, |this, place| {
+            let reactions = if part == 1.0 { reactions } else { forces.reactions(part) };
+            let each = [0, 1].map(|i| (&reactions, unit(i)));
+            self.search_peaks(&each, &forces.resultant(part), |this, place| {
                 this.include_forces(&motion.at(time + place * part * size, upright));
             });
             if let Some(corner) = lifts {
@@ -222,38 +248,69 @@ impl Simulation {
         *demand = greater(*demand, friction_demand);
     }
 
-    /// Includes N, H and the friction demand of a part of a swing in the peaks; returns false if the corner may lift.
+    /// Includes N, H and the friction demand on the way of a swing in the peaks. Returns the way, as far as the corner is pressed on, or
+    /// none where that is unclear.
+    ///
+    /// The forces at the end are left to the next swing, which begins with them, unless another motion or the caller comes first.
     #[inline(never)]
-    fn take_in_forces(&mut self, law: impl Law, piece: &SmoothPiece, swing: &Swing, part: f64, end: f64) -> bool {
-        /// Halvings of the part where bounds of the reaction are not close enough.
-        const HALVINGS: u32 = 3;
+    fn take_in_forces(
+        &mut self,
+        law: impl Law,
+        piece: &SmoothPiece,
+        swing: &Swing,
+        mut way: Way,
+        ends_piece: bool,
+    ) -> Option<Way> {
         let &SmoothPiece { block, excitation, .. } = piece;
-        let [n, h] = swing.forces(part, block.gravity);
-        if !n.stays_above(PRESSED * block.gravity, HALVINGS) {
-            return false;
-        }
+        let (time, pressed) = (self.pose.time, PRESSED * block.gravity);
         let motion = Motion::<_, 4>::under(law, block, &self.pose, excitation);
-        let ([first, last], [shear, last_shear]) = (n.ends(), h.ends());
-        self.include_reaction(first, shear);
+        let mut lifts = false;
+        let forces = loop {
+            let forces = swing.forces(way.part, block.gravity);
+            if lifts || forces.coefficients().iter().all(|&[n, _]| n > pressed) {
+                break forces;
+            }
+            let pivot = law.pivot().filter(|_| forces.coefficients()[0][0] > pressed)?;
+            let reaction = |place: f64| {
+                let now = along(&motion, swing, time, place * way.part);
+                now.instant.reaction[pivot.index()]
+            };
+            match forces.combined(unit(0)).zero_of(reaction) {
+                Zero::None => break forces,
+                Zero::At(place) => {
+                    lifts = true;
+                    way = Way { part: place * way.part, surface: Some(Surface::Reaction(pivot)) };
+                }
+                Zero::Unclear => return None,
+            }
+        };
+        let Way { part, surface } = way;
+        let coefficients = forces.coefficients();
+        let ([n, h], [last, last_shear]) = (coefficients[0], coefficients[DEGREE]);
+        self.include_reaction(n, h);
         let Peaks { reaction, horizontal, friction_demand, .. } = self.peaks;
-        let last_shear = last_shear.abs();
-        if last * block.mass > reaction || last_shear * block.mass > horizontal || last_shear > friction_demand * last {
-            self.include_instant(&motion, swing, part, end);
+        let (most, steepest) = (reaction / block.mass, horizontal / block.mass);
+        let is_below = |&[n, h]: &[f64; 2]| n <= most && h.abs() <= steepest.min(friction_demand * n);
+        if coefficients.iter().all(is_below) {
+            return Some(way);
         }
-        let here = self.pose.time;
-        self.search_peaks(slice::from_ref(&n), &n, &h, |this, place| {
-            this.include_instant(&motion, swing, place * part, here + place * part * swing.size);
+        if (surface.is_some() || ends_piece) && !is_below(&[last, last_shear]) {
+            self.counts.evaluations += 1;
+            self.include_forces(&along(&motion, swing, time, part));
+        }
+        self.search_peaks(&[(&forces, unit(0))], &forces, |this, place| {
+            this.counts.evaluations += 1;
+            this.include_forces(&along(&motion, swing, time, place * part));
         });
-        true
+        Some(way)
     }
 
-    /// Finds the places at which N/M, H/M or the friction demand exceeds its peak and its values at both ends, and passes them to `include`,
-    /// which raises the peaks. `total` is the sum of the reactions.
+    /// Finds the places at which one of the `reactions`/M, H/M or the friction demand exceeds its peak and its values at both ends, and
+    /// passes them to `include`, which raises the peaks. `resultant` is the sum of the reactions, and H/M.
     fn search_peaks(
         &mut self,
-        reactions: &[Bernstein],
-        total: &Bernstein,
-        shear: &Bernstein,
+        reactions: &[(&Pair, [f64; 2])],
+        resultant: &Pair,
         include: impl Fn(&mut Simulation, f64),
     ) {
         /// Of the tolerance: as much may a force exceed its peak unseen.
@@ -262,29 +319,25 @@ impl Simulation {
         const MOST: u32 = 8;
         let visible = 1.0 + SHARE * self.settings.tolerance;
         let per_mass = visible / self.system.block.mass;
-        for reaction in reactions {
-            if let Some(place) = reaction.highest(per_mass * self.peaks.reaction) {
+        for (pair, reaction) in reactions {
+            if let Some(place) = pair.highest(*reaction, per_mass * self.peaks.reaction) {
                 include(self, place);
             }
         }
+        // The end may not have been included.
+        let [n, h] = resultant.coefficients()[DEGREE];
+        let at_end = if h.abs() < MOST_FRICTION_DEMAND * n { h.abs() / n } else { MOST_FRICTION_DEMAND };
         for side in [1.0, -1.0] {
-            if let Some(place) = shear.combined(side, total, 0.0).highest(per_mass * self.peaks.horizontal) {
+            if let Some(place) = resultant.highest([0.0, side], per_mass * self.peaks.horizontal) {
                 include(self, place);
             }
             // The greatest quotient: W. Dinkelbach, "On nonlinear fractional programming", Management Science 13 (1967) 492-498.
             for _ in 0..MOST {
-                let excess = shear.combined(side, total, -visible * self.peaks.friction_demand);
-                let Some(place) = excess.highest(0.0) else { break };
+                let demand = visible * greater(self.peaks.friction_demand, at_end);
+                let Some(place) = resultant.highest([-demand, side], 0.0) else { break };
                 include(self, place);
             }
         }
-    }
-
-    /// Includes the forces after a part of a swing in the peaks, by the equations of motion.
-    fn include_instant(&mut self, motion: &Motion<impl Law>, swing: &Swing, part: f64, time: f64) {
-        let [theta, theta_dot] = swing.at(part);
-        self.counts.evaluations += 1;
-        self.include_forces(&motion.at(time, State::from([theta, theta_dot, 0.0, 0.0])));
     }
 
     /// Includes N/M and H/M (m/s²) in the peaks.
@@ -336,18 +389,20 @@ impl Simulation {
             self.counts.evaluations += 1;
             self.counts.steps += 1;
             let bounds = swing.bounds(block, pivot);
-            let way = Way::of(&swing, &bounds, pivot);
+            let (lasts, last_end) = (swing.size == remaining, time + swing.size);
+            let mut way =
+                Way::of(&swing, &bounds, pivot).filter(|way| way.surface.is_some() || lasts || last_end > time);
+            if !is_below_peaks(&bounds, block, &self.peaks) {
+                way = way.and_then(|way| self.take_in_forces(law, piece, &swing, way, lasts));
+            }
             let Way { part, surface } = way.unwrap_or(Way { part: 1.0, surface: None });
-            let end = if swing.size == remaining && surface.is_none() { stop } else { time + part * swing.size };
+            let end = if lasts && surface.is_none() { stop } else { time + part * swing.size };
             let [theta, theta_dot] = swing.at(part);
             let state = State::from([theta, theta_dot, 0.0, 0.0]);
-            let is_known = way.is_some() && (surface.is_some() || end > time);
-            if is_known
-                && (is_below_peaks(&bounds, block, &self.peaks) || self.take_in_forces(law, piece, &swing, part, end))
-            {
+            if way.is_some() {
                 if !bounds.is_monotone
                     && bounds.theta > self.peaks.theta
-                    && let Some(highest) = swing.highest(pivot, part, self.peaks.theta)
+                    && let Some(highest) = swing.highest(pivot, &bounds, part, self.peaks.theta)
                 {
                     self.raise_rotation(swing.at(highest)[0].abs());
                 }

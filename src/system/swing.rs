@@ -30,7 +30,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Corner, Foot, Lever};
 use crate::excitation::{Excitation, ForcingSeries};
-use crate::numerics::bernstein::{Bernstein, Zero};
+use crate::numerics::bernstein::{Bernstein, DEGREE, Pair, Zero};
 use crate::numerics::scalar::Real;
 
 /// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
@@ -59,6 +59,8 @@ pub struct Bounds {
     pub is_certain: bool,
     /// The rotation away from the base at the end (rad), negative beyond the base.
     pub last: f64,
+    /// Whether θ̈ points to the base all the time.
+    pub turns_back: bool,
     /// Whether |θ| only rises or only falls.
     pub is_monotone: bool,
     /// The greatest |θ| (rad).
@@ -115,22 +117,14 @@ impl<T: Real> Swing<T> {
         if k < 2 {
             turning = turning + forcing.moment[k];
         }
-        for j in 1..forcing.terms.min(k + 1) {
-            turning = turning - q[k - j] * forcing.x[j];
+        if forcing.terms > 2 {
+            for j in 1..k + 1 {
+                turning = turning - q[k - j] * forcing.x[j];
+            }
+        } else if k > 0 {
+            turning = turning - q[k - 1] * forcing.x[1];
         }
         turning
-    }
-
-    /// The coefficients n of X and Q, from those of θ̇ up to n and their own up to n − 1.
-    #[inline(always)]
-    fn lever_terms(&self, n: usize, slope: &Series<T>) -> [T; 2] {
-        let (mut across, mut up) = (T::from(0.0), T::from(0.0));
-        let (slopes, xs, qs) = (&slope[1..n + 1], &self.x[..n], &self.q[..n]);
-        for j in 0..n {
-            across = across + slopes[j] * qs[n - 1 - j];
-            up = up - slopes[j] * xs[n - 1 - j];
-        }
-        [across * RECIPROCAL[n], up * RECIPROCAL[n]]
     }
 
     /// Makes `factor` times the duration the unit of the powers.
@@ -145,18 +139,6 @@ impl<T: Real> Swing<T> {
             power = power * factor;
         }
         self.forcing.scale(factor);
-    }
-
-    /// The coefficient n of the work of the excitation per unit mass, from the rates of X times their powers.
-    #[inline(always)]
-    fn work_term(&self, n: usize, velocity: &Series<T>) -> T {
-        let Swing { theta, q, forcing, .. } = self;
-        let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
-        power = power + (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
-        for j in 0..forcing.terms.min(n) {
-            power = power - velocity[n - j] * forcing.x[j];
-        }
-        power * RECIPROCAL[n]
     }
 
     /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
@@ -219,12 +201,21 @@ impl Swing {
         let mut slope = [0.0; ORDER + 1];
         slope[1] = self.theta[1];
         (self.x[1], self.q[1]) = (slope[1] * self.q[0], -slope[1] * self.x[0]);
+        // Pairs, which the compiler adds up as vectors.
+        let mut levers = [[0.0; 2]; ORDER + 1];
+        (levers[0], levers[1]) = ([self.q[0], -self.x[0]], [self.q[1], -self.x[1]]);
         let mut rest = f64::INFINITY;
         for k in 0..ORDER - 1 {
             let n = k + 2;
             self.theta[n] = self.turning(k, weight) * scale * (RECIPROCAL[n - 1] * RECIPROCAL[n]);
             slope[n] = self.theta[n] * NUMBER[n];
-            [self.x[n], self.q[n]] = self.lever_terms(n, &slope);
+            let mut sums = [0.0; 2];
+            for j in 0..n {
+                let (rate, lever) = (slope[j + 1], levers[n - 1 - j]);
+                sums = [sums[0] + rate * lever[0], sums[1] + rate * lever[1]];
+            }
+            (self.x[n], self.q[n]) = (sums[0] * RECIPROCAL[n], sums[1] * RECIPROCAL[n]);
+            levers[n] = [self.q[n], -self.x[n]];
             self.order = n;
             if n >= LEAST {
                 rest = slope[n].abs() + slope[n - 1].abs();
@@ -237,18 +228,19 @@ impl Swing {
     }
 
     /// N/M and H/M (m/s²) up to a part of the swing, by the series: at its end less accurate than by the equations of motion.
-    pub fn forces(&self, part: f64, gravity: f64) -> [Bernstein; 2] {
+    #[inline(always)]
+    pub fn forces(&self, part: f64, gravity: f64) -> Pair {
         let Swing { size, order, ref x, ref q, ref forcing, .. } = *self;
-        let (mut n, mut h) = ([0.0; ORDER], [0.0; ORDER]);
+        let mut forces = [[0.0; 2]; DEGREE + 1];
         let (per_second, mut power) = (1.0 / (size * size), 1.0);
         for k in 0..order - 1 {
             let squares = per_second * (NUMBER[k + 1] * NUMBER[k + 2]);
             let z = if k < 2 { forcing.z[k] } else { 0.0 };
-            (n[k], h[k]) = ((q[k + 2] * squares + z) * power, (x[k + 2] * squares + forcing.x[k]) * power);
+            forces[k] = [(q[k + 2] * squares + z) * power, (x[k + 2] * squares + forcing.x[k]) * power];
             power *= part;
         }
-        n[0] += gravity;
-        [Bernstein::of(&n[..order - 1]), Bernstein::of(&h[..order - 1])]
+        forces[0][0] += gravity;
+        Pair::of(forces, order - 2)
     }
 
     /// The part of the swing after which a block that leaves the base, or stands off it, comes down.
@@ -264,7 +256,9 @@ impl Swing {
             [0.0, ..] => 1,
             _ => 0,
         };
-        match Bernstein::of(&theta[zeros..self.order + 1]).zero() {
+        let mut rest = [0.0; DEGREE + 1];
+        rest[..ORDER + 1 - zeros].copy_from_slice(&theta[zeros..]);
+        match Bernstein::of(rest, self.order - zeros).zero() {
             Zero::At(part) if zeros > 1 && part < LEAST => Zero::Unclear,
             zero => zero,
         }
@@ -274,13 +268,50 @@ impl Swing {
     pub fn quarter_turn(&self, corner: Corner) -> Zero {
         let mut rest = self.away_from(corner.other(), 1.0);
         rest[0] += FRAC_PI_2;
-        Bernstein::of(&rest[..self.order + 1]).zero()
+        Bernstein::of(rest, self.order).zero()
     }
 
     /// The part of the swing at which the rotation away from a corner is greatest, up to `part`, if it exceeds `most` (rad) and that at
     /// both ends.
-    pub fn highest(&self, corner: Corner, part: f64, most: f64) -> Option<f64> {
-        Bernstein::of(&self.away_from(corner, part)[..self.order + 1]).highest(most).map(|place| place * part)
+    pub fn highest(&self, corner: Corner, bounds: &Bounds, part: f64, most: f64) -> Option<f64> {
+        if bounds.turns_back {
+            return self.top(-corner.sign(), part, most);
+        }
+        Bernstein::of(self.away_from(corner, part), self.order).highest(most).map(|place| place * part)
+    }
+
+    /// The same where θ̈ points to the base all the time: Newton's method for the zero of θ̇, until a tangent shows that the rotation does
+    /// not exceed `most`.
+    fn top(&self, away: f64, part: f64, most: f64) -> Option<f64> {
+        /// Of the swing: the rotation at its maximum is as exact as the square.
+        const WIDTH: f64 = 1e-9;
+        const MOST: u32 = 50;
+        let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(part));
+        if first * away <= 0.0 || last * away >= 0.0 {
+            return None;
+        }
+        let (mut low, mut high, mut place) = (0.0, part, part * (first / (first - last)));
+        for _ in 0..MOST {
+            let (mut theta, mut slope, mut half_curvature) = (0.0, 0.0, 0.0);
+            for k in (0..self.order + 1).rev() {
+                half_curvature = half_curvature * place + slope;
+                slope = slope * place + theta;
+                theta = theta * place + self.theta[k];
+            }
+            let rises = slope * away > 0.0;
+            let end = if rises { high } else { low };
+            if theta * away + slope * away * (end - place) <= most {
+                return None;
+            }
+            (low, high) = if rises { (place, high) } else { (low, place) };
+            let next = place - slope / (2.0 * half_curvature);
+            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
+            if (next - place).abs() <= WIDTH {
+                return Some(next);
+            }
+            place = next;
+        }
+        Some(place)
     }
 
     /// The series of the rotation away from a corner, in powers of the elapsed part of a `part` of the swing.
@@ -296,12 +327,28 @@ impl Swing {
     /// Work of the excitation per unit mass (m²/s²) over a part of the swing: `−a_x u̇ − a_z v̇ + m θ̇`, integrated.
     #[inline]
     pub fn work(&self, part: f64) -> f64 {
-        let (mut work, mut velocity) = (0.0, [0.0; ORDER + 1]);
-        for n in 1..self.order + 1 {
-            velocity[n] = self.x[n] * NUMBER[n];
+        const SERIES: usize = ORDER + 1;
+        let Swing { order, ref theta, ref x, ref q, ref forcing, .. } = *self;
+        if forcing.is_zero() {
+            return 0.0;
         }
-        for n in (1..self.order + 1).rev() {
-            work = work * part + self.work_term(n, &velocity);
+        // The velocity of the centre of mass, after zeros: each term of the forcing multiplies as many numbers.
+        let (mut power, mut velocity) = ([0.0; SERIES], [0.0; 2 * SERIES]);
+        for n in 1..order + 1 {
+            velocity[SERIES + n] = x[n] * NUMBER[n];
+            power[n] = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
+            power[n] += (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
+        }
+        for j in 0..forcing.terms.min(order) {
+            let term = forcing.x[j];
+            let velocity = &velocity[SERIES - j..][..SERIES];
+            for n in 0..SERIES {
+                power[n] -= velocity[n] * term;
+            }
+        }
+        let mut work = 0.0;
+        for n in (1..order + 1).rev() {
+            work = work * part + power[n] * RECIPROCAL[n];
         }
         work * part
     }
@@ -338,6 +385,7 @@ impl Swing {
         Bounds {
             is_certain: first > spread || (turns_back && leaves),
             last,
+            turns_back,
             is_monotone: theta[1].abs() > steepest,
             theta: first.abs() + spread,
             reaction: [first_reaction - reaction, first_reaction + reaction],

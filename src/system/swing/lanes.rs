@@ -47,6 +47,32 @@ pub struct LaneBounds<V: Simd> {
     pub horizontal: Wide<V>,
 }
 
+impl<V: Simd> Swing<Wide<V>> {
+    /// The coefficients n of X and Q, from those of θ̇ up to n and their own up to n − 1.
+    #[inline(always)]
+    fn lever_terms(&self, n: usize, slope: &Series<Wide<V>>) -> [Wide<V>; 2] {
+        let (mut across, mut up) = (Wide::default(), Wide::default());
+        let (slopes, xs, qs) = (&slope[1..n + 1], &self.x[..n], &self.q[..n]);
+        for j in 0..n {
+            across = across + slopes[j] * qs[n - 1 - j];
+            up = up - slopes[j] * xs[n - 1 - j];
+        }
+        [across * RECIPROCAL[n], up * RECIPROCAL[n]]
+    }
+
+    /// The coefficient n of the work of the excitation per unit mass, from the rates of X times their powers.
+    #[inline(always)]
+    fn work_term(&self, n: usize, velocity: &Series<Wide<V>>) -> Wide<V> {
+        let Swing { theta, q, forcing, .. } = self;
+        let mut power = (theta[n] * forcing.moment[0] - q[n] * forcing.z[0]) * NUMBER[n];
+        power = power + (theta[n - 1] * forcing.moment[1] - q[n - 1] * forcing.z[1]) * NUMBER[n - 1];
+        for j in 0..forcing.terms.min(n) {
+            power = power - velocity[n - j] * forcing.x[j];
+        }
+        power * RECIPROCAL[n]
+    }
+}
+
 impl<V: Simd> Swings<V> {
     /// The swings from `[t, θ, θ̇]` on, see [`Swing::of`].
     #[inline(always)]
@@ -172,7 +198,7 @@ impl<V: Simd> Swings<V> {
         part
     }
 
-    /// See [`Swing::work`].
+    /// See [`Swing::work`], which has the same sums.
     #[inline(always)]
     pub fn work(&self, part: Wide<V>) -> Wide<V> {
         let Swing { order, ref x, .. } = self.series;

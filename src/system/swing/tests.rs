@@ -77,13 +77,13 @@ proptest! {
         const STEPS: u32 = 40;
         let Case { ref block, corner, .. } = case;
         let (swing, motion) = (case.swing(1e-13), case.motion());
-        let (bounds, forces) = (swing.bounds(block, corner), swing.forces(1.0, block.gravity));
+        let (bounds, forces) = (swing.bounds(block, corner), [[1.0, 0.0], [0.0, 1.0]].map(|one| swing.forces(1.0, block.gravity).combined(one)));
         let (rate, height) = (block.alpha * block.p, block.gravity * block.r0 * block.alpha);
         let (size, mut work) = (swing.size / f64::from(STEPS), 0.0);
         let mut now = motion.at(0.5, State::from([case.start[0], case.start[1], 0.0, 0.0]));
         for step in 0..=STEPS {
             let part = f64::from(step) / f64::from(STEPS);
-            let ([theta, theta_dot], [n, h]) = (swing.at(part), forces.map(|force| force.at(part)));
+            let ([theta, theta_dot], [n, h]) = (swing.at(part), forces.each_ref().map(|force| force.at(part)));
             let off = [(theta - now.state[0]) / block.alpha, (theta_dot - now.state[1]) / rate, (swing.work(part) - work) / height];
             prop_assert!(off.iter().all(|off| off.abs() < 1e-11), "{}: {:?}", part, off);
             let (found, i) = (now.rates(), corner.index());
@@ -141,7 +141,8 @@ proptest! {
         let (swing, away) = (case.swing(1e-10), -case.corner.sign());
         let at = |part: f64| away * swing.at(part)[0];
         let ends = at(0.0).max(at(part));
-        let highest = swing.highest(case.corner, part, ends).map_or(ends, at);
+        let bounds = swing.bounds(&case.block, case.corner);
+        let highest = swing.highest(case.corner, &bounds, part, ends).map_or(ends, at);
         for i in 0..=100 {
             prop_assert!(at(part * f64::from(i) / 100.0) <= highest * (1.0 + 1e-14), "{} of {}", i, highest);
         }
