@@ -4,6 +4,8 @@
 //! indicator falls through zero. In flight and while the foot slides, the horizontal motion is integrated as well, so that inputs
 //! may be any functions of time.
 
+mod foresight;
+
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -16,8 +18,7 @@ use crate::numerics::roots::Sample;
 use crate::simulation::energies::{WORKS, powers};
 use crate::simulation::inside::{Between, Inside};
 use crate::simulation::outputs::{Observation, observe};
-use crate::simulation::peaks::Peaks;
-use crate::simulation::{Energies, Pending, Simulation, SimulationError};
+use crate::simulation::{Energies, Simulation, SimulationError};
 use crate::system::dynamics::{foot_height, instant, instant_held};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, ROUNDING, Surface, watched, watched_beyond};
@@ -25,6 +26,7 @@ use crate::system::forces::energy;
 use crate::system::instant::Pose;
 use crate::system::instant::{Footing, Held, Powers, State};
 use crate::system::law::{AnyLaw, Law};
+use foresight::Foreseen;
 
 pub use crate::system::events::INDICATORS;
 
@@ -47,29 +49,6 @@ const NO_RATE: f64 = 1e3;
 
 /// The indicator in place of a function that is not watched at present.
 const IDLE: f64 = 1.0;
-
-/// Longest time after an event for which the next one is foreseen, as a multiple of 1/p.
-///
-/// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative
-/// tolerance of 1e-6 has a hundred times that to resolve where the block takes longer.
-const FORESIGHT: f64 = 0.05;
-
-/// The tolerance of steps to a foreseen event.
-const TOLERANCE_AHEAD: f64 = 1e-12;
-
-/// The next event, where it follows so soon on the last one that an importer's solver need not resolve the motion in between: ever
-/// shorter impacts of rocking that dies out, or bounces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Foreseen {
-    /// The block right before the event.
-    pose: Pose,
-    /// The surface that it falls through.
-    surface: Surface,
-    /// The greatest values until then.
-    peaks: Peaks,
-    /// The inputs that lead there.
-    inputs: Inputs,
-}
 
 /// The present smooth piece of a motion that is stepped from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -227,45 +206,6 @@ impl Simulation {
         let (since, last, foreseen) = (self.pose.time, Some(self.pose), self.foresee(inputs, until));
         self.piece = Some(ExchangePiece { since, offsets: self.offsets(&now), last, foreseen });
         Ok(())
-    }
-
-    /// The surface of the next event, if it is known.
-    pub(super) fn foreseen_surface(&self) -> Option<Surface> {
-        self.foreseen().map(|foreseen| foreseen.surface)
-    }
-
-    fn foreseen(&self) -> Option<Foreseen> {
-        self.piece.and_then(|piece| piece.foreseen)
-    }
-
-    /// The next event under these inputs, if it comes soon and before `until` (s).
-    fn foresee(&self, inputs: &Inputs, until: f64) -> Option<Foreseen> {
-        if self.ending.is_some() {
-            return None;
-        }
-        let horizon = FORESIGHT / self.block().p;
-        let stops = [Some(self.pose.time + horizon), Some(until), self.pulse.next_kink(self.pose.time)];
-        let mut ahead = self.clone();
-        ahead.settings.tolerance = TOLERANCE_AHEAD;
-        let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
-        ahead.advance_to_event(stop, self.pose.time, inputs, &mut |_| ()).ok()?;
-        let Pending { surface, .. } = ahead.pending?;
-        // A corner may be held or let go on the way, which is not reported.
-        let direct = ahead.pose.contacts == self.pose.contacts && ahead.last_event == self.last_event;
-        direct.then_some(Foreseen { pose: ahead.pose, surface, peaks: ahead.peaks, inputs: *inputs })
-    }
-
-    /// Forgets an event that was foreseen under other inputs than these.
-    pub fn change_inputs(&mut self, inputs: &Inputs) {
-        if let Some(piece) = &mut self.piece {
-            piece.foreseen = piece.foreseen.filter(|foreseen| foreseen.inputs == *inputs);
-        }
-    }
-
-    /// The next time (s) at which the importer has to stop: the first kink of the pulse, or an event that is foreseen.
-    pub fn next_stop(&self) -> Option<f64> {
-        let foreseen = self.foreseen().map(|foreseen| foreseen.pose.time);
-        [self.pulse.next_kink(self.pose.time), foreseen].into_iter().flatten().reduce(f64::min)
     }
 
     /// Time of the last completed step, or of the last event if that came later (s).

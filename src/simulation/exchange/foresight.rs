@@ -1,0 +1,73 @@
+//! A motion that is stepped from outside → its next event, if that comes soon.
+
+use serde::{Deserialize, Serialize};
+
+use crate::excitation::Inputs;
+use crate::simulation::peaks::Peaks;
+use crate::simulation::{Pending, Simulation};
+use crate::system::events::Surface;
+use crate::system::instant::Pose;
+
+/// Longest time after an event for which the next one is foreseen, as a multiple of 1/p.
+///
+/// A rotation that is back after T has reached some α (p T)²/32, here at most 8e-5 α: an importer's solver with a relative
+/// tolerance of 1e-6 has a hundred times that to resolve where the block takes longer.
+const FORESIGHT: f64 = 0.05;
+
+/// The tolerance of steps to a foreseen event.
+const TOLERANCE_AHEAD: f64 = 1e-12;
+
+/// The next event, where it follows so soon on the last one that an importer's solver need not resolve the motion in between: ever
+/// shorter impacts of rocking that dies out, or bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Foreseen {
+    /// The block right before the event.
+    pub pose: Pose,
+    /// The surface that it falls through.
+    pub surface: Surface,
+    /// The greatest values until then.
+    pub peaks: Peaks,
+    /// The inputs that lead there.
+    pub inputs: Inputs,
+}
+
+impl Simulation {
+    /// The surface of the next event, if it is known.
+    pub(in crate::simulation) fn foreseen_surface(&self) -> Option<Surface> {
+        self.foreseen().map(|foreseen| foreseen.surface)
+    }
+
+    pub(super) fn foreseen(&self) -> Option<Foreseen> {
+        self.piece.and_then(|piece| piece.foreseen)
+    }
+
+    /// The next event under these inputs, if it comes soon and before `until` (s).
+    pub(super) fn foresee(&self, inputs: &Inputs, until: f64) -> Option<Foreseen> {
+        if self.ending.is_some() {
+            return None;
+        }
+        let horizon = FORESIGHT / self.block().p;
+        let stops = [Some(self.pose.time + horizon), Some(until), self.pulse.next_kink(self.pose.time)];
+        let mut ahead = self.clone();
+        ahead.settings.tolerance = TOLERANCE_AHEAD;
+        let stop = stops.into_iter().flatten().fold(f64::INFINITY, f64::min);
+        ahead.advance_to_event(stop, self.pose.time, inputs, &mut |_| ()).ok()?;
+        let Pending { surface, .. } = ahead.pending?;
+        // A corner may be held or let go on the way, which is not reported.
+        let direct = ahead.pose.contacts == self.pose.contacts && ahead.last_event == self.last_event;
+        direct.then_some(Foreseen { pose: ahead.pose, surface, peaks: ahead.peaks, inputs: *inputs })
+    }
+
+    /// Forgets an event that was foreseen under other inputs than these.
+    pub fn change_inputs(&mut self, inputs: &Inputs) {
+        if let Some(piece) = &mut self.piece {
+            piece.foreseen = piece.foreseen.filter(|foreseen| foreseen.inputs == *inputs);
+        }
+    }
+
+    /// The next time (s) at which the importer has to stop: the first kink of the pulse, or an event that is foreseen.
+    pub fn next_stop(&self) -> Option<f64> {
+        let foreseen = self.foreseen().map(|foreseen| foreseen.pose.time);
+        [self.pulse.next_kink(self.pose.time), foreseen].into_iter().flatten().reduce(f64::min)
+    }
+}
