@@ -11,10 +11,10 @@ use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::step_end::{Finished, StepEnd};
 use crate::simulation::stepping::StepStart;
 use crate::simulation::{Simulation, SimulationError};
-use crate::system::dynamics::instant;
+use crate::system::dynamics::{instant, instant_of};
 use crate::system::evaluation::{Evaluation, Motion};
 use crate::system::events::{Event, Surface};
-use crate::system::instant::{Footing, Instant, Powers, State};
+use crate::system::instant::{Footing, Instant, Pose, Powers, State};
 use crate::system::law::Law;
 use crate::system::swing::{Bounds, ORDER, Swing};
 
@@ -150,21 +150,34 @@ pub(super) fn allowed_error(block: &Block, tolerance: f64) -> f64 {
 }
 
 impl Simulation {
-    /// Stays at rest to `stop` if no corner lifts before; returns whether it did. Reactions under a linear excitation are linear, and
-    /// the friction demand, their quotient, has its peak at an end.
+    /// Stays at rest to the end of a piece in which the excitation changes linearly, if no corner lifts before; returns whether it did.
+    /// Reactions are linear, too, and the friction demand, their quotient, has its peak at an end.
     #[inline(always)]
-    pub(super) fn stays_upright<L: Law, const N: usize>(
+    pub(super) fn stays_upright(
         &mut self,
-        stop: f64,
-        motion: &Motion<L, N>,
-        here: &Evaluation,
-    ) -> bool {
-        let there = motion.at(stop, motion.state_of(here));
-        if ![here, &there].iter().all(|now| is_pressed_down(now)) {
-            return false;
-        }
-        self.stay(here, &there);
-        true
+        law: impl Law,
+        piece: &SmoothPiece,
+        budget: &mut u64,
+    ) -> Result<bool, SimulationError> {
+        let &SmoothPiece { block, excitation, stop, .. } = piece;
+        let Pose { time, state, footing, .. } = self.pose;
+        // A corner that is pressed on by more than the round-off of its reaction has not lifted.
+        let pressed = Surface::Reaction(Corner::Left).rounding(block);
+        let strain_at = |time: f64| {
+            instant_of(block, law.foundation(), law.regime(), state.0, footing, excitation.at(time), |x| {
+                let [left, right] = x.reaction;
+                (left > pressed && right > pressed).then(|| strain(block, law.regime(), &x, [0.0; 2]))
+            })
+        };
+        let (here, there) = (strain_at(time), strain_at(stop));
+        let (Some(here), Some(there)) = (here, there) else { return Ok(false) };
+        self.spend(budget, piece, longest_swing(block.p, 0.0))?;
+        self.include_strain(&here);
+        self.include_strain(&there);
+        self.counts.evaluations += 1;
+        self.counts.steps += 1;
+        (self.pose.time, self.events_in_this_instant) = (stop, 0);
+        Ok(true)
     }
 
     /// Stays at rest from one instant to another.
@@ -240,8 +253,12 @@ impl Simulation {
 
     /// Includes the forces of an instant in the peaks.
     fn include_forces(&mut self, now: &Evaluation) {
-        let Strain { reaction: [left, right], horizontal, friction_demand, .. } =
-            strain(now.block, now.regime, &now.instant, [0.0; 2]);
+        self.include_strain(&strain(now.block, now.regime, &now.instant, [0.0; 2]));
+    }
+
+    #[inline]
+    fn include_strain(&mut self, strain: &Strain<f64>) {
+        let &Strain { reaction: [left, right], horizontal, friction_demand, .. } = strain;
         let Peaks { reaction, horizontal: shear, friction_demand: demand, .. } = &mut self.peaks;
         *reaction = greater(greater(*reaction, left), right);
         *shear = greater(*shear, horizontal.abs());

@@ -157,6 +157,10 @@ impl Simulation {
         {
             return self.swings(law, pivot, piece, start, budget, observer);
         }
+        let steady = excitation.is_constant();
+        if law.is_at_rest() && excitation.is_linear() && !steady && self.stays_upright(law, piece, budget)? {
+            return Ok(());
+        }
         // After an event the block is evaluated once more, which is not counted, rather than copied.
         let start_of = |pose: &Pose| Motion::<_, 4>::under(law, block, pose, excitation).at(pose.time, pose.state);
         let mut here = start_of(&self.pose);
@@ -175,8 +179,6 @@ impl Simulation {
         {
             return Ok(());
         }
-        let steady = excitation.is_constant();
-        let is_upright = law.is_at_rest() && excitation.is_linear();
         let limits = self.limits(law, excitation.frequency());
         let mut short_failed = start.short_failed;
         loop {
@@ -188,9 +190,6 @@ impl Simulation {
             }
             self.spend(budget, piece, limits.longest)?;
             let motion = Motion::<_, N>::under(law, block, &self.pose, excitation);
-            if is_upright && self.stays_upright(stop, &motion, &here) {
-                return Ok(());
-            }
             if !std::mem::take(&mut short_failed) && self.short_step(stop, &motion, &here, &limits) {
                 return Ok(());
             }

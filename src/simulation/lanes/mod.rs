@@ -295,7 +295,11 @@ impl Lane {
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let landing = self.take_landing();
         let Lane { simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
-        let excitation = Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block);
+        let on_supports = simulation.system.block.foundation == Foundation::Viscoelastic;
+        let excitation = match on_supports {
+            true => Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block),
+            false => swinging.excitation,
+        };
         let done = if let Some(surface) = landing {
             simulation.apply_alone(surface, &excitation, observer)
         } else {
@@ -305,8 +309,11 @@ impl Lane {
             simulation.single_step(*stop, &excitation, start, accepted.as_ref(), known.as_deref(), budget, observer)
         };
         // There may have been an event.
-        (self.course, self.lifted) = (course_in_lanes(&self.simulation), Lifted::of(&self.simulation));
-        self.swinging.turn(&self.simulation);
+        self.course = course_in_lanes(&self.simulation);
+        match on_supports {
+            true => self.lifted = Lifted::of(&self.simulation),
+            false => self.swinging.turn(&self.simulation),
+        }
         done
     }
 

@@ -120,12 +120,12 @@ impl Task for Together<'_> {
         };
         let excitation = Excitation::in_lanes(self.is_wave, |lane| &self.runs[lane].swinging.excitation);
         let (time, stop) = (self.each(|lane| lane.simulation.pose.time), self.each(|lane| lane.stop));
-        let start =
-            [time, self.each(|lane| lane.simulation.pose.state[0]), self.each(|lane| lane.simulation.pose.state[1])];
+        let start = [self.each(|lane| lane.simulation.pose.state[0]), self.each(|lane| lane.simulation.pose.state[1])];
         let remaining = stop - time;
         let most: Wide<V> = self.each(|lane| lane.swinging.longest);
         let longest = remaining.in_lanes(remaining.less(most), most);
-        let swings = Swings::of(&pivoting, &excitation, start, longest, self.each(|lane| lane.swinging.allowed));
+        let mut swings = Swings::under(&excitation, time);
+        swings.make(&pivoting, start, longest, self.each(|lane| lane.swinging.allowed));
         let bounds = swings.bounds(&pivoting);
 
         let (zero, infinite) = (Wide::default(), Wide::from(f64::INFINITY));
@@ -154,8 +154,10 @@ impl Task for Together<'_> {
         let taken = known.and(is_below_peaks).and(no_turn).and(is_finite).bits() & runs;
         let made = bounds.theta.less(infinite).and(zero.less(size)).bits() & runs;
         let mut known = Vec::new();
-        for lane in (0..self.count).filter(|lane| (made & !taken) >> lane & 1 == 1) {
-            known.push((lane, swings.of_lane(lane)));
+        for lane in 0..self.count {
+            if (made & !taken) >> lane & 1 == 1 {
+                known.push((lane, swings.of_lane(lane)));
+            }
         }
         let input = self.each::<V>(|lane| lane.simulation.sums.input) + swings.work(part);
         Swung {

@@ -74,35 +74,32 @@ impl<V: Simd> Swing<Wide<V>> {
 }
 
 impl<V: Simd> Swings<V> {
-    /// The swings from `[t, θ, θ̇]` on, see [`Swing::of`].
+    /// Series without terms, under this excitation from `time` (s) on.
     #[inline(always)]
-    pub fn of(
-        block: &Pivoting<V>,
-        excitation: &Excitation<Wide<V>>,
-        [time, theta, theta_dot]: [Wide<V>; 3],
-        longest: Wide<V>,
-        allowed: Wide<V>,
-    ) -> Swings<V> {
+    pub fn under(excitation: &Excitation<Wide<V>>, time: Wide<V>) -> Swings<V> {
+        let (none, forcing) = ([Wide::default(); ORDER + 1], excitation.series(time));
+        let series = Swing { size: Wide::default(), order: 1, theta: none, x: none, q: none, forcing };
+        Swings { series, orders: Wide::default() }
+    }
+
+    /// The swings from `[θ, θ̇]` on, see [`Swing::of`]. They are made where they stand: a copy would take longer than a term.
+    #[inline(always)]
+    pub fn make(&mut self, block: &Pivoting<V>, [theta, theta_dot]: [Wide<V>; 2], longest: Wide<V>, allowed: Wide<V>) {
         let zero = Wide::default();
         let (sin, cos) = theta.sin_cos();
         let lever = Lever::of(block.offset, block.h, sin, cos);
         let inertia = lever.x * lever.x + lever.q * lever.q + block.i0;
-        let none = [zero; ORDER + 1];
-        let series = Swing { size: longest, order: 1, theta: none, x: none, q: none, forcing: excitation.series(time) };
-        let mut swings = Swings { series, orders: zero };
-        let Swings { series, .. } = &mut swings;
-        let forcing = &mut series.forcing;
+        let Swing { forcing, .. } = &mut self.series;
         let turning = lever.x * (forcing.z[0] + block.gravity) - lever.q * forcing.x[0] + forcing.moment[0];
         let flight = theta_dot * inertia * (-2.0 * OF_FLIGHT) / turning;
         let from_base = flight.in_lanes(zero.less(flight).and(flight.less(longest)), longest);
         let size = longest.in_lanes(zero.less(theta.abs()), from_base);
 
         forcing.scale(size);
-        series.size = size;
-        (series.theta[0], series.theta[1]) = (theta, theta_dot * size);
-        (series.x[0], series.q[0]) = (lever.x, lever.q);
-        swings.extend(block.gravity, size * size / inertia, allowed * size * size);
-        swings
+        self.series.size = size;
+        (self.series.theta[0], self.series.theta[1]) = (theta, theta_dot * size);
+        (self.series.x[0], self.series.q[0]) = (lever.x, lever.q);
+        self.extend(block.gravity, size * size / inertia, allowed * size * size);
     }
 
     /// Adds powers, and shortens the swings whose error is still too great at the highest one.
@@ -202,6 +199,7 @@ impl<V: Simd> Swings<V> {
     #[inline(always)]
     pub fn work(&self, part: Wide<V>) -> Wide<V> {
         let Swing { order, ref x, .. } = self.series;
+        let order = order.min(ORDER);
         let mut velocity: Series<Wide<V>> = [Wide::default(); ORDER + 1];
         for n in 1..order + 1 {
             velocity[n] = x[n] * NUMBER[n];

@@ -62,7 +62,9 @@ pub fn in_lanes(width: VectorWidth, runs: impl Iterator<Item = Run>, ended: impl
     }
     let mut group = Vec::new();
     while batch.step(&mut group) {
-        group.drain(..).for_each(|lane| batch.advance(lane));
+        while let Some(lane) = group.pop() {
+            batch.advance(lane);
+        }
     }
     let outcomes = batch.outcomes.into_iter().map(|outcome| outcome.expect("each run has ended")).collect();
     (outcomes, batch.lane_use)
@@ -162,11 +164,18 @@ impl<R: Iterator<Item = (usize, Run)>, E: Fn()> Batch<R, E> {
     /// Steps a group of the most frequent kind and leaves the continuing runs in `group`; returns false if none waited.
     #[expect(clippy::vec_box, reason = "as `waiting`")]
     fn step(&mut self, group: &mut Vec<Box<Lane>>) -> bool {
-        let most = |(_, waiting): &(usize, &mut Vec<Box<Lane>>)| waiting.len();
-        let Some((number, waiting)) = self.waiting.iter_mut().enumerate().max_by_key(most) else { return false };
-        let (lanes, count) = (self.width.lanes(), waiting.len().min(self.width.lanes()));
+        let mut number = 0;
+        for other in 1..Kind::COUNT {
+            if self.waiting[other].len() > self.waiting[number].len() {
+                number = other;
+            }
+        }
+        let (lanes, waiting) = (self.width.lanes(), &mut self.waiting[number]);
+        let count = waiting.len().min(lanes);
         // The last that came are still in the processor's cache.
-        group.extend(waiting.drain(waiting.len() - count..));
+        for _ in 0..count {
+            group.extend(waiting.pop());
+        }
         let taken = if count > 1 { step_group(self.width, Kind::numbered(number), group) } else { 0 };
         if count > 1 {
             self.lane_use.in_lanes += u64::from(taken.count_ones());
