@@ -266,8 +266,10 @@ fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
 
 /// Fields as a line of CSV with its end.
 pub fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(fields.collect::<Vec<_>>())?;
+    /// Bytes of a usual line: the writer clears them each time.
+    const USUAL: usize = 512;
+    let mut writer = csv::WriterBuilder::new().buffer_capacity(USUAL).from_writer(Vec::with_capacity(USUAL));
+    writer.write_record(fields)?;
     let bytes = writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
     String::from_utf8(bytes).map_err(std::io::Error::other)
 }
