@@ -12,8 +12,7 @@ use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, Scalar};
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
-use pulse::Wave;
-pub use pulse::{Pulse, PulseShape};
+pub use pulse::{Form, Pulse, PulseShape, Wave};
 
 /// A value that changes linearly in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -232,6 +231,13 @@ impl<T: Scalar> Excitation<T> {
         Excitation { time, x, z, moment: Ramp::held(T::from(0.0)), wave: None }
     }
 
+    /// The same at an instant at which the acceleration of a pulse changes at this rate (m/s³): [`Excitation::rate_at`] includes it.
+    #[inline(always)]
+    pub fn with_rate(mut self, of_pulse: T) -> Excitation<T> {
+        self.x.rate = self.x.rate + of_pulse;
+        self
+    }
+
     /// Whether it is linear in time.
     #[inline]
     pub fn is_linear(&self) -> bool {
@@ -241,11 +247,17 @@ impl<T: Scalar> Excitation<T> {
     /// The forcing at `time` (s), without restraints.
     #[inline(always)]
     pub fn at(&self, time: T) -> Forcing<T> {
-        let elapsed = time - self.time;
         let pulse = match &self.wave {
             Some(wave) => wave.at(time),
             None => T::from(0.0),
         };
+        self.at_with(pulse, time)
+    }
+
+    /// The same with this acceleration (m/s²) as that of the pulse.
+    #[inline(always)]
+    pub fn at_with(&self, pulse: T, time: T) -> Forcing<T> {
+        let elapsed = time - self.time;
         Forcing {
             x: self.x.at(elapsed) + pulse,
             z: self.z.at(elapsed),
@@ -300,7 +312,7 @@ impl<V: Simd> Excitation<Wide<V>> {
             x: ramp(|excitation| &excitation.x),
             z: ramp(|excitation| &excitation.z),
             moment: ramp(|excitation| &excitation.moment),
-            wave: has_waves.then(|| Wave::in_lanes(|lane| of(lane).wave.as_ref())),
+            wave: has_waves.then(|| Wave::in_lanes(Form::Sine, |lane| of(lane).wave.as_ref())),
         }
     }
 }
@@ -317,10 +329,11 @@ impl Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }
     }
 
-    /// The reference time and the ground accelerations from there on, horizontal and vertical, where nothing else acts.
+    /// The reference time, the accelerations from there on that are linear in time, horizontal and vertical, and the pulse; none where a
+    /// moment acts.
     #[inline]
-    pub fn ground_alone(&self) -> Option<(f64, [Ramp; 2])> {
-        (self.wave.is_none() && self.moment == Ramp::default()).then_some((self.time, [self.x, self.z]))
+    pub fn without_moment(&self) -> Option<(f64, [Ramp; 2], Option<Wave>)> {
+        (self.moment == Ramp::default()).then_some((self.time, [self.x, self.z], self.wave))
     }
 
     /// Whether nothing of it changes.

@@ -195,8 +195,8 @@ const C1_PHASE: f64 = 0.21897952247562566;
 const C2_PHASE: f64 = 0.12872979703677595;
 
 /// Formula of a [`Wave`] with amplitude `a`; `x` is `ω (t − origin)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
     /// `a sin(x + phase)`.
     Sine,
     /// `a (1 − x²) exp(−x²/2)`, the second derivative of `−a/ω² exp(−x²/2)`.
@@ -209,18 +209,35 @@ enum Form {
 
 /// A smooth acceleration, valid while its pulse acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Wave<T = f64> {
-    form: Form,
-    amplitude: T,
-    omega: T,
-    phase: T,
-    origin: T,
-    cycles: T,
+pub struct Wave<T = f64> {
+    /// Its formula.
+    pub form: Form,
+    /// Its amplitude (m/s²).
+    pub amplitude: T,
+    /// Its circular frequency (rad/s).
+    pub omega: T,
+    /// Its phase (rad).
+    pub phase: T,
+    /// The time from which its phase is counted (s).
+    pub origin: T,
+    /// The cycles of [`Form::Gabor`].
+    pub cycles: T,
 }
 
 impl<T: Scalar> Wave<T> {
     #[inline]
     pub(super) fn at(&self, time: T) -> T {
+        self.acceleration(time)
+    }
+
+    #[inline]
+    pub(super) fn rate_at(&self, time: T) -> T {
+        self.rate(time)
+    }
+
+    /// The acceleration at `time` (m/s²). It is inlined with all that it calls.
+    #[inline(always)]
+    pub fn acceleration(&self, time: T) -> T {
         let x = self.omega * (time - self.origin);
         match self.form {
             Form::Sine => self.amplitude * (x + self.phase).sin(),
@@ -233,8 +250,9 @@ impl<T: Scalar> Wave<T> {
         }
     }
 
-    #[inline]
-    pub(super) fn rate_at(&self, time: T) -> T {
+    /// The rate of the acceleration at `time` (m/s³), inlined likewise.
+    #[inline(always)]
+    pub fn rate(&self, time: T) -> T {
         let x = self.omega * (time - self.origin);
         let rate = self.amplitude * self.omega;
         match self.form {
@@ -272,13 +290,13 @@ impl<T: Scalar> Wave<T> {
 
 #[cfg(feature = "lanes")]
 impl<V: Simd> Wave<Wide<V>> {
-    /// The sines of several lanes. A lane without a wave has one without amplitude.
+    /// The waves of several lanes, all of one form. A lane without a wave has one without amplitude.
     #[inline(always)]
-    pub(super) fn in_lanes<'a>(of: impl Fn(usize) -> Option<&'a Wave>) -> Wave<Wide<V>> {
-        let each = |number: fn(&Wave) -> f64| Wide::each(|lane| of(lane).map_or(0.0, number));
+    pub fn in_lanes<'a>(form: Form, of: impl Fn(usize) -> Option<&'a Wave>) -> Wave<Wide<V>> {
+        let each = |number: fn(&Wave) -> f64| Wide::each(|lane| of(lane).map_or(1.0, number));
         Wave {
-            form: Form::Sine,
-            amplitude: each(|wave| wave.amplitude),
+            form,
+            amplitude: Wide::each(|lane| of(lane).map_or(0.0, |wave| wave.amplitude)),
             omega: each(|wave| wave.omega),
             phase: each(|wave| wave.phase),
             origin: each(|wave| wave.origin),
@@ -288,7 +306,7 @@ impl<V: Simd> Wave<Wide<V>> {
 }
 
 /// `exp(−x²/2)`.
-#[inline]
+#[inline(always)]
 fn gaussian<T: Scalar>(x: T) -> T {
     (x * x * -0.5).exp()
 }
@@ -336,7 +354,7 @@ impl<T: Elementary> Wave<T> {
 
 impl Wave {
     /// Its greatest circular frequency (rad/s); that of Ricker wavelets is about twice ω_p, beyond which little of their spectrum lies.
-    pub(super) fn frequency(&self) -> f64 {
+    pub fn frequency(&self) -> f64 {
         match self.form {
             Form::Sine => self.omega,
             Form::SymmetricRicker | Form::AntisymmetricRicker => 3.0 * self.omega,

@@ -8,7 +8,7 @@ use crate::numerics::coefficients::{NODES, combine, dense, difference, increment
 use crate::numerics::numbers::Numbers;
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, Stages, State};
 
 /// An attempted step with all its stages, which the dense output needs.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,15 @@ pub struct Step<R: Real = f64, const N: usize = 4> {
 
 /// Number of evaluations of the right-hand side per attempted step, without the first stage, which is known.
 pub const EVALUATIONS_PER_STEP: u64 = 11;
+
+/// Number of stages, of which the first is at the beginning of the step.
+pub const STAGES: usize = 12;
+
+/// Returns the time of a stage.
+#[inline(always)]
+pub fn stage_time<R: Scalar>(time: R, size: R, stage: usize) -> R {
+    time + size * NODES[stage]
+}
 
 /// Number of evaluations for the dense output of a step.
 pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
@@ -65,12 +74,12 @@ impl<R: Real, const N: usize> Step<R, N> {
         size: R,
         start: State<R, N>,
         first: Rate<R, N>,
-        equations: &impl Equations<R, N>,
+        equations: &impl Stages<R, N>,
     ) -> Step<R, N> {
         let (mut k, mut q) = Step::begin(first);
         for stage in 1..12 {
             let Rate { state, quadratures } =
-                equations.rate(time + size * NODES[stage], &(start + increment(&k, stage).times(size)));
+                equations.rate_at(stage, stage_time(time, size, stage), &(start + increment(&k, stage).times(size)));
             (k[stage], q[stage]) = (state, quadratures);
         }
         Step::finish(time, size, start, k, q)

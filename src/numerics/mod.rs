@@ -57,6 +57,19 @@ pub trait Equations<R: Scalar = f64, const N: usize = 4> {
     fn rate(&self, time: R, state: &State<R, N>) -> Rate<R, N>;
 }
 
+/// The right-hand side of the stages of a step, counted from 1: its excitation may be known there beforehand.
+pub trait Stages<R: Scalar = f64, const N: usize = 4> {
+    /// Rate of a state at the time (s) of a stage.
+    fn rate_at(&self, stage: usize, time: R, state: &State<R, N>) -> Rate<R, N>;
+}
+
+impl<R: Scalar, const N: usize, E: Equations<R, N>> Stages<R, N> for E {
+    #[inline(always)]
+    fn rate_at(&self, _stage: usize, time: R, state: &State<R, N>) -> Rate<R, N> {
+        self.rate(time, state)
+    }
+}
+
 impl<F: Fn(f64, &State) -> Rate> Equations for F {
     #[inline(always)]
     fn rate(&self, time: f64, state: &State) -> Rate {

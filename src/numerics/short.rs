@@ -1,10 +1,19 @@
 //! A step of order 5 to a stop close ahead. It has no dense output: its ends alone bound the motion inside.
 
 use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_end_difference, short_increment};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, Stages, State};
 
 /// Number of evaluations of the right-hand side in a short step, without those at its ends.
 pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
+
+/// Number of stages, of which the first is at the beginning of the step.
+pub const STAGES: usize = 6;
+
+/// Returns the time of a stage.
+#[inline(always)]
+pub fn stage_time<R: Scalar>(time: R, size: R, stage: usize) -> R {
+    time + size * SHORT_NODES[stage]
+}
 
 /// A step of Tsitouras' pair 5(4).
 #[derive(Clone, Copy, Debug)]
@@ -48,12 +57,12 @@ impl<R: Real, const N: usize> ShortStep<R, N> {
         size: R,
         start: State<R, N>,
         first: Rate<R, N>,
-        equations: &impl Equations<R, N>,
+        equations: &impl Stages<R, N>,
     ) -> ShortStep<R, N> {
         let (mut k, mut q) = ShortStep::begin(first);
         for stage in 1..6 {
             let Rate { state, quadratures } =
-                equations.rate(time + size * SHORT_NODES[stage], &(start + increment(&k, stage).times(size)));
+                equations.rate_at(stage, stage_time(time, size, stage), &(start + increment(&k, stage).times(size)));
             (k[stage], q[stage]) = (state, quadratures);
         }
         ShortStep::finish(size, start, k, q)

@@ -39,6 +39,17 @@ pub struct Evaluation<'a, R: Scalar = f64> {
     pub held: Option<Held<R>>,
 }
 
+/// An excitation at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<'a, R = f64> {
+    /// The excitation, which gives the rate of the forcing.
+    pub excitation: &'a Excitation<R>,
+    /// The time (s).
+    pub time: R,
+    /// The forcing at that time, without restraints.
+    pub forcing: Forcing<R>,
+}
+
 /// The motion from a pose on, while the block stands on the same corners.
 #[derive(Clone, Copy)]
 pub struct Motion<'a, L = AnyLaw, const N: usize = 4, T = f64> {
@@ -114,7 +125,8 @@ impl<'a, L: Law, const N: usize, T: Elementary> Motion<'a, L, N, T> {
             return self.at_held(time, four(&state), footing, held);
         }
         let support_heights = self.support_heights(time);
-        Evaluation::of(self.law, self.block, self.excitation, footing, time, four(&state), support_heights)
+        let drive = Drive { excitation: self.excitation, time, forcing: self.excitation.at(time) };
+        Evaluation::of(self.law, self.block, drive, footing, four(&state), support_heights)
     }
 
     /// The state of a pose.
@@ -255,7 +267,7 @@ impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
         let footing = self.footing_at(time, state);
         let Rate { state, quadratures } = match self.held_at(time) {
             Some(held) => self.at_held(time, four(state), footing, held).rate,
-            None => rate(self.law, self.block, self.excitation, footing, time, &four(state)),
+            None => rate(self.law, self.block, self.excitation.at(time), footing, &four(state)),
         };
         Rate { state: State::first_of(state.0), quadratures }
     }
@@ -272,12 +284,10 @@ impl<L: Law, const N: usize, T: Elementary> Motion<'_, L, N, T> {
 pub fn rate<R: Scalar>(
     law: impl Law,
     block: &Block<R>,
-    excitation: &Excitation<R>,
+    forcing: Forcing<R>,
     footing: Footing<R>,
-    time: R,
     state: &State<R>,
 ) -> Rate<R> {
-    let forcing = excitation.at(time);
     instant_of(block, law.foundation(), law.regime(), state.0, footing, forcing, |x| rate_of(law, block, &x, forcing))
 }
 
@@ -298,14 +308,13 @@ impl<'a, R: Scalar> Evaluation<'a, R> {
     pub fn of(
         law: impl Law,
         block: &'a Block<R>,
-        excitation: &'a Excitation<R>,
+        Drive { excitation, time, forcing }: Drive<'a, R>,
         footing: Footing<R>,
-        time: R,
         state: State<R>,
         support_heights: [Sample<R>; 2],
     ) -> Evaluation<'a, R> {
         let (foundation, regime) = (law.foundation(), law.regime());
-        let forcing = law.acting(excitation.at(time));
+        let forcing = law.acting(forcing);
         // The closure is short, so that it is inlined: otherwise it is compiled without the vectors of lanes.
         let (instant, rate) = instant_of(block, foundation, regime, state.0, footing, forcing, |instant| {
             (instant, rate_of(law, block, &instant, forcing))

@@ -17,13 +17,7 @@ impl<V: Simd> Scalar for Wide<V> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Wide<V>, Wide<V>) {
-        let (sin, cos) = near_zero(self);
-        let near = self.abs().less(Wide::from(QUARTER_PI));
-        if near.all() {
-            return (sin, cos);
-        }
-        let (sines, cosines) = far_from_zero(&self.store(), (1 << V::LANES) - 1 - near.bits());
-        (sin.in_lanes(near, Wide::load(&sines)), cos.in_lanes(near, Wide::load(&cosines)))
+        if self.abs().less(Wide::from(QUARTER_PI)).all() { near_zero(self) } else { in_quadrants(self) }
     }
 
     #[inline(always)]
@@ -67,43 +61,105 @@ const QUARTER_PI: f64 = f64::from_bits((0x3fe9_21fb + 1) << 32);
 /// Below 2^−27 `libm` gives the angle and 1, and so do these, but for −0.
 #[inline(always)]
 fn near_zero<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
-    const S: [f64; 6] = [
-        -0.16666666666666632,
-        0.00833333333332249,
-        -0.0001984126982985795,
-        2.7557313707070068e-06,
-        -2.5050760253406863e-08,
-        1.58969099521155e-10,
-    ];
-    const C: [f64; 6] = [
-        0.0416666666666666,
-        -0.001388888888887411,
-        2.480158728947673e-05,
-        -2.7557314351390663e-07,
-        2.087572321298175e-09,
-        -1.1359647557788195e-11,
-    ];
     let z = x * x;
-    let w = z * z;
-    let r = (z * S[3] + S[2]) * z + S[1] + z * w * (z * S[5] + S[4]);
-    let sin = x + z * x * (z * r + S[0]);
-    let sin = sin.in_lanes(Wide::default().less(z), x);
-    let r = z * ((z * C[2] + C[1]) * z + C[0]) + w * w * ((z * C[5] + C[4]) * z + C[3]);
-    let half = z * 0.5;
-    let one = Wide::from(1.0);
-    let cos = one - half;
-    (sin, cos + (((one - cos) - half) + z * r))
+    let sin = x + z * x * (z * of_sine(z) + S[0]);
+    (sin.in_lanes(Wide::default().less(z), x), cosine(z, z * of_cosine(z)))
 }
 
-/// Sines and cosines in the lanes that are `far`.
+const S: [f64; 6] = [
+    -0.16666666666666632,
+    0.00833333333332249,
+    -0.0001984126982985795,
+    2.7557313707070068e-06,
+    -2.5050760253406863e-08,
+    1.58969099521155e-10,
+];
+
+const C: [f64; 6] = [
+    0.0416666666666666,
+    -0.001388888888887411,
+    2.480158728947673e-05,
+    -2.7557314351390663e-07,
+    2.087572321298175e-09,
+    -1.1359647557788195e-11,
+];
+
+/// The polynomial of the sine, without its first terms, of the square of an angle.
+#[inline(always)]
+fn of_sine<V: Simd>(z: Wide<V>) -> Wide<V> {
+    (z * S[3] + S[2]) * z + S[1] + z * (z * z) * (z * S[5] + S[4])
+}
+
+/// The same of the cosine.
+#[inline(always)]
+fn of_cosine<V: Simd>(z: Wide<V>) -> Wide<V> {
+    let w = z * z;
+    z * ((z * C[2] + C[1]) * z + C[0]) + w * w * ((z * C[5] + C[4]) * z + C[3])
+}
+
+/// `1 − z/2 + rest` to the last bit.
+#[inline(always)]
+fn cosine<V: Simd>(z: Wide<V>, rest: Wide<V>) -> Wide<V> {
+    let (half, one) = (z * 0.5, Wide::from(1.0));
+    let cos = one - half;
+    cos + (((one - cos) - half) + rest)
+}
+
+/// Sine and cosine of any angles, with the operations of `libm::sincos` in their order: the nearest multiple of π/2 is subtracted as in
+/// FreeBSD's e_rem_pio2.c (Copyright (C) 1993 by Sun Microsystems, Inc., as above), where that takes one round. The other lanes are left
+/// to `libm`: large angles, those very near a multiple of π/2, and those between two multiples, of which it may take another one.
+#[inline(always)]
+fn in_quadrants<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
+    const HALF_PI: [f64; 2] = [1.5707963267341256, 6.077100506506192e-11];
+    /// The least angle over the largest one whose multiple of π/2 is subtracted in one round.
+    const NO_CANCELLATION: f64 = 1.0 / 65536.0;
+    /// The bounds between multiples of π/2 have 20 bits after the first one.
+    const BETWEEN: f64 = std::f64::consts::FRAC_PI_4 - 1e-5;
+    const LARGE: f64 = 1e6;
+
+    let (zero, near) = (Wide::default(), x.abs().less(Wide::from(QUARTER_PI)));
+    let multiple = zero.in_lanes(near, whole(x * std::f64::consts::FRAC_2_PI));
+    let (r, w) = (x - multiple * HALF_PI[0], multiple * HALF_PI[1]);
+    let y = r - w;
+    let tail = (r - y) - w;
+    let near_a_multiple = (x.abs() * NO_CANCELLATION).less(y.abs());
+    let in_one_round = near_a_multiple.and(y.abs().less(Wide::from(BETWEEN))).and(x.abs().less(Wide::from(LARGE)));
+
+    let z = y * y;
+    let (v, r) = (z * y, of_sine(z));
+    let sin = (y + v * (z * r + S[0])).in_lanes(near, y - ((z * (tail * 0.5 - v * r) - tail) - v * S[0]));
+    let cos = cosine(z, z * of_cosine(z) - y * tail);
+    // −2 or 2, −1, 0, or 1 quarters of a turn beyond full turns.
+    let quarters = multiple - whole(multiple * 0.25) * 4.0;
+    let half = Wide::from(0.5);
+    let (odd, opposite) = ((quarters.abs() - 1.0).abs().less(half), Wide::from(1.5).less(quarters.abs()));
+    let (sin, cos) = (cos.in_lanes(odd, sin), sin.in_lanes(odd, cos));
+    let sin = (-sin).in_lanes(opposite.or(quarters.less(-half)), sin);
+    let cos = (-cos).in_lanes(opposite.or(half.less(quarters)), cos);
+    if in_one_round.all() {
+        return (sin, cos);
+    }
+    let others = (1 << V::LANES) - 1 - in_one_round.bits();
+    let [sin, cos] = by_libm(&x.store(), others, [sin.store(), cos.store()]);
+    (Wide::load(&sin), Wide::load(&cos))
+}
+
+/// The nearest whole number.
+#[inline(always)]
+fn whole<V: Simd>(x: Wide<V>) -> Wide<V> {
+    /// A sum with it is rounded to a whole number.
+    const TO_WHOLE: f64 = 1.5 / f64::EPSILON;
+    (x + TO_WHOLE) - TO_WHOLE
+}
+
+/// These sines and cosines, with those of `angles` in some lanes by `libm`.
 #[cold]
 #[inline(never)]
-fn far_from_zero(angles: &Array, far: u32) -> (Array, Array) {
-    let (mut sines, mut cosines) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-    for i in (0..MOST_LANES).filter(|i| far >> i & 1 == 1) {
+fn by_libm(angles: &Array, lanes: u32, [mut sines, mut cosines]: [Array; 2]) -> [Array; 2] {
+    for i in (0..MOST_LANES).filter(|i| lanes >> i & 1 == 1) {
         (sines[i], cosines[i]) = libm::sincos(angles[i]);
     }
-    (sines, cosines)
+    [sines, cosines]
 }
 
 /// The magnitude up to which [`in_range`] holds: `libm` looks at the upper 32 bits, too, and then for overflow and underflow.
@@ -190,11 +246,30 @@ mod tests {
 
     /// Numbers of all sizes, those at which `libm` changes its method, and their neighbours.
     fn number() -> impl Strategy<Value = f64> {
-        let limits = [0x3e30_0001_u64, 0x3fd6_2e43, 0x3fe9_21fc, 0x3ff0_a2b2, 0x4086_232b]
-            .map(|bits| f64::from_bits(bits << 32));
+        let limits = [
+            0x3e30_0001_u64,
+            0x3fd6_2e43,
+            0x3fe9_21fc,
+            0x3ff0_a2b2,
+            0x4002_d97d,
+            0x400f_6a7b,
+            0x4015_fdbd,
+            0x4086_232b,
+        ]
+        .map(|bits| f64::from_bits(bits << 32));
         let limit = prop::sample::select(limits.to_vec())
             .prop_flat_map(|x| prop::sample::select(vec![x, x.next_down(), x.next_up()]));
-        let magnitude = prop_oneof![limit, 0.0..1.5, 0.0..800.0, (-40.0..0.0).prop_map(libm::exp)];
+        let near_eighths = (0..2000_u32, prop_oneof![Just(0.0), -1e-3..1e-3, -1e-5..1e-5, -1e-12..1e-12])
+            .prop_map(|(eighths, away)| (f64::from(eighths) * std::f64::consts::FRAC_PI_4 + away).abs());
+        let magnitude = prop_oneof![
+            limit,
+            near_eighths,
+            0.0..1.5,
+            0.0..30.0,
+            0.0..800.0,
+            0.0..3e6,
+            (-40.0..0.0).prop_map(libm::exp)
+        ];
         (magnitude, any::<bool>()).prop_map(|(x, negative)| if negative { -x } else { x })
     }
 

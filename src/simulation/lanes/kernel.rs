@@ -4,18 +4,19 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::block::{Block, Foundation, Regime, Restraints};
-use crate::excitation::{Excitation, Ramp};
+use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
 use crate::numerics::dop853::Step;
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
 use crate::numerics::short::ShortStep;
 use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
-use crate::numerics::{Equations, Rate, Real, Scalar, State};
+use crate::numerics::{Rate, Real, Scalar, Stages, State};
 use crate::simulation::lanes::bounds::Ends;
+use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, place};
 use crate::simulation::peaks::Channels;
-use crate::system::evaluation::{self, Evaluation};
+use crate::system::evaluation::{self, Drive, Evaluation};
 use crate::system::events::{ROUNDING, Surface, landing, lift_off, quarter_turn, watched};
 use crate::system::instant::Footing;
 use crate::system::law::{Gripping, Law};
@@ -53,8 +54,6 @@ pub struct Stepped {
     pub accepted: Vec<(usize, Step)>,
     /// For a short step the factor by which its size may change, otherwise the root of its error, from which that factor follows.
     pub root: Array,
-    /// The longest step (s).
-    pub longest: Array,
 }
 
 /// Takes a step of each run of a group, either a short one or one of order 8. A group has at least one run and at most one per
@@ -65,10 +64,17 @@ pub fn step(width: VectorWidth, regime: Regime, short: bool, group: &[Box<Lane>]
     for (place, run) in runs.iter_mut().zip(group) {
         *place = run;
     }
+    let some;
+    let pulses = if runs.iter().any(|run| run.wave.is_some()) {
+        some = Pulses::of(width, short, &runs);
+        &some
+    } else {
+        &Pulses::NONE
+    };
     match regime {
-        Regime::FullContact => width.run(Together { law: Gripping::<true, true, false>, short, runs, count }),
-        Regime::TiltingLeft => width.run(Together { law: Gripping::<true, false, false>, short, runs, count }),
-        Regime::TiltingRight => width.run(Together { law: Gripping::<false, true, false>, short, runs, count }),
+        Regime::FullContact => width.run(Together { law: Gripping::<true, true, false>, short, runs, count, pulses }),
+        Regime::TiltingLeft => width.run(Together { law: Gripping::<true, false, false>, short, runs, count, pulses }),
+        Regime::TiltingRight => width.run(Together { law: Gripping::<false, true, false>, short, runs, count, pulses }),
         Regime::Separated => unreachable!("no block in flight is stepped in a lane"),
     }
 }
@@ -83,26 +89,37 @@ struct Together<'g, L> {
     runs: [&'g Lane; MOST_LANES],
     /// The number of runs in the group.
     count: usize,
+    /// Their pulses.
+    pulses: &'g Pulses,
 }
 
-/// The blocks of a group and their excitations, one per lane.
+/// The blocks of a group and their excitations without pulses, one per lane.
 struct Group<V> {
     block: Block<Wide<V>>,
     excitation: Excitation<Wide<V>>,
     footing: Footing<Wide<V>>,
 }
 
+/// The excitation of a group at an end of a step, and its forcing there.
+type Driven<V> = (Excitation<Wide<V>>, Forcing<Wide<V>>);
+
 /// The motion of a group under a law.
 struct GroupMotion<'m, V, L> {
     law: L,
     group: &'m Group<V>,
+    pulses: &'m Pulses,
 }
 
 impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
     #[inline(always)]
-    fn at(&self, time: Wide<V>, state: [Wide<V>; 4], support_heights: [Sample<Wide<V>>; 2]) -> Evaluation<'m, Wide<V>> {
-        let Group { block, excitation, footing } = self.group;
-        Evaluation::of(self.law, block, excitation, *footing, time, Numbers(state), support_heights)
+    fn at(
+        &self,
+        drive: Drive<'m, Wide<V>>,
+        state: [Wide<V>; 4],
+        support_heights: [Sample<Wide<V>>; 2],
+    ) -> Evaluation<'m, Wide<V>> {
+        let Group { block, footing, .. } = self.group;
+        Evaluation::of(self.law, block, drive, *footing, Numbers(state), support_heights)
     }
 
     /// Includes the peaks of a step; returns the lanes in which a peak may be inside.
@@ -213,11 +230,12 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
     }
 }
 
-impl<V: Simd, L: Law> Equations<Wide<V>> for GroupMotion<'_, V, L> {
+impl<V: Simd, L: Law> Stages<Wide<V>> for GroupMotion<'_, V, L> {
     #[inline(always)]
-    fn rate(&self, time: Wide<V>, state: &State<Wide<V>>) -> Rate<Wide<V>> {
+    fn rate_at(&self, stage: usize, time: Wide<V>, state: &State<Wide<V>>) -> Rate<Wide<V>> {
         let Group { block, excitation, footing } = self.group;
-        evaluation::rate(self.law, block, excitation, *footing, time, state)
+        let forcing = excitation.at_with(Wide::load(&self.pulses.stages[stage]), time);
+        evaluation::rate(self.law, block, forcing, *footing, state)
     }
 }
 
@@ -296,6 +314,19 @@ impl<L: Law> Together<'_, L> {
         }
     }
 
+    /// The excitations at both ends of the step, and their forcings at these times.
+    #[inline(always)]
+    fn ends<V: Simd>(&self, group: &Group<V>, [start, end]: [Wide<V>; 2]) -> [Driven<V>; 2] {
+        let (pulses, excitation) = (self.pulses, group.excitation);
+        [
+            (
+                excitation.with_rate(Wide::load(&pulses.rates[0])),
+                excitation.at_with(Wide::load(&pulses.stages[0]), start),
+            ),
+            (excitation.with_rate(Wide::load(&pulses.rates[1])), excitation.at_with(Wide::load(&pulses.end), end)),
+        ]
+    }
+
     /// Peaks so far: of θ, N, H, uplift, friction demand.
     #[inline(always)]
     fn peaks<V: Simd>(&self) -> [Wide<V>; 5] {
@@ -365,7 +396,7 @@ impl<L: Law> Task for Together<'_, L> {
     #[inline(always)]
     fn run<V: Simd>(self) -> Stepped {
         let group = self.group::<V>();
-        let motion = GroupMotion { law: self.law, group: &group };
+        let motion = GroupMotion { law: self.law, group: &group, pulses: self.pulses };
         let place = place(self.law.regime()).unwrap_or(0);
         let weights = Numbers([
             self.each(|lane| lane.limits[place].weights[0]),
@@ -373,7 +404,7 @@ impl<L: Law> Task for Together<'_, L> {
             self.each(|lane| lane.limits[place].weights[2]),
             self.each(|lane| lane.limits[place].weights[3]),
         ]);
-        let longest = self.each(|lane| lane.limits[place].longest);
+        let longest = self.each(|lane| lane.longest);
         let rounding = self.rounding(&group);
         let (time, end_time) = (self.each(|lane| lane.simulation.pose.time), self.each(Lane::end_time));
         let size = self.each(|lane| lane.attempt.size);
@@ -385,7 +416,9 @@ impl<L: Law> Task for Together<'_, L> {
         ];
 
         let lifted = self.lifted();
-        let here = motion.at(time, state, self.support_heights(time, &lifted));
+        let [start, stop] = self.ends(&group, [time, end_time]);
+        let drive = Drive { excitation: &start.0, time, forcing: start.1 };
+        let here = motion.at(drive, state, self.support_heights(time, &lifted));
         let infinite = Wide::from(f64::INFINITY);
         let one = Wide::from(1.0);
         enum Made<V: Simd> {
@@ -399,7 +432,8 @@ impl<L: Law> Task for Together<'_, L> {
             let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
             (step.end, step.work, Made::Long(step))
         };
-        let there = motion.at(end_time, end.0, self.support_heights(end_time, &lifted));
+        let drive = Drive { excitation: &stop.0, time: end_time, forcing: stop.1 };
+        let there = motion.at(drive, end.0, self.support_heights(end_time, &lifted));
         let (error_is_fine, root) = match &step {
             // Its error depends on the rate at its end, too.
             Made::Short(step) => {
@@ -446,7 +480,6 @@ impl<L: Law> Task for Together<'_, L> {
             sums: [input.store(), dashpots.store()],
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
             root: root.store(),
-            longest: longest.store(),
         }
     }
 }

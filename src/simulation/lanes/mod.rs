@@ -3,15 +3,16 @@
 //! A step reads the [`Simulation`] of each run. If all tests exclude an event, a peak inside the step, a repeated step and rest,
 //! the simulation gets the bits of a step taken alone. Otherwise the run takes that step alone, with the stages or the swing of its lane if
 //! only an event or a peak may be inside.
-//! So do runs with friction or restraints, in flight, sliding, held, at rest on the rigid base, or on supports under a pulse.
+//! So do runs with friction or restraints, in flight, sliding, held, or at rest on the rigid base.
 
 mod bounds;
 mod kernel;
+mod pulses;
 mod swings;
 
 use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
-use crate::excitation::{Excitation, Inputs, Ramp};
-use crate::numerics::control::{Attempt, ShortStepTo, is_resolved, shortest, size_factor};
+use crate::excitation::{Excitation, Inputs, Ramp, Wave};
+use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
@@ -41,21 +42,27 @@ pub struct Lane {
     stop: f64,
     /// Time at which the piece that ends there begins (s).
     since: f64,
-    /// Whether nothing but ground accelerations acts that are linear in time.
-    ground_alone: bool,
-    /// Their reference time (s), and they.
+    /// Whether nothing but horizontal and vertical accelerations acts.
+    without_moment: bool,
+    /// Their reference time (s), and those that are linear in time.
     ground: GroundRamps,
+    /// The pulse that acts, unless it is constant.
+    wave: Option<Wave>,
+    /// The longest step that the pulse allows (s).
+    longest_under_pulse: f64,
     /// How runs in the present contacts are stepped together, if they are.
     course: Option<Course>,
     /// Whether the smooth piece begins at the present time.
     begins: bool,
     budget: u64,
-    /// Limits of a step in each regime, while no pulse acts.
+    /// Limits of a step in each regime without a pulse.
     limits: [Limits; 3],
     /// Round-off of the zero of a gap.
     gap_rounding: f64,
     /// The support that nothing touches.
     lifted: Lifted,
+    /// The longest step (s).
+    longest: f64,
     /// The step that comes next.
     attempt: Attempt,
     /// Whether a short step would suffice if earlier steps had made no errors.
@@ -195,13 +202,16 @@ impl Lane {
             until: time,
             stop: time,
             since: time,
-            ground_alone: false,
+            without_moment: false,
             ground: GroundRamps::default(),
+            wave: None,
+            longest_under_pulse: f64::INFINITY,
             begins: true,
             budget: 0,
             limits,
             gap_rounding,
             lifted,
+            longest: f64::INFINITY,
             attempt: Attempt::to_stop(0.0),
             grows: false,
             short_failed: false,
@@ -234,12 +244,14 @@ impl Lane {
         let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
         if system.block.foundation == Foundation::Rigid {
             self.swinging.begin_piece(&system.block, excitation);
-        } else if let Some((time, [x, z])) = excitation.ground_alone() {
-            self.ground_alone = true;
+        } else if let Some((time, [x, z], wave)) = excitation.without_moment() {
+            self.without_moment = true;
+            self.wave = wave;
+            self.longest_under_pulse = wave.map_or(f64::INFINITY, |wave| LONGEST / wave.frequency());
             (self.ground.0, self.ground.1[0].value, self.ground.1[0].rate) = (time, x.value, x.rate);
             (self.ground.1[1].value, self.ground.1[1].rate) = (z.value, z.rate);
         } else {
-            self.ground_alone = false;
+            self.without_moment = false;
         }
         self.begins = true;
         counts.evaluations += 1;
@@ -269,12 +281,12 @@ impl Lane {
     #[inline]
     fn kind(&mut self) -> Option<Kind> {
         let regime = match self.course? {
-            Course::Steps(regime) if self.ground_alone => regime,
+            Course::Steps(regime) if self.without_moment => regime,
             Course::Steps(_) => return None,
             Course::Swings => return self.swing_kind(),
         };
-        let limits = &self.limits[place(regime)?];
-        let longest = limits.longest;
+        let longest = self.limits[place(regime)?].longest.min(self.longest_under_pulse);
+        self.longest = longest;
         let (time, stop) = (self.simulation.pose.time, self.stop);
         let size = stop - time;
         if self.budget == 0 || !is_resolved(size, longest) {
@@ -362,8 +374,8 @@ impl Lane {
     /// Takes note that the error of a step of order 8 is small enough.
     #[inline]
     fn accept(&mut self, stepped: &Stepped, lane: usize) {
-        let Lane { simulation, attempt, .. } = self;
-        simulation.control.accept(attempt, size_factor(stepped.root[lane]), stepped.longest[lane]);
+        let Lane { simulation, attempt, longest, .. } = self;
+        simulation.control.accept(attempt, size_factor(stepped.root[lane]), *longest);
         simulation.counts.evaluations += EVALUATIONS_PER_STEP;
         if self.grows {
             simulation.control.grow_short();

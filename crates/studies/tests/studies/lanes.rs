@@ -29,14 +29,41 @@ fn bits(simulation: &Simulation) -> Vec<u8> {
     postcard::to_allocvec(simulation).unwrap()
 }
 
+/// A pulse of any shape that begins and ends during the first seconds, or none.
+fn pulse() -> impl Strategy<Value = Pulse> {
+    let shape = prop_oneof![
+        4 => Just(PulseShape::None),
+        8 => prop::sample::select(vec![
+            PulseShape::OneSine,
+            PulseShape::OneCosine,
+            PulseShape::C1,
+            PulseShape::C2,
+            PulseShape::HalfSine,
+            PulseShape::Rectangular,
+            PulseShape::SymmetricRicker,
+            PulseShape::AntisymmetricRicker,
+            PulseShape::Gabor,
+        ]),
+    ];
+    let numbers = (-6.0..6.0_f64, 0.05..2.0_f64, prop_oneof![Just(0.0), -1.0..2.0], -3.0..3.0_f64, 1.0..4.0_f64);
+    (shape, numbers).prop_map(|(shape, (amplitude, period, start, phase, cycles))| Pulse {
+        shape,
+        amplitude,
+        period,
+        start,
+        phase,
+        cycles,
+    })
+}
+
 /// A block on supports in an arbitrary initial state.
 fn simulation() -> impl Strategy<Value = Simulation> {
     let eccentricity = prop_oneof![Just(0.0), -0.9..0.9];
     let block = (0.05..0.6_f64, 0.3..8.0_f64, 5.0..120.0_f64, 0.0..0.6_f64, 0.0..1.0_f64, 1.0..4.0_f64, eccentricity);
     let beginning = (-1.1..1.1_f64, -1.5..1.5_f64, any::<bool>());
     let settings = (4.0..11.0_f64, any::<bool>());
-    (block, beginning, settings).prop_map(
-        |((alpha, p, eta, xi_v, epsilon, gamma, eccentricity), (theta, theta_dot, stands), (digits, flies))| {
+    (block, beginning, settings, pulse()).prop_map(
+        |((alpha, p, eta, xi_v, epsilon, gamma, eccentricity), (theta, theta_dot, stands), (digits, flies), pulse)| {
             let common = Common { gamma, epsilon, mass: 13.0, ..Common::default() };
             let even = Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &common).unwrap();
             let common = Common { eccentricity: eccentricity * even.b, ..common };
@@ -51,7 +78,7 @@ fn simulation() -> impl Strategy<Value = Simulation> {
             } else {
                 Initial { theta: theta * alpha, theta_dot: theta_dot * alpha * p, ..Initial::default() }
             };
-            Simulation::new(block, settings, Pulse::NONE, &initial, 0.0, &Inputs::default())
+            Simulation::new(block, settings, pulse, &initial, 0.0, &Inputs::default())
         },
     )
 }
@@ -210,8 +237,8 @@ fn run(number: u32) -> Run {
         eta: 12.0 + 5.0 * (k % 9.0),
         xi_v: 0.1,
     };
-    // A rectangular pulse is constant, so that lanes follow it.
-    let shape = if number % 12 == 11 { PulseShape::Rectangular } else { PulseShape::OneSine };
+    let shapes = [PulseShape::OneSine, PulseShape::Rectangular, PulseShape::SymmetricRicker, PulseShape::Gabor];
+    let shape = shapes[number as usize / 6 % shapes.len()];
     let pulse = Pulse { shape, amplitude: 3.0, period: 0.7, start: 2.0, ..Pulse::NONE };
     let on_separation = [OnSeparation::Fly, OnSeparation::Fly, OnSeparation::Hold, OnSeparation::Terminate];
     Run {

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::block::{Common, Dimensionless};
 use crate::block::{Contact, Contacts, Corner, Creep};
-use crate::excitation::{Inputs, Pulse};
+use crate::excitation::{Inputs, Pulse, PulseShape};
 use crate::numerics::control::Attempt;
 use crate::numerics::roots;
 use crate::simulation::inside::may_hold_event;
@@ -44,16 +44,22 @@ impl<L: Law> Task for Look<'_, L> {
     fn run<V: Simd>(self) -> Vec<Found> {
         let Look { together, cases } = self;
         let group = together.group::<V>();
-        let motion = GroupMotion { law: together.law, group: &group };
+        let motion = GroupMotion { law: together.law, group: &group, pulses: together.pulses };
         let each = |number: &dyn Fn(&Case) -> f64| Wide::<V>::each(|lane| number(&cases[lane]));
         let state = [0, 1, 2, 3].map(|i| each(&|case| case.lane.simulation.pose.state[i]));
         let end = [0, 1, 2, 3].map(|i| each(&|case| case.there[i]));
         let (time, end_time) = (each(&|case| case.lane.simulation.pose.time), each(&|case| case.lane.end_time()));
         let lifted = together.lifted();
-        let here = motion.at(time, state, together.support_heights(time, &lifted));
-        let there = motion.at(end_time, end, together.support_heights(end_time, &lifted));
+        let [start, stop] = together.ends(&group, [time, end_time]);
+        let drive = Drive { excitation: &start.0, time, forcing: start.1 };
+        let here = motion.at(drive, state, together.support_heights(time, &lifted));
+        let there = motion.at(
+            Drive { excitation: &stop.0, time: end_time, forcing: stop.1 },
+            end,
+            together.support_heights(end_time, &lifted),
+        );
         let rounding = together.rounding(&group);
-        let longest = each(&|case| case.lane.limits[place(together.law.regime()).unwrap()].longest);
+        let longest = each(&|case| case.lane.longest);
         let mut peaks = together.peaks();
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
@@ -87,7 +93,7 @@ impl Case {
         let here = motion.at(pose.time, pose.state);
         let there = motion.at(lane.end_time(), instant::State::from(*there));
         let duration = there.time - here.time;
-        let near = near_a_peak(duration, lane.limits[place(law.regime()).unwrap()].longest);
+        let near = near_a_peak(duration, lane.simulation.limits::<4>(law, excitation.frequency()).longest);
         let [start, end] = lane.simulation.channels_at_ends(&here, &there, near);
         let may_rise_inside = peaks.may_rise_inside(&start, &end, duration);
         peaks.include(&start);
@@ -122,14 +128,33 @@ prop_compose! {
 }
 
 prop_compose! {
+    /// A pulse that begins within 10 s before time zero, or none.
+    fn pulse()(
+        shape in prop_oneof![
+            4 => Just(PulseShape::None),
+            1 => Just(PulseShape::OneSine),
+            1 => Just(PulseShape::C2),
+            1 => Just(PulseShape::Rectangular),
+            1 => Just(PulseShape::SymmetricRicker),
+            1 => Just(PulseShape::AntisymmetricRicker),
+            1 => Just(PulseShape::Gabor),
+        ],
+        (amplitude, period, before) in (-5.0..5.0, 0.2..8.0, 0.0..10.0_f64),
+    ) -> Pulse {
+        Pulse { shape, amplitude, period, start: -before, phase: 1.0, ..Pulse::NONE }
+    }
+}
+
+prop_compose! {
     fn case(regime: Regime)(
+
         (alpha, p, eta, xi_v) in (0.05..0.8, 0.5..5.0, 5.0..100.0, 0.0..0.8),
         (here, there) in (states(), states()),
         scale in small(),
         (ramps, constant) in (prop::array::uniform4(-1.0..1.0), any::<bool>()),
         // Peaks that hide nothing, so that each counts by itself.
         (depth, peaks) in (0.0..1.0, prop::array::uniform5(prop_oneof![0.0..1.5, Just(1e3)])),
-        (time, duration) in (0.0..10.0, 0.0..1.0),
+        (time, duration, pulse) in (0.0..10.0, 0.0..1.0, pulse()),
     ) -> Case {
         let block =
             Block::from_dimensionless(&Dimensionless { alpha, p, eta, xi_v }, &Common::default()).unwrap();
@@ -151,7 +176,8 @@ prop_compose! {
         };
         let inputs = Inputs { time, a_gx: ramp(0), a_gz: ramp(2), ..Inputs::default() };
         let initial = Initial::default();
-        let mut simulation = Simulation::new(block, Settings::default(), Pulse::NONE, &initial, time, &inputs);
+        let pulse = Pulse { start: pulse.start + time, ..pulse };
+        let mut simulation = Simulation::new(block, Settings::default(), pulse, &initial, time, &inputs);
         simulation.pose.state = instant::State::from(state(here));
         simulation.pose.contacts = Contacts::FULL;
         for corner in Corner::BOTH.into_iter().filter(|&corner| !regime.touches(corner)) {
@@ -160,7 +186,8 @@ prop_compose! {
         }
         let mut lane = Lane::new(simulation, 0);
         lane.send(time + 100.0, &inputs);
-        lane.attempt = Attempt::to_stop(duration * lane.limits[place(regime).unwrap()].longest);
+        lane.next_step();
+        lane.attempt = Attempt::to_stop(duration * lane.longest);
         lane.stop = time + lane.attempt.size;
         let mut case = Case { lane, there: state(there) };
         // Peaks near those of the step.
@@ -188,7 +215,8 @@ prop_compose! {
 fn compare(law: impl Law, cases: &[Case]) -> Result<(), TestCaseError> {
     let runs: [&Lane; MOST_LANES] = std::array::from_fn(|i| &cases[i].lane);
     for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
-        let together = Together { law, short: false, runs, count: width.lanes() };
+        let pulses = &Pulses::of(width, false, &runs);
+        let together = Together { law, short: false, runs, count: width.lanes(), pulses };
         let found = width.run(Look { together, cases });
         for (found, case) in found.iter().zip(cases) {
             prop_assert_eq!(found, &case.alone(law), "{:?}", case);
