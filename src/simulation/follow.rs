@@ -12,7 +12,7 @@ use crate::numerics::scalar::{Elementary, Scalar};
 use crate::numerics::wide::{PlainTask, vectorized};
 use crate::numerics::{State, short};
 use crate::simulation::smooth_piece::SmoothPiece;
-use crate::simulation::stepping::{MOST_STEPS, StepStart};
+use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::System;
 use crate::system::evaluation::Motion;

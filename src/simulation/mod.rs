@@ -206,7 +206,7 @@ impl Simulation {
     ) -> Result<Progress, SimulationError> {
         let system = Arc::clone(&self.system);
         let block = &system.block;
-        let mut budget = stepping::MOST_STEPS;
+        let mut budget = smooth_piece::MOST_STEPS;
         while self.pose.time < until && self.ending.is_none() {
             let stop = self.pulse.next_kink(self.pose.time).map_or(until, |kink| kink.min(until));
             let excitation = Excitation::from_time(self.pose.time, inputs, &self.pulse, block);

@@ -1,10 +1,16 @@
-//! The stretch of a call over which the excitation is smooth.
+//! The stretches of a call over which the excitation is smooth, and the steps to the end of each.
 
 use std::cell::Cell;
+#[cfg(feature = "lanes")]
+use std::sync::Arc;
 
 use crate::block::Block;
 use crate::excitation::Excitation;
-use crate::simulation::AtEvent;
+use crate::numerics::control::is_resolved;
+#[cfg(feature = "lanes")]
+use crate::numerics::dop853::Step;
+use crate::simulation::{AtEvent, Simulation, SimulationError};
+use crate::system::events::Event;
 use crate::system::swing::Swing;
 
 /// A piece of time in which the excitation is smooth, and the treatment of events in it.
@@ -24,4 +30,134 @@ pub(super) struct SmoothPiece<'a> {
     pub(super) swing: Option<&'a Cell<Option<Swing>>>,
     /// The first swing from the present time, if it is already known.
     pub(super) known_swing: Option<&'a Swing>,
+}
+
+/// The history of the instant at which steps begin.
+#[derive(Clone, Copy)]
+pub(super) struct StepStart {
+    /// Whether the smooth piece begins here.
+    pub(super) of_piece: bool,
+    /// Whether a short step from exactly here has already made too great an error.
+    pub(super) short_failed: bool,
+}
+
+/// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
+pub(super) const MOST_STEPS: u64 = 2_000_000;
+
+/// A bound on the time that a call advances, relative to [`MOST_STEPS`] divided by the fastest circular frequency: far more than
+/// the longest step, and little enough that the clock resolves the motion.
+const OUT_OF_REACH: f64 = 1e3;
+
+impl Simulation {
+    /// Steps from the present time to `stop`, over which the excitation is smooth, or to the end of the run, or to an event at
+    /// which the motion is to stop.
+    pub(super) fn smooth_piece(
+        &mut self,
+        stop: f64,
+        block: &Block,
+        excitation: &Excitation,
+        budget: &mut u64,
+        at_event: AtEvent,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let (end, stop) = (stop, self.within_reach(stop));
+        let since = self.pose.time;
+        let piece = SmoothPiece {
+            block,
+            excitation,
+            since,
+            stop,
+            end,
+            at_event,
+            single: false,
+            swing: None,
+            known_swing: None,
+        };
+        self.counts.evaluations += 1;
+        self.all_steps(&piece, true, budget, observer)
+    }
+
+    /// Steps to the end of a piece, or of the run, or to an event at which the motion is to stop. `begins` tells whether the piece
+    /// begins here.
+    fn all_steps(
+        &mut self,
+        piece: &SmoothPiece,
+        begins: bool,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let mut start = StepStart { of_piece: begins, short_failed: false };
+        while self.pose.time < piece.stop && self.ending.is_none() && self.pending.is_none() {
+            self.steps(piece, start, None, budget, observer)?;
+            start.of_piece = false;
+        }
+        Ok(())
+    }
+
+    /// The rest of a smooth piece that ends at `stop`, of which steps may have been taken in lanes.
+    #[cfg(feature = "lanes")]
+    pub(super) fn rest_of_piece(
+        &mut self,
+        stop: f64,
+        excitation: &Excitation,
+        begins: bool,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let system = Arc::clone(&self.system);
+        let (block, since, end, at_event) = (&system.block, self.pose.time, stop, AtEvent::Apply);
+        let stop = self.within_reach(stop);
+        let piece = SmoothPiece {
+            block,
+            excitation,
+            since,
+            stop,
+            end,
+            at_event,
+            single: false,
+            swing: None,
+            known_swing: None,
+        };
+        self.all_steps(&piece, begins, budget, observer)
+    }
+
+    /// Replaces a stop so far away that the clock would not resolve the motion by one that no call reaches: by then the block
+    /// rests, or the call has failed.
+    fn within_reach(&self, stop: f64) -> f64 {
+        let Block { omega_v, p, .. } = *self.block();
+        let beyond = self.pose.time + OUT_OF_REACH * MOST_STEPS as f64 / omega_v.max(p);
+        if self.pose.time < beyond { stop.min(beyond) } else { stop }
+    }
+
+    /// A single step from the present time towards `stop`, over which the excitation is smooth: `accepted` or `known_swing`, if that is
+    /// already known.
+    #[cfg(feature = "lanes")]
+    #[expect(clippy::too_many_arguments, reason = "the step, in one of two forms")]
+    pub(super) fn single_step(
+        &mut self,
+        stop: f64,
+        excitation: &Excitation,
+        start: StepStart,
+        accepted: Option<&Step>,
+        known_swing: Option<&Swing>,
+        budget: &mut u64,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<(), SimulationError> {
+        let system = Arc::clone(&self.system);
+        let since = self.pose.time;
+        let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
+        let piece =
+            SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None, known_swing };
+        self.steps(&piece, start, accepted, budget, observer)
+    }
+
+    /// Takes a step from the budget of a call, or fails if none is left or the clock does not resolve the motion.
+    pub(super) fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
+        let time = self.pose.time;
+        if *budget == 0 || !is_resolved(piece.stop - time, longest) {
+            return Err(SimulationError::TooManySteps { time, until: piece.end, steps: MOST_STEPS - *budget });
+        }
+        *budget -= 1;
+        Ok(())
+    }
 }

@@ -1,36 +1,17 @@
-//! A smooth piece of the excitation → steps, the first event in each, peaks and energy sums.
+//! Steps of a smooth piece of the excitation → the first event in each, peaks and energy sums.
 
-#[cfg(feature = "lanes")]
-use std::sync::Arc;
-
-use crate::block::Regime;
-use crate::block::restraints;
-use crate::block::{Block, Foundation};
-use crate::excitation::Excitation;
-use crate::numerics::control::{
-    LONGEST, ShortStepTo, eighth_root, is_resolved, near_a_peak, short_factor, shortest, size_factor,
-};
+use crate::block::{Block, Foundation, Regime, restraints};
+use crate::numerics::control::{LONGEST, ShortStepTo, eighth_root, near_a_peak, short_factor, shortest, size_factor};
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::{EVALUATIONS_PER_SHORT_STEP, ShortStep};
 use crate::simulation::inside::{Between, Inside, MOST_TURN, SMALL_TURN, may_hold_event, turn_in_flight};
-use crate::simulation::smooth_piece::SmoothPiece;
+use crate::simulation::smooth_piece::{SmoothPiece, StepStart};
 use crate::simulation::step_end::{Finished, StepEnd};
-use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
+use crate::simulation::{Pending, Simulation, SimulationError};
 use crate::system::evaluation::{EXTENDED, Evaluation, Motion};
 use crate::system::events::{Event, Surface};
 use crate::system::instant::{Pose, Powers, State};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
-#[cfg(feature = "lanes")]
-use crate::system::swing::Swing;
-
-/// The history of the instant at which steps begin.
-#[derive(Clone, Copy)]
-pub(super) struct StepStart {
-    /// Whether the smooth piece begins here.
-    pub(super) of_piece: bool,
-    /// Whether a short step from exactly here has already made too great an error.
-    pub(super) short_failed: bool,
-}
 
 /// Limits of a step.
 #[derive(Clone, Copy, Debug)]
@@ -45,13 +26,6 @@ pub(super) struct Limits<const N: usize = 4> {
     pub(super) short_share: f64,
 }
 
-/// Maximum number of steps in a call. Reasonable calls take far fewer; one with this many ends in seconds.
-pub(super) const MOST_STEPS: u64 = 2_000_000;
-
-/// A bound on the time that a call advances, relative to [`MOST_STEPS`] divided by the fastest circular frequency: far more than
-/// the longest step, and little enough that the clock resolves the motion.
-const OUT_OF_REACH: f64 = 1e3;
-
 /// Frequent stops, as under a record, add up the errors of more steps than the motion needs. So a short step may make only a tenth
 /// of the error of others, in the motion and in the works, unless the tolerance is loose.
 const SHORT_SHARE: f64 = 0.1;
@@ -60,69 +34,6 @@ const SHORT_SHARE: f64 = 0.1;
 const LOOSE: f64 = 1e-6;
 
 impl Simulation {
-    /// Steps from the present time to `stop`, over which the excitation is smooth, or to the end of the run, or to an event at
-    /// which the motion is to stop.
-    pub(super) fn smooth_piece(
-        &mut self,
-        stop: f64,
-        block: &Block,
-        excitation: &Excitation,
-        budget: &mut u64,
-        at_event: AtEvent,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        let (end, stop) = (stop, self.within_reach(stop));
-        let since = self.pose.time;
-        let piece = SmoothPiece {
-            block,
-            excitation,
-            since,
-            stop,
-            end,
-            at_event,
-            single: false,
-            swing: None,
-            known_swing: None,
-        };
-        self.counts.evaluations += 1;
-        let mut start = StepStart { of_piece: true, short_failed: false };
-        while self.pose.time < stop && self.ending.is_none() && self.pending.is_none() {
-            self.steps(&piece, start, None, budget, observer)?;
-            start.of_piece = false;
-        }
-        Ok(())
-    }
-
-    /// Replaces a stop so far away that the clock would not resolve the motion by one that no call reaches: by then the block
-    /// rests, or the call has failed.
-    fn within_reach(&self, stop: f64) -> f64 {
-        let Block { omega_v, p, .. } = *self.block();
-        let beyond = self.pose.time + OUT_OF_REACH * MOST_STEPS as f64 / omega_v.max(p);
-        if self.pose.time < beyond { stop.min(beyond) } else { stop }
-    }
-
-    /// A single step from the present time towards `stop`, over which the excitation is smooth: `accepted` or `known_swing`, if that is
-    /// already known.
-    #[cfg(feature = "lanes")]
-    #[expect(clippy::too_many_arguments, reason = "the step, in one of two forms")]
-    pub(super) fn single_step(
-        &mut self,
-        stop: f64,
-        excitation: &Excitation,
-        start: StepStart,
-        accepted: Option<&Step>,
-        known_swing: Option<&Swing>,
-        budget: &mut u64,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        let system = Arc::clone(&self.system);
-        let since = self.pose.time;
-        let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
-        let piece =
-            SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None, known_swing };
-        self.steps(&piece, start, accepted, budget, observer)
-    }
-
     /// Steps under the present law to the end of the piece, or of the law. The first one is `accepted`, if that is already known.
     #[inline(always)]
     pub(super) fn steps(
@@ -244,16 +155,6 @@ impl Simulation {
         self.pose.state[1] = 0.0;
         self.pose.state[3] = 0.0;
         self.events_in_this_instant = 0;
-    }
-
-    /// Takes a step from the budget of a call, or fails if none is left or the clock does not resolve the motion.
-    pub(super) fn spend(&self, budget: &mut u64, piece: &SmoothPiece, longest: f64) -> Result<(), SimulationError> {
-        let time = self.pose.time;
-        if *budget == 0 || !is_resolved(piece.stop - time, longest) {
-            return Err(SimulationError::TooManySteps { time, until: piece.end, steps: MOST_STEPS - *budget });
-        }
-        *budget -= 1;
-        Ok(())
     }
 
     /// Makes an instant of the motion the present one; `work` was done on the way, per unit mass.

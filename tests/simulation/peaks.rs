@@ -1,5 +1,7 @@
 //! Peaks: found inside steps of any length, and independently of each other.
 
+use std::f64::consts::FRAC_PI_3;
+
 use rocking_block::excitation::{Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::simulation::peaks::{self, Peaks};
 use rocking_block::simulation::{Initial, Simulation};
@@ -126,6 +128,31 @@ fn peaks_come_from_inside_swings() {
         for (i, (long, short)) in peaks(1).into_iter().zip(peaks(3000)).enumerate() {
             assert!((long / short - 1.0).abs() < 10.0 * tolerance, "peak {i}: {long}, in short swings {short}");
         }
+    }
+}
+
+/// Where the reaction nearly vanishes inside a swing, the friction demand has a sharp peak in the hundreds or thousands. Long swings
+/// find it as many short ones do.
+#[test]
+fn a_sharp_peak_of_the_friction_demand_is_found() {
+    for (p, shape, least) in [
+        (3.235_436_893_203_883_3, PulseShape::OneSine, 1000.0),
+        (2.909_950_882_299_436, PulseShape::OneCosine, 1000.0),
+        (3.155_029_585_798_817, PulseShape::C2, 200.0),
+    ] {
+        let pulse = Pulse { shape, amplitude: 4.375, period: FRAC_PI_3, start: 0.0, ..Pulse::NONE };
+        let demand = |stops: u32| {
+            let mut simulation = start(rigid(0.2, p, 0.0), pulse, Initial::default(), 1e-9);
+            for stop in 1..=stops {
+                go(&mut simulation, 6.0 * f64::from(stop) / f64::from(stops));
+            }
+            simulation.peaks().friction_demand
+        };
+        let [long, short] = [1, 3000].map(demand);
+        assert!(
+            short > least && (long / short - 1.0).abs() < 1e-7,
+            "p = {p}, {shape:?}: {long}, in short swings {short}"
+        );
     }
 }
 

@@ -17,7 +17,8 @@ use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
 use crate::numerics::wide::VectorWidth;
 use crate::simulation::peaks::Peaks;
-use crate::simulation::stepping::{Limits, MOST_STEPS, StepStart};
+use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
+use crate::simulation::stepping::Limits;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::events::{Event, Surface};
 use crate::system::forces;
@@ -303,9 +304,9 @@ impl Lane {
         Some(Kind::Step { regime, short: false })
     }
 
-    /// Takes a step alone, and reports each event to `observer`.
+    /// Takes a step alone, or on the rigid base the rest of a long piece, and reports each event to `observer`.
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let landing = self.take_landing();
+        let (landing, goes_far) = (self.take_landing(), self.goes_far());
         let Lane { simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
         let on_supports = simulation.system.block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
@@ -314,6 +315,8 @@ impl Lane {
         };
         let done = if let Some(surface) = landing {
             simulation.apply_alone(surface, &excitation, observer)
+        } else if !on_supports && goes_far {
+            simulation.rest_of_piece(*stop, &excitation, std::mem::take(begins), budget, observer)
         } else {
             let start = StepStart { of_piece: *begins, short_failed: *short_failed };
             (*begins, *short_failed) = (false, false);

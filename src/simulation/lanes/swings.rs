@@ -193,9 +193,16 @@ impl Lane {
     #[inline]
     pub(super) fn swing_kind(&self) -> Option<Kind> {
         let Swinging { excitation, longest, .. } = &self.swinging;
-        let can =
-            excitation.has_series() && self.budget > 0 && is_resolved(self.stop - self.simulation.pose.time, *longest);
-        can.then(|| Kind::Swing { is_wave: !excitation.is_linear() })
+        let remaining = self.stop - self.simulation.pose.time;
+        let can = excitation.has_series() && self.budget > 0 && is_resolved(remaining, *longest);
+        (can && !self.goes_far()).then(|| Kind::Swing { is_wave: !excitation.is_linear() })
+    }
+
+    /// Whether the rest of the piece takes several swings. Between frequent stops most swings end without a peak or an event; long ones hold
+    /// them, and are faster one after the other in the same run.
+    #[inline]
+    pub(super) fn goes_far(&self) -> bool {
+        self.stop - self.simulation.pose.time > self.swinging.longest
     }
 
     /// Whether the block has come down in a lane, and its impact is to be applied.
