@@ -44,8 +44,10 @@ pub fn added_to<P: Scalar, T: CombinesWith<P>>(block: &Block<P>, forcing: Forcin
 pub fn joined<T: Copy, const N: usize, const M: usize, const K: usize>(first: [T; N], second: [T; M]) -> [T; K] {
     const { assert!(N + M == K) };
     let mut all = [first[0]; K];
-    all[..N].copy_from_slice(&first);
-    all[N..].copy_from_slice(&second);
+    // Number by number they stay in registers.
+    for i in 0..K {
+        all[i] = if i < N { first[i] } else { second[i - N] };
+    }
     all
 }
 
