@@ -32,7 +32,7 @@ pub struct Step<R: Real = f64, const N: usize = 4> {
 /// Number of evaluations of the right-hand side per attempted step, without the first stage, which is known.
 pub const EVALUATIONS_PER_STEP: u64 = 11;
 
-/// Number of stages, of which the first is at the beginning of the step.
+/// Number of stages, with the one at the beginning of the step.
 pub const STAGES: usize = 12;
 
 /// Returns the time of a stage.

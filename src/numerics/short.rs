@@ -6,7 +6,7 @@ use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, Stages, State}
 /// Number of evaluations of the right-hand side in a short step, without those at its ends.
 pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
 
-/// Number of stages, of which the first is at the beginning of the step.
+/// Number of stages, with the one at the beginning of the step.
 pub const STAGES: usize = 6;
 
 /// Returns the time of a stage.

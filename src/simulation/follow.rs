@@ -78,17 +78,8 @@ impl Steps {
         let excitation = Excitation::from_time(time, inputs, &simulation.pulse, &simulation.system.block);
         let start = StepStart { of_piece: std::mem::take(&mut self.begins), short_failed: false };
         let (system, swing) = (Arc::clone(&simulation.system), Cell::new(None));
-        let piece = SmoothPiece {
-            block: &system.block,
-            excitation: &excitation,
-            since: time,
-            stop: self.stop,
-            end: self.stop,
-            at_event: AtEvent::Stop,
-            single: true,
-            swing: Some(&swing),
-            known_swing: None,
-        };
+        let piece = SmoothPiece::new(&system.block, &excitation, time, [self.stop; 2], AtEvent::Stop);
+        let piece = SmoothPiece { single: true, swing: Some(&swing), ..piece };
         simulation.steps(&piece, start, None, &mut self.budget, &mut |_| ())?;
         let evaluations = simulation.counts.evaluations - counts.evaluations;
         if simulation.pose.time == time {

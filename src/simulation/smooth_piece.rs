@@ -32,6 +32,19 @@ pub(super) struct SmoothPiece<'a> {
     pub(super) known_swing: Option<&'a Swing>,
 }
 
+impl<'a> SmoothPiece<'a> {
+    /// The piece from `since` to a stop and an end (s), with all its steps.
+    pub(super) fn new(
+        block: &'a Block,
+        excitation: &'a Excitation,
+        since: f64,
+        [stop, end]: [f64; 2],
+        at_event: AtEvent,
+    ) -> SmoothPiece<'a> {
+        SmoothPiece { block, excitation, since, stop, end, at_event, single: false, swing: None, known_swing: None }
+    }
+}
+
 /// The history of the instant at which steps begin.
 #[derive(Clone, Copy)]
 pub(super) struct StepStart {
@@ -62,17 +75,7 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let (end, stop) = (stop, self.within_reach(stop));
         let since = self.pose.time;
-        let piece = SmoothPiece {
-            block,
-            excitation,
-            since,
-            stop,
-            end,
-            at_event,
-            single: false,
-            swing: None,
-            known_swing: None,
-        };
+        let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
         self.counts.evaluations += 1;
         self.all_steps(&piece, true, budget, observer)
     }
@@ -94,7 +97,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The rest of a smooth piece that ends at `stop`, of which steps may have been taken in lanes.
+    /// The rest of a smooth piece that ends at `stop`. Lanes may have taken steps of it.
     #[cfg(feature = "lanes")]
     pub(super) fn rest_of_piece(
         &mut self,
@@ -107,17 +110,7 @@ impl Simulation {
         let system = Arc::clone(&self.system);
         let (block, since, end, at_event) = (&system.block, self.pose.time, stop, AtEvent::Apply);
         let stop = self.within_reach(stop);
-        let piece = SmoothPiece {
-            block,
-            excitation,
-            since,
-            stop,
-            end,
-            at_event,
-            single: false,
-            swing: None,
-            known_swing: None,
-        };
+        let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
         self.all_steps(&piece, begins, budget, observer)
     }
 
@@ -146,8 +139,8 @@ impl Simulation {
         let system = Arc::clone(&self.system);
         let since = self.pose.time;
         let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
-        let piece =
-            SmoothPiece { block, excitation, since, stop, end, at_event, single: true, swing: None, known_swing };
+        let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
+        let piece = SmoothPiece { single: true, known_swing, ..piece };
         self.steps(&piece, start, accepted, budget, observer)
     }
 

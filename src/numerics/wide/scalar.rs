@@ -107,7 +107,8 @@ fn cosine<V: Simd>(z: Wide<V>, rest: Wide<V>) -> Wide<V> {
 
 /// Sine and cosine of any angles, with the operations of `libm::sincos` in their order: the nearest multiple of π/2 is subtracted as in
 /// FreeBSD's e_rem_pio2.c (Copyright (C) 1993 by Sun Microsystems, Inc., as above), where that takes one round. The other lanes are left
-/// to `libm`: large angles, those very near a multiple of π/2, and those between two multiples, of which it may take another one.
+/// to `libm`: large angles, those very near a multiple of π/2, and those about halfway between two multiples, where it may
+/// choose the other one.
 #[inline(always)]
 fn in_quadrants<V: Simd>(x: Wide<V>) -> (Wide<V>, Wide<V>) {
     const HALF_PI: [f64; 2] = [1.5707963267341256, 6.077100506506192e-11];

@@ -12,7 +12,7 @@ const MOST_STAGES: usize = 12;
 
 /// Accelerations (m/s²) by the pulses of a group in a step; zeros in lanes without one.
 pub struct Pulses {
-    /// At the times of the stages, the first of which is the beginning.
+    /// At the times of the stages; the first is the beginning.
     pub stages: [Array; MOST_STAGES],
     /// At the end.
     pub end: Array,
