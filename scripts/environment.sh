@@ -14,8 +14,10 @@ case ${OSTYPE:-} in
 msys* | cygwin*) python=.venv/Scripts/python.exe system_python=python ;;
 *) python=.venv/bin/python system_python=python3 ;;
 esac
-# rust-fmi's tests need libclang, and the engine of the Python package is tested from Python.
-cargo_test=(cargo test --workspace --exclude importer-tests --exclude rocking-block-python --locked)
+# Optimized, so that they share the libraries of `cargo run --release`: a package whose dependencies have other features, as those
+# left out here, would have these compiled once more. The engine of the Python package is tested from Python.
+cargo_test=(cargo test --release --locked --workspace
+  --exclude importer-tests --exclude packaging --exclude rocking-benches --exclude rocking-block-fmu3-wasm --exclude rocking-block-python)
 made=$PWD/${CARGO_TARGET_DIR:-target}/release
 
 # Runs a command under a heading, and prints its duration and its CPU time.

@@ -1,6 +1,6 @@
-//! Times of the solver's parts and of whole runs: `cargo bench --bench solver`.
+//! Times of the solver's parts and of whole runs: `cargo bench -p rocking-benches --bench solver`.
 
-#[path = "../../../tests/common/fmu.rs"]
+#[path = "../tests/common/fmu.rs"]
 #[allow(dead_code, reason = "the tests use the rest")]
 mod fmu;
 

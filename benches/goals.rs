@@ -1,8 +1,8 @@
-//! Overheads around the solver, as ratios of times measured in turn: `cargo bench --bench goals [-- RECORD [BLOCKS]]`.
+//! Overheads around the solver, as ratios of times measured in turn: `cargo bench -p rocking-benches --bench goals [-- RECORD [BLOCKS]]`.
 //!
 //! RECORD replaces the embedded accelerogram; BLOCKS is the number of blocks of the spectrum.
 
-#[path = "../../../tests/common/fmu.rs"]
+#[path = "../tests/common/fmu.rs"]
 #[allow(dead_code, reason = "the tests use the rest")]
 mod fmu;
 

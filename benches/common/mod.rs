@@ -23,7 +23,7 @@ pub fn block(foundation: Foundation) -> Block {
 
 /// Loma Prieta 1989, of the USGS.
 pub fn loma_prieta() -> Ground {
-    let bytes = include_bytes!("../../../../records/np01002p_4225a_a.smc");
+    let bytes = include_bytes!("../../records/np01002p_4225a_a.smc");
     let record = rocking_records::parse("np01002p_4225a_a.smc", bytes, &ReadOptions::default()).expect("a record");
     Ground { horizontal: Some(record), vertical: None }
 }
