@@ -26,15 +26,13 @@ pub struct Restraints<T = f64> {
     pub ties: Ties<T>,
 }
 
-impl<T: From<f64> + Copy> Restraints<T> {
+impl<T> Restraints<T> {
     /// No restraint.
     #[inline(always)]
     pub fn none() -> Restraints<T> {
-        Restraints { ties: Ties::none() }
+        Restraints { ties: Ties::Nothing }
     }
-}
 
-impl<T> Restraints<T> {
     /// Whether there is none.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {

@@ -50,32 +50,28 @@ pub struct Tie<T = f64> {
     pub strength: T,
 }
 
-/// The ties of a block, at most [`MOST_TIES`].
+/// The ties of a block, at most [`MOST_TIES`]. Without any there is nothing to write in a step of lanes, which makes blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ties<T = f64> {
-    ties: [Tie<T>; MOST_TIES],
-    count: usize,
+pub enum Ties<T = f64> {
+    /// No tie.
+    Nothing,
+    /// The first `count` of these.
+    Some {
+        /// The ties, and copies of the last one.
+        ties: [Tie<T>; MOST_TIES],
+        /// Their number.
+        count: usize,
+    },
 }
 
-impl<T: From<f64> + Copy> Ties<T> {
-    /// No tie.
-    #[inline(always)]
-    pub fn none() -> Ties<T> {
-        let zero = T::from(0.0);
-        // In full, since the lanes would not inline functions that take others.
-        let (ends, [stiffness, pretension, slack, damping, strength]) = ([zero; 2], [zero; 5]);
-        let none = Tie { block: ends, ground: ends, stiffness, pretension, slack, damping, strength };
-        Ties { ties: [none; MOST_TIES], count: 0 }
-    }
-
+impl<T: Copy> Ties<T> {
     /// These ties, which are not checked; none beyond [`MOST_TIES`].
     pub fn of(ties: &[Tie<T>]) -> Ties<T> {
-        let mut of = Ties::none();
-        for (place, tie) in of.ties.iter_mut().zip(ties) {
-            *place = *tie;
-            of.count += 1;
+        let Some(&last) = ties.last() else { return Ties::Nothing };
+        Ties::Some {
+            ties: std::array::from_fn(|number| ties.get(number).copied().unwrap_or(last)),
+            count: ties.len().min(MOST_TIES),
         }
-        of
     }
 }
 
@@ -83,13 +79,16 @@ impl<T> Ties<T> {
     /// The ties.
     #[inline(always)]
     pub fn all(&self) -> &[Tie<T>] {
-        &self.ties[..self.count.min(MOST_TIES)]
+        match self {
+            Ties::Nothing => &[],
+            Ties::Some { ties, count } => &ties[..(*count).min(MOST_TIES)],
+        }
     }
 
     /// Whether there is none.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
-        self.count == 0
+        matches!(self, Ties::Nothing)
     }
 }
 
