@@ -1,11 +1,12 @@
 //! A step → the motion between its ends, and the first surface through which it falls.
 
-use crate::block::{Block, Foundation, Regime};
+use crate::block::{Block, Corner, Foundation, Regime};
 use crate::numerics::Rate;
 use crate::numerics::dop853::{DenseOutput, EVALUATIONS_OF_DENSE_OUTPUT, Step};
 use crate::numerics::roots::{self, Sample};
+use crate::simulation::peaks::{Channel, Channels};
 use crate::system::evaluation::{Evaluation, Motion};
-use crate::system::events::{Surface, quarter_turn, watched, watched_beyond};
+use crate::system::events::{Surface, landing, lift_off, quarter_turn, watched, watched_beyond};
 use crate::system::instant::{Powers, State};
 use crate::system::law::Law;
 use crate::system::swing::Swing;
@@ -143,7 +144,7 @@ pub(super) enum Between<'s, const N: usize = 4> {
     /// A dense output that is known.
     Known(DenseOutput<N>),
     /// The dense output of a step with this rate at its end, computed when it is first asked for.
-    Within(&'s Step<f64, N>, Rate<f64, N>),
+    Within(&'s Step<N>, Rate<f64, N>),
     /// A swing about a corner of the rigid base, from this time (s) on.
     Swing(f64, &'s Swing),
 }
@@ -181,14 +182,67 @@ impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
         }
     }
 
+    /// Whether the compiler knows the law, of a block on supports, and leaves out what a single quantity does not need.
+    #[inline(always)]
+    fn is_on_supports(&self) -> bool {
+        L::KNOWN && self.motion.law().foundation() == Foundation::Viscoelastic
+    }
+
     /// The function of a surface `elapsed` seconds after the beginning of the step.
     #[inline]
     fn sample(&mut self, surface: Surface, elapsed: f64) -> Sample {
-        if surface == Surface::QuarterTurn {
-            let state = self.state(elapsed);
-            return quarter_turn::rest([state[0], state[1]]);
+        match surface {
+            Surface::QuarterTurn => {
+                let state = self.state(elapsed);
+                quarter_turn::rest([state[0], state[1]])
+            }
+            Surface::Reaction(corner) if self.is_on_supports() => self.reaction(corner, elapsed),
+            Surface::Gap(corner) if self.is_on_supports() => self.gap(corner, elapsed),
+            _ => surface.sample(&self.at(elapsed)),
         }
-        surface.sample(&self.at(elapsed))
+    }
+
+    #[inline(never)]
+    fn reaction(&mut self, corner: Corner, elapsed: f64) -> Sample {
+        let now = self.at_inlined(elapsed);
+        lift_off::on_support(now.block, &now.instant, corner)
+    }
+
+    #[inline(never)]
+    fn gap(&mut self, corner: Corner, elapsed: f64) -> Sample {
+        let now = self.at_inlined(elapsed);
+        landing::gap(&now.instant, now.support_heights, corner)
+    }
+
+    /// A candidate of [`Channels::candidates`], with its channel, `elapsed` seconds after the beginning of the step.
+    #[inline]
+    pub(super) fn candidate(&mut self, channel: Channel, number: usize, elapsed: f64) -> Sample {
+        let channels = match channel {
+            Channel::Theta => {
+                let state = self.state(elapsed);
+                Channels { theta: Sample { value: state[0], rate: state[1] }, ..Channels::default() }
+            }
+            Channel::Reaction | Channel::Horizontal | Channel::FrictionDemand if self.is_on_supports() => {
+                self.forces(elapsed)
+            }
+            Channel::Uplift if self.is_on_supports() => self.uplift(elapsed),
+            _ => self.at(elapsed).channels(),
+        };
+        channels.candidates()[number].1
+    }
+
+    /// The channels that are forces or their ratio, and zeros.
+    #[inline(never)]
+    fn forces(&mut self, elapsed: f64) -> Channels {
+        let Channels { reaction, horizontal, friction_demand, .. } = self.at_inlined(elapsed).channels_inlined();
+        Channels { reaction, horizontal, friction_demand, ..Channels::default() }
+    }
+
+    /// The heights of the corners above their supports, and zeros.
+    #[inline(never)]
+    fn uplift(&mut self, elapsed: f64) -> Channels {
+        let Channels { uplift, .. } = self.at_inlined(elapsed).channels_inlined();
+        Channels { uplift, ..Channels::default() }
     }
 
     /// The works from the beginning of the step to `elapsed`.
@@ -202,6 +256,11 @@ impl<'a, L: Law, const N: usize> Inside<'_, 'a, L, N> {
     /// The block `elapsed` seconds after the beginning of the step.
     #[inline(never)]
     pub(super) fn at(&mut self, elapsed: f64) -> Evaluation<'a> {
+        self.at_inlined(elapsed)
+    }
+
+    #[inline(always)]
+    fn at_inlined(&mut self, elapsed: f64) -> Evaluation<'a> {
         let start = match self.between {
             Between::Swing(start, _) => start,
             Between::Known(_) | Between::Within(..) => self.dense().time,

@@ -161,23 +161,21 @@ impl Peaks {
         may
     }
 
-    /// Includes a step of `duration` between two instants. `inside` gives the values at a time after the first one and is called
-    /// only if a peak may be inside.
+    /// Includes a step of `duration` between two instants. `inside` gives a candidate of a channel at a time after the first one and is
+    /// called only if a peak may be inside.
     #[inline(always)]
     pub fn include_step(
         &mut self,
         start: &Channels,
         end: &Channels,
         duration: f64,
-        mut inside: impl FnMut(f64) -> Channels,
+        mut inside: impl FnMut(Channel, usize, f64) -> Sample,
     ) {
-        let mut greatest =
-            |i: usize, most, start, end| greatest(most, start, end, duration, |t| inside(t).candidates()[i].1);
         each_candidate!(|i| {
             let ((channel, start), (_, end)) = (start.candidates()[i], end.candidates()[i]);
             let most = self.of(channel);
             if start.value > most || end.value > most || may_rise_inside(most, start, end, duration) {
-                self.raise(channel, greatest(i, most, start, end));
+                self.raise(channel, greatest(most, start, end, duration, |elapsed| inside(channel, i, elapsed)));
             }
         });
     }

@@ -125,7 +125,9 @@ impl Simulation {
             return;
         }
         let [start, end] = self.channels_at_ends(here, there, near);
-        self.peaks.include_step(&start, &end, duration, |after| inside.at(after).channels());
+        self.peaks.include_step(&start, &end, duration, |channel, number, elapsed| {
+            inside.candidate(channel, number, elapsed)
+        });
     }
 
     /// The channels at both ends of a step. The rates of H and of the friction demand, and those of the
