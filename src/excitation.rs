@@ -93,6 +93,14 @@ impl Inputs {
         self.with(end, |a, b| Ramp { value: a.value, rate: (b.value - a.value) / duration })
     }
 
+    /// Whether there are no loads.
+    #[cfg(feature = "lanes")]
+    #[inline]
+    pub fn is_ground_motion(&self) -> bool {
+        let Inputs { f_x, f_z, m_y, .. } = self;
+        [f_x, f_z, m_y].iter().all(|load| load.value == 0.0 && load.rate == 0.0)
+    }
+
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         let Inputs { time, a_gx, a_gz, f_x, f_z, m_y } = self;

@@ -8,25 +8,24 @@ use crate::numerics::coefficients::{NODES, combine, dense, difference, increment
 use crate::numerics::numbers::Numbers;
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, Stages, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
 
 /// An attempted step with all its stages, which the dense output needs.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<R: Real = f64, const N: usize = 4> {
+pub struct Step<const N: usize = 4> {
     /// Time at its beginning (s).
-    pub time: R,
+    pub time: f64,
     /// Its size (s).
-    pub size: R,
+    pub size: f64,
     /// Time at its end (s).
-    pub end_time: R,
+    pub end_time: f64,
     /// State at its beginning.
-    pub start: State<R, N>,
+    pub start: State<f64, N>,
     /// State at its end.
-    pub end: State<R, N>,
+    pub end: State<f64, N>,
     /// Integrals of the quadratures over the step.
-    pub work: Quadratures<R>,
-    stages: [State<R, N>; 12],
-    quadratures: [Quadratures<R>; 12],
+    pub work: Quadratures,
+    rates: StageRates<f64, N>,
 }
 
 /// Number of evaluations of the right-hand side per attempted step, without the first stage, which is known.
@@ -44,81 +43,76 @@ pub fn stage_time<R: Scalar>(time: R, size: R, stage: usize) -> R {
 /// Number of evaluations for the dense output of a step.
 pub const EVALUATIONS_OF_DENSE_OUTPUT: u64 = 3;
 
-impl<R: Real, const N: usize> Step<R, N> {
+impl<const N: usize> Step<N> {
     /// Takes a step of `size` from `start` with known rate there. The right-hand side is evaluated
     /// [`EVALUATIONS_PER_STEP`] times, not at the end.
     #[inline(always)]
     pub fn attempt(
-        time: R,
-        size: R,
-        start: State<R, N>,
-        first: Rate<R, N>,
-        equations: &impl Equations<R, N>,
-    ) -> Step<R, N> {
-        let (mut k, mut q) = Step::begin(first);
+        time: f64,
+        size: f64,
+        start: State<f64, N>,
+        first: Rate<f64, N>,
+        equations: &impl Equations<f64, N>,
+    ) -> Step<N> {
+        let mut rates = StageRates::beginning_with(first);
+        let k = &mut rates.states;
         macro_rules! stages {
             ($($i:tt)*) => {$({
                 let Rate { state, quadratures } = equations.rate(time + size * NODES[$i], &(start + increment!(k, $i).times(size)));
-                (k[$i], q[$i]) = (state, quadratures);
+                (k[$i], rates.quadratures[$i]) = (state, quadratures);
             })*};
         }
         stages!(1 2 3 4 5 6 7 8 9 10 11);
-        Step::finish(time, size, start, k, q)
+        let (end, work) = at_end(size, start, &rates);
+        Step { time, size, end_time: time + size, start, end, work, rates }
     }
 
-    /// Takes the same step in a loop with one copy of the right-hand side, which compiles faster. With single numbers it takes twice the
-    /// time.
+    /// Estimated error of the step, see [`error`].
     #[inline(always)]
-    pub fn attempt_in_loop(
-        time: R,
-        size: R,
-        start: State<R, N>,
-        first: Rate<R, N>,
-        equations: &impl Stages<R, N>,
-    ) -> Step<R, N> {
-        let (mut k, mut q) = Step::begin(first);
-        for stage in 1..12 {
-            let Rate { state, quadratures } =
-                equations.rate_at(stage, stage_time(time, size, stage), &(start + increment(&k, stage).times(size)));
-            (k[stage], q[stage]) = (state, quadratures);
-        }
-        Step::finish(time, size, start, k, q)
+    pub fn error(&self, weights: State<f64, N>) -> f64 {
+        error(&self.rates, self.size, weights)
     }
+}
 
-    #[inline(always)]
-    fn begin(first: Rate<R, N>) -> ([State<R, N>; 12], [Quadratures<R>; 12]) {
-        let mut k = [State::zeros(); 12];
-        let mut q = [Quadratures::zeros(); 12];
-        (k[0], q[0]) = (first.state, first.quadratures);
-        (k, q)
+/// Takes the step of [`Step::attempt`] in a loop with one copy of the right-hand side, which compiles faster; with single numbers it takes
+/// twice the time. Returns the state at its end and the work. `rates` begins with that at `start` and receives those of all stages.
+#[inline(always)]
+pub fn attempt_in_loop<R: Real, const N: usize>(
+    time: R,
+    size: R,
+    start: State<R, N>,
+    rates: &mut StageRates<R, N>,
+    equations: &impl Stages<R, N>,
+) -> (State<R, N>, Quadratures<R>) {
+    for stage in 1..12 {
+        let state = start + increment(&rates.states, stage).times(size);
+        let Rate { state, quadratures } = equations.rate_at(stage, stage_time(time, size, stage), &state);
+        (rates.states[stage], rates.quadratures[stage]) = (state, quadratures);
     }
+    at_end(size, start, rates)
+}
 
-    #[inline(always)]
-    fn finish(time: R, size: R, start: State<R, N>, k: [State<R, N>; 12], q: [Quadratures<R>; 12]) -> Step<R, N> {
-        Step {
-            time,
-            size,
-            end_time: time + size,
-            start,
-            end: start + increment!(k, 12).times(size),
-            work: increment!(q, 12).times(size),
-            stages: k,
-            quadratures: q,
-        }
-    }
+/// State and work at the end of a step with these rates.
+#[inline(always)]
+fn at_end<R: Real, const N: usize>(
+    size: R,
+    start: State<R, N>,
+    rates: &StageRates<R, N>,
+) -> (State<R, N>, Quadratures<R>) {
+    (start + increment!(rates.states, 12).times(size), increment!(rates.quadratures, 12).times(size))
+}
 
-    /// Estimated error of the step, in units of the allowed error: a step above 1 is repeated.
-    ///
-    /// `weights` are the reciprocals of the errors allowed in each component of the state. NaN if a stage is NaN; such a step is repeated,
-    /// too.
-    #[inline(always)]
-    pub fn error(&self, weights: State<R, N>) -> R {
-        let fifth = difference!(self.stages, 5).weighted(weights).square();
-        let third = difference!(self.stages, 3).weighted(weights).square();
-        let denominator = fifth + third * 0.01;
-        // Zero where both are; a sum that is no number is not positive either, and stays none.
-        R::select_less(R::from(0.0), denominator, self.size * fifth / denominator.sqrt(), denominator)
-    }
+/// Returns the estimated error of a step with these rates, in units of the allowed error: a step above 1 is repeated.
+///
+/// `weights` are the reciprocals of the errors allowed in each component of the state. NaN if a stage is NaN; such a step is repeated,
+/// too.
+#[inline(always)]
+pub fn error<R: Real, const N: usize>(rates: &StageRates<R, N>, size: R, weights: State<R, N>) -> R {
+    let fifth = difference!(rates.states, 5).weighted(weights).square();
+    let third = difference!(rates.states, 3).weighted(weights).square();
+    let denominator = fifth + third * 0.01;
+    // Zero where both are; a sum that is no number is not positive either, and stays none.
+    R::select_less(R::from(0.0), denominator, size * fifth / denominator.sqrt(), denominator)
 }
 
 /// The sum of the weighted stages that leads to a stage from 1 to 11.
@@ -196,37 +190,42 @@ fn followed<T: Scalar, const N: usize, const STAGES: usize>(
 }
 
 #[cfg(feature = "lanes")]
-impl<V: Simd, const N: usize> Step<Wide<V>, N> {
-    /// Returns the step of one lane.
+impl Step {
+    /// Returns the step of one lane of vectors, from its beginning, size, end and work, and the rates of the stages.
     #[inline(always)]
-    pub fn of_lane(&self, lane: usize) -> Step<f64, N> {
-        let mut stages = [State::zeros(); 12];
-        let mut quadratures = [Quadratures::zeros(); 12];
-        for stage in 0..12 {
-            stages[stage] = self.stages[stage].of_lane(lane);
-            quadratures[stage] = self.quadratures[stage].of_lane(lane);
+    pub fn of_lane<V: Simd>(
+        lane: usize,
+        [time, size]: [Wide<V>; 2],
+        [start, end]: [State<Wide<V>>; 2],
+        work: Quadratures<Wide<V>>,
+        rates: &StageRates<Wide<V>, 4>,
+    ) -> Step {
+        let [time, size] = [time.of_lane(lane), size.of_lane(lane)];
+        let mut of_lane = StageRates::beginning_with(Rate::default());
+        for stage in 0..STAGES {
+            of_lane.states[stage] = rates.states[stage].of_lane(lane);
+            of_lane.quadratures[stage] = rates.quadratures[stage].of_lane(lane);
         }
         Step {
-            time: self.time.of_lane(lane),
-            size: self.size.of_lane(lane),
-            end_time: self.end_time.of_lane(lane),
-            start: self.start.of_lane(lane),
-            end: self.end.of_lane(lane),
-            work: self.work.of_lane(lane),
-            stages,
-            quadratures,
+            time,
+            size,
+            end_time: time + size,
+            start: start.of_lane(lane),
+            end: end.of_lane(lane),
+            work: work.of_lane(lane),
+            rates: of_lane,
         }
     }
 }
 
-impl<const N: usize> Step<f64, N> {
+impl<const N: usize> Step<N> {
     /// Returns the motion inside the step, after three evaluations. `end` is the rate at the end.
     #[inline(never)]
     pub fn dense(&self, end: Rate<f64, N>, equations: &impl Equations<f64, N>) -> DenseOutput<N> {
         let mut k = [State::zeros(); 16];
         let mut q = [Quadratures::zeros(); 16];
-        k[..12].copy_from_slice(&self.stages);
-        q[..12].copy_from_slice(&self.quadratures);
+        k[..12].copy_from_slice(&self.rates.states);
+        q[..12].copy_from_slice(&self.rates.quadratures);
         (k[12], q[12]) = (end.state, end.quadratures);
         macro_rules! stages {
             ($($i:tt)*) => {$({

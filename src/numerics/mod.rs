@@ -47,6 +47,23 @@ pub struct Rate<R: Scalar = f64, const N: usize = 4> {
     pub quadratures: Quadratures<R>,
 }
 
+/// Rates at the stages of a step; the first stage is its beginning.
+#[derive(Clone, Copy, Debug)]
+pub struct StageRates<R: Scalar, const N: usize, const STAGES: usize = 12> {
+    /// Of the state.
+    pub states: [State<R, N>; STAGES],
+    /// Of the quadratures.
+    pub quadratures: [Quadratures<R>; STAGES],
+}
+
+impl<R: Scalar, const N: usize, const STAGES: usize> StageRates<R, N, STAGES> {
+    /// Rates of which only the first is known.
+    #[inline(always)]
+    pub fn beginning_with(first: Rate<R, N>) -> Self {
+        StageRates { states: [first.state; STAGES], quadratures: [first.quadratures; STAGES] }
+    }
+}
+
 /// A right-hand side.
 ///
 /// Steps are one piece of machine code with it, inlined into each of their stages: its result is in registers then. A

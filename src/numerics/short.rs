@@ -1,7 +1,7 @@
 //! A step of order 5 to a stop close ahead. It has no dense output: its ends alone bound the motion inside.
 
 use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_end_difference, short_increment};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, Stages, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
 
 /// Number of evaluations of the right-hand side in a short step, without those at its ends.
 pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
@@ -17,89 +17,97 @@ pub fn stage_time<R: Scalar>(time: R, size: R, stage: usize) -> R {
 
 /// A step of Tsitouras' pair 5(4).
 #[derive(Clone, Copy, Debug)]
-pub struct ShortStep<R: Real = f64, const N: usize = 4> {
+pub struct ShortStep<const N: usize = 4> {
     /// State at its end.
-    pub end: State<R, N>,
+    pub end: State<f64, N>,
     /// Integrals of the quadratures over the step.
-    pub work: Quadratures<R>,
-    size: R,
+    pub work: Quadratures,
+    size: f64,
     /// Error estimate over the size of the step, without the share of the rate at its end.
-    of_stages: Rate<R, N>,
+    of_stages: Rate<f64, N>,
 }
 
-impl<R: Real, const N: usize> ShortStep<R, N> {
+impl<const N: usize> ShortStep<N> {
     /// Takes a step of `size` from `start` with known rate there.
     #[inline(always)]
     pub fn attempt(
-        time: R,
-        size: R,
-        start: State<R, N>,
-        first: Rate<R, N>,
-        equations: &impl Equations<R, N>,
-    ) -> ShortStep<R, N> {
-        let (mut k, mut q) = ShortStep::begin(first);
+        time: f64,
+        size: f64,
+        start: State<f64, N>,
+        first: Rate<f64, N>,
+        equations: &impl Equations<f64, N>,
+    ) -> ShortStep<N> {
+        let mut rates = StageRates::beginning_with(first);
+        let k = &mut rates.states;
         macro_rules! stages {
             ($($i:tt)*) => {$({
                 let x = start + short_increment!(k, $i).times(size);
                 let Rate { state, quadratures } = equations.rate(time + size * SHORT_NODES[$i], &x);
-                (k[$i], q[$i]) = (state, quadratures);
+                (k[$i], rates.quadratures[$i]) = (state, quadratures);
             })*};
         }
         stages!(1 2 3 4 5);
-        ShortStep::finish(size, start, k, q)
+        let (end, work) = at_end(size, start, &rates);
+        ShortStep { end, work, size, of_stages: difference(&rates) }
     }
 
-    /// Takes the same step by a loop with one copy of the right-hand side, which is less to compile. With single numbers it takes
-    /// twice the time.
+    /// Estimated error of the step with this rate at its end, in units of the allowed error, see [`squared_error`].
     #[inline(always)]
-    pub fn attempt_in_loop(
-        time: R,
-        size: R,
-        start: State<R, N>,
-        first: Rate<R, N>,
-        equations: &impl Stages<R, N>,
-    ) -> ShortStep<R, N> {
-        let (mut k, mut q) = ShortStep::begin(first);
-        for stage in 1..6 {
-            let Rate { state, quadratures } =
-                equations.rate_at(stage, stage_time(time, size, stage), &(start + increment(&k, stage).times(size)));
-            (k[stage], q[stage]) = (state, quadratures);
-        }
-        ShortStep::finish(size, start, k, q)
+    pub fn error(&self, end: Rate<f64, N>, weights: State<f64, N>, work_weight: f64) -> f64 {
+        self.size * squared_error(self.of_stages, end, weights, work_weight).sqrt()
     }
+}
 
-    #[inline(always)]
-    fn begin(first: Rate<R, N>) -> ([State<R, N>; 6], [Quadratures<R>; 6]) {
-        let mut k = [State::zeros(); 6];
-        let mut q = [Quadratures::zeros(); 6];
-        (k[0], q[0]) = (first.state, first.quadratures);
-        (k, q)
+/// Takes the step of [`ShortStep::attempt`] in a loop, as [`attempt_in_loop`](super::dop853::attempt_in_loop) does one of order 8.
+#[inline(always)]
+pub fn attempt_in_loop<R: Real, const N: usize>(
+    time: R,
+    size: R,
+    start: State<R, N>,
+    rates: &mut StageRates<R, N, STAGES>,
+    equations: &impl Stages<R, N>,
+) -> (State<R, N>, Quadratures<R>) {
+    for stage in 1..STAGES {
+        let state = start + increment(&rates.states, stage).times(size);
+        let Rate { state, quadratures } = equations.rate_at(stage, stage_time(time, size, stage), &state);
+        (rates.states[stage], rates.quadratures[stage]) = (state, quadratures);
     }
+    at_end(size, start, rates)
+}
 
-    #[inline(always)]
-    fn finish(size: R, start: State<R, N>, k: [State<R, N>; 6], q: [Quadratures<R>; 6]) -> ShortStep<R, N> {
-        ShortStep {
-            end: start + short_increment!(k, 6).times(size),
-            work: short_increment!(q, 6).times(size),
-            size,
-            of_stages: Rate { state: short_difference!(k), quadratures: short_difference!(q) },
-        }
-    }
+/// State and work at the end of a step with these rates.
+#[inline(always)]
+fn at_end<R: Real, const N: usize>(
+    size: R,
+    start: State<R, N>,
+    rates: &StageRates<R, N, STAGES>,
+) -> (State<R, N>, Quadratures<R>) {
+    (start + short_increment!(rates.states, 6).times(size), short_increment!(rates.quadratures, 6).times(size))
+}
 
-    /// Estimated error of the step with this rate at its end, in units of the allowed error; `weights` as in
-    /// [`Step::error`](super::dop853::Step::error), `work_weight` the same of the works.
-    #[inline(always)]
-    pub fn error(&self, end: Rate<R, N>, weights: State<R, N>, work_weight: R) -> R {
-        let Rate { state, quadratures } = self.of_stages;
-        let state = short_end_difference!(state, end.state).weighted(weights);
-        let work = short_end_difference!(quadratures, end.quadratures).times(work_weight);
-        self.size * (state.square() + work.square()).sqrt()
-    }
+/// Returns the estimated error of a step over its size, without the share of the rate at its end.
+#[inline(always)]
+pub fn difference<R: Real, const N: usize>(rates: &StageRates<R, N, STAGES>) -> Rate<R, N> {
+    Rate { state: short_difference!(rates.states), quadratures: short_difference!(rates.quadratures) }
+}
+
+/// Returns the square of the estimated error over the size of a step with this [`difference`] and this rate at its end, in units of the
+/// allowed error; `weights` as in [`dop853::error`](super::dop853::error), `work_weight` the same of the works.
+#[inline(always)]
+pub fn squared_error<R: Real, const N: usize>(
+    of_stages: Rate<R, N>,
+    end: Rate<R, N>,
+    weights: State<R, N>,
+    work_weight: R,
+) -> R {
+    let state = short_end_difference!(of_stages.state, end.state).weighted(weights);
+    let work = short_end_difference!(of_stages.quadratures, end.quadratures).times(work_weight);
+    state.square() + work.square()
 }
 
 /// The sum of the weighted stages that leads to a stage from 1 to 5.
 #[inline(always)]
-fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; 6], stage: usize) -> State<R, N> {
+fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; STAGES], stage: usize) -> State<R, N> {
     match stage {
         1 => short_increment!(k, 1),
         2 => short_increment!(k, 2),

@@ -7,7 +7,7 @@ use crate::numerics::control::{
 use crate::numerics::dop853::{self, DenseOutput, Step};
 use crate::numerics::numbers::Numbers;
 use crate::numerics::short::{self, ShortStep};
-use crate::numerics::{Equations, Quadratures, Rate, State};
+use crate::numerics::{Equations, Quadratures, Rate, StageRates, State};
 
 /// Beginning of the steps (s).
 const START: f64 = 0.3;
@@ -114,8 +114,8 @@ fn all_forms_of_a_step_have_the_same_bits() {
     let first = Oscillators.rate(START, &start);
     let rate = |time, state| Oscillators.rate(time, &state).state;
     let step = step(size);
-    let looped = Step::attempt_in_loop(START, size, start, first, &Oscillators);
-    assert_eq!((step.end, step.work, step.end_time), (looped.end, looped.work, looped.end_time));
+    let mut rates = StageRates::beginning_with(first);
+    assert_eq!((step.end, step.work), dop853::attempt_in_loop(START, size, start, &mut rates, &Oscillators));
     let times = [START, START + 0.25, START + 0.6];
     let dense = step.dense(Oscillators.rate(step.end_time, &step.end), &Oscillators);
     let mut inside = Vec::new();
@@ -123,8 +123,8 @@ fn all_forms_of_a_step_have_the_same_bits() {
     assert_eq!([step.end; 2], [end, dop853::follow(START, size, start, rate)]);
     assert_eq!(inside, times.map(|time| (time, dense.state(time - START))));
     let step = ShortStep::attempt(START, size, start, first, &Oscillators);
-    let looped = ShortStep::attempt_in_loop(START, size, start, first, &Oscillators);
-    assert_eq!((step.end, step.work), (looped.end, looped.work));
+    let mut rates = StageRates::beginning_with(first);
+    assert_eq!((step.end, step.work), short::attempt_in_loop(START, size, start, &mut rates, &Oscillators));
     assert_eq!(step.end, short::follow(START, size, start, rate));
 }
 

@@ -58,7 +58,7 @@ impl Simulation {
         law: impl Law,
         piece: &SmoothPiece,
         start: StepStart,
-        mut accepted: Option<&Step<f64, N>>,
+        mut accepted: Option<&Step<N>>,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
@@ -231,7 +231,7 @@ impl Simulation {
         motion: &Motion<'a, L, N>,
         here: &Evaluation<'a>,
         &Limits { weights, longest, .. }: &Limits<N>,
-    ) -> Result<Step<f64, N>, SimulationError> {
+    ) -> Result<Step<N>, SimulationError> {
         let (start, first) = (motion.state_of(here), motion.rate_of(here));
         let time = here.time;
         let shortest = shortest(time, stop);

@@ -3,11 +3,11 @@
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Regime};
 use rocking_block::excitation::{Forcing, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::ground::Ground;
-use rocking_block::numerics::Rate;
 use rocking_block::numerics::control::StepControl;
-use rocking_block::numerics::dop853::{DenseOutput, Step};
+use rocking_block::numerics::dop853::{self, DenseOutput, Step};
 use rocking_block::numerics::roots::{Sample, first_fall};
-use rocking_block::numerics::short::ShortStep;
+use rocking_block::numerics::short::{self, ShortStep};
+use rocking_block::numerics::{Rate, StageRates};
 use rocking_block::simulation::{Initial, OnSeparation, Settings, Simulation};
 use rocking_block::system::dynamics::instant;
 use rocking_block::system::instant::{Footing, State};
@@ -246,10 +246,12 @@ fn looped_and_unrolled_stages_are_the_same() {
     let f = |t: f64, x: &State| rate(&block, t, x);
     let (time, size, x) = (0.3, 0.02, start());
     let first = f(time, &x);
-    let [a, b] = [Step::attempt(time, size, x, first, &f), Step::attempt_in_loop(time, size, x, first, &f)];
-    assert_eq!(a.end, b.end);
-    let [a, b] = [ShortStep::attempt(time, size, x, first, &f), ShortStep::attempt_in_loop(time, size, x, first, &f)];
-    assert_eq!((a.end, a.work), (b.end, b.work));
+    let mut rates = StageRates::beginning_with(first);
+    let step = Step::attempt(time, size, x, first, &f);
+    assert_eq!((step.end, step.work), dop853::attempt_in_loop(time, size, x, &mut rates, &f));
+    let mut rates = StageRates::beginning_with(first);
+    let step = ShortStep::attempt(time, size, x, first, &f);
+    assert_eq!((step.end, step.work), short::attempt_in_loop(time, size, x, &mut rates, &f));
 }
 
 /// Errors of state and works combine as a root sum of squares.

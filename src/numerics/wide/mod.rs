@@ -22,6 +22,9 @@ pub const MOST_LANES: usize = 8;
 /// One number for each lane; those beyond the lanes of a vector are not read.
 pub type Array = [f64; MOST_LANES];
 
+/// Four numbers of one lane.
+pub type Four = [f64; 4];
+
 /// A processor's vector of `f64`.
 pub trait Simd: Copy + 'static {
     /// Number of lanes, at most [`MOST_LANES`].
@@ -31,6 +34,17 @@ pub trait Simd: Copy + 'static {
 
     /// The first of these numbers.
     fn load(numbers: &Array) -> Self;
+    /// Four numbers of each lane as four vectors; rows beyond the lanes are not read.
+    #[inline(always)]
+    fn columns(rows: [&Four; MOST_LANES]) -> [Self; 4] {
+        let mut columns = [[0.0; MOST_LANES]; 4];
+        for lane in 0..Self::LANES {
+            for i in 0..4 {
+                columns[i][lane] = rows[lane][i];
+            }
+        }
+        [Self::load(&columns[0]), Self::load(&columns[1]), Self::load(&columns[2]), Self::load(&columns[3])]
+    }
     /// Its numbers, then zeros.
     fn store(self) -> Array;
     /// The same number everywhere.
@@ -49,6 +63,8 @@ pub trait Simd: Copy + 'static {
     fn neg(self) -> Self;
     /// Absolute values.
     fn abs(self) -> Self;
+    /// Powers of two with these exponents, whole numbers from −1022 to 1023; other numbers give any result.
+    fn power_of_two(self) -> Self;
     /// The lanes in which this is less.
     fn less(self, other: Self) -> Self::Mask;
     /// `self` where `mask` is true, `other` elsewhere.
@@ -116,6 +132,12 @@ impl VectorWidth {
     }
 }
 
+/// A whole number plus this has the biased exponent of its power of two in its lowest bits.
+const TO_EXPONENT: f64 = 1.0 / f64::EPSILON + 1023.0;
+
+/// The bits of a number below its exponent.
+const BELOW_EXPONENT: i32 = 52;
+
 /// A number in each lane.
 #[derive(Clone, Copy)]
 pub struct Wide<V>(V);
@@ -139,6 +161,19 @@ impl<V: Simd> Wide<V> {
     #[inline(always)]
     pub fn load(numbers: &Array) -> Wide<V> {
         Wide(V::load(numbers))
+    }
+
+    /// Powers of two with these exponents, whole numbers from −1022 to 1023; other numbers give any result.
+    #[inline(always)]
+    fn power_of_two(self) -> Wide<V> {
+        Wide(self.0.power_of_two())
+    }
+
+    /// Four numbers of each lane as four vectors; rows beyond the lanes are not read. Many times faster than number by number.
+    #[inline(always)]
+    pub fn columns(rows: [&Four; MOST_LANES]) -> [Wide<V>; 4] {
+        let [a, b, c, d] = V::columns(rows);
+        [Wide(a), Wide(b), Wide(c), Wide(d)]
     }
 
     /// The numbers of the lanes, then zeros.
@@ -263,6 +298,19 @@ mod tests {
         [0.3, 0.0, 4e200, -7.25, 2.0, 5.0, f64::NAN, -1e-3],
     ];
 
+    const ROWS: [Four; MOST_LANES] = [
+        [0.0, 0.1, 0.2, 0.3],
+        [1.0, 1.1, 1.2, 1.3],
+        [2.0, 2.1, 2.2, 2.3],
+        [3.0, 3.1, 3.2, 3.3],
+        [4.0, 4.1, 4.2, 4.3],
+        [5.0, 5.1, 5.2, 5.3],
+        [6.0, 6.1, 6.2, 6.3],
+        [7.0, 7.1, 7.2, 7.3],
+    ];
+
+    const EXPONENTS: Array = [-1022.0, 1023.0, 0.0, -0.0, 1.0, -1.0, 52.0, -500.0];
+
     /// All operations of a vector with two others.
     struct Operations;
 
@@ -273,8 +321,24 @@ mod tests {
             let [a, b] = NUMBERS.map(|numbers| V::load(&numbers));
             let (less, small) = (a.less(b), b.less(V::splat(1.0)));
             let picked = a.select(less, b);
-            let made =
-                [a.add(b), a.sub(b), a.mul(b), a.div(b), a.abs().sqrt(), a.neg(), a.abs(), picked, V::splat(0.7)];
+            let powers = V::load(&EXPONENTS).power_of_two();
+            let [first, second, third, fourth] = V::columns(ROWS.each_ref());
+            let made = [
+                first,
+                second,
+                third,
+                fourth,
+                a.add(b),
+                a.sub(b),
+                a.mul(b),
+                a.div(b),
+                a.abs().sqrt(),
+                a.neg(),
+                a.abs(),
+                powers,
+                picked,
+                V::splat(0.7),
+            ];
             let masks = [less, small, V::both(less, small), V::either(less, small)];
             (made.map(V::store).to_vec(), masks.map(V::bits).to_vec())
         }
@@ -293,6 +357,10 @@ mod tests {
             array
         };
         let expected = [
+            each(&|i| ROWS[i][0]),
+            each(&|i| ROWS[i][1]),
+            each(&|i| ROWS[i][2]),
+            each(&|i| ROWS[i][3]),
             each(&|i| a[i] + b[i]),
             each(&|i| a[i] - b[i]),
             each(&|i| a[i] * b[i]),
@@ -300,6 +368,7 @@ mod tests {
             each(&|i| a[i].abs().sqrt()),
             each(&|i| -a[i]),
             each(&|i| a[i].abs()),
+            each(&|i| EXPONENTS[i].exp2()),
             each(&|i| if a[i] < b[i] { a[i] } else { b[i] }),
             each(&|_| 0.7),
         ];

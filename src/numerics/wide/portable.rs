@@ -1,6 +1,6 @@
 //! Pairs of numbers, for processors whose vectors are not asked for by name: the compiler finds some of them.
 
-use crate::numerics::wide::{Array, MOST_LANES, Simd, Task};
+use crate::numerics::wide::{Array, BELOW_EXPONENT, MOST_LANES, Simd, TO_EXPONENT, Task};
 
 /// Pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +89,11 @@ impl Simd for Pair {
     #[inline(always)]
     fn abs(self) -> Pair {
         self.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Pair {
+        self.map(|a| f64::from_bits((a + TO_EXPONENT).to_bits() << BELOW_EXPONENT))
     }
 
     #[inline(always)]

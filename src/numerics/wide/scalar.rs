@@ -182,17 +182,16 @@ fn in_range<V: Simd>(x: Wide<V>) -> Wide<V> {
         -1.6533902205465252e-06,
         4.1381367970572385e-08,
     ];
-    // x = k ln 2 + r.
-    let (numbers, mut multiples, mut powers) = (x.store(), [0.0; MOST_LANES], [1.0; MOST_LANES]);
-    for i in 0..V::LANES {
-        let x = numbers[i];
-        if x.abs() > HALF_LN_2 {
-            let k = (std::f64::consts::LOG2_E * x + if x < 0.0 { -0.5 } else { 0.5 }) as i32;
-            multiples[i] = f64::from(k);
-            powers[i] = f64::from_bits(((i64::from(k.clamp(-1022, 1023)) + 1023) << 52) as u64);
-        }
-    }
-    let (k, power) = (Wide::load(&multiples), Wide::load(&powers));
+    // x = k ln 2 + r, with the whole number k next to zero from x / ln 2 ± 1/2.
+    let zero = Wide::default();
+    let (half, one) = (Wide::from(0.5), Wide::from(1.0));
+    let negative = x.less(zero);
+    let y = x * std::f64::consts::LOG2_E + (-half).in_lanes(negative, half);
+    let nearest = whole(y);
+    let toward_zero = nearest - (-one).in_lanes(negative, one);
+    let k = toward_zero.in_lanes(y.abs().less(nearest.abs()), nearest);
+    let k = k.in_lanes(Wide::from(HALF_LN_2).less(x.abs()), zero);
+    let power = k.power_of_two();
     let (hi, lo) = (x - k * LN_2[0], k * LN_2[1]);
     let r = hi - lo;
     let z = r * r;

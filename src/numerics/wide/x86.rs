@@ -5,7 +5,7 @@
 
 use std::arch::x86_64::*;
 
-use crate::numerics::wide::{Array, MOST_LANES, PlainTask, Simd, Task};
+use crate::numerics::wide::{Array, BELOW_EXPONENT, Four, MOST_LANES, PlainTask, Simd, TO_EXPONENT, Task};
 
 /// A vector type that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +90,13 @@ macro_rules! vector {
             }
 
             #[inline(always)]
+            fn columns(rows: [&Four; MOST_LANES]) -> [$name; 4] {
+                // SAFETY: each row has the four numbers that are read; for the instructions, see the module.
+                let [a, b, c, d] = unsafe { $rest!(columns, rows) };
+                [$name(a), $name(b), $name(c), $name(d)]
+            }
+
+            #[inline(always)]
             fn store(self) -> Array {
                 let mut numbers = [0.0; MOST_LANES];
                 // SAFETY: the array has room for `LANES` numbers; for the instruction, see the module.
@@ -146,6 +153,13 @@ macro_rules! vector {
             }
 
             #[inline(always)]
+            fn power_of_two(self) -> $name {
+                let exponents = self.add($name::splat(TO_EXPONENT));
+                // SAFETY: as in `add`.
+                $name(unsafe { $rest!(shift, exponents.0) })
+            }
+
+            #[inline(always)]
             fn less(self, other: $name) -> $mask {
                 // SAFETY: as in `add`.
                 unsafe { $rest!(less, self.0, other.0) }
@@ -179,6 +193,15 @@ macro_rules! vector {
 }
 
 macro_rules! sse2 {
+    (columns, $rows:expr) => {{
+        let [first, second, ..]: [&Four; MOST_LANES] = $rows;
+        let (a, b) = (_mm_loadu_pd(first.as_ptr()), _mm_loadu_pd(second.as_ptr()));
+        let (c, d) = (_mm_loadu_pd(first[2..].as_ptr()), _mm_loadu_pd(second[2..].as_ptr()));
+        [_mm_unpacklo_pd(a, b), _mm_unpackhi_pd(a, b), _mm_unpacklo_pd(c, d), _mm_unpackhi_pd(c, d)]
+    }};
+    (shift, $a:expr) => {
+        _mm_castsi128_pd(_mm_slli_epi64::<{ BELOW_EXPONENT as _ }>(_mm_castpd_si128($a)))
+    };
     (less, $a:expr, $b:expr) => {
         _mm_cmplt_pd($a, $b)
     };
@@ -197,6 +220,23 @@ macro_rules! sse2 {
 }
 
 macro_rules! avx2 {
+    (columns, $rows:expr) => {{
+        let rows: [&Four; MOST_LANES] = $rows;
+        let (a, b) = (_mm256_loadu_pd(rows[0].as_ptr()), _mm256_loadu_pd(rows[1].as_ptr()));
+        let (c, d) = (_mm256_loadu_pd(rows[2].as_ptr()), _mm256_loadu_pd(rows[3].as_ptr()));
+        // Numbers 0 and 2, or 1 and 3, of two rows.
+        let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        let (even_after, odd_after) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(even, even_after),
+            _mm256_permute2f128_pd::<0x20>(odd, odd_after),
+            _mm256_permute2f128_pd::<0x31>(even, even_after),
+            _mm256_permute2f128_pd::<0x31>(odd, odd_after),
+        ]
+    }};
+    (shift, $a:expr) => {
+        _mm256_castsi256_pd(_mm256_slli_epi64::<{ BELOW_EXPONENT as _ }>(_mm256_castpd_si256($a)))
+    };
     (less, $a:expr, $b:expr) => {
         _mm256_cmp_pd::<_CMP_LT_OQ>($a, $b)
     };
@@ -215,6 +255,26 @@ macro_rules! avx2 {
 }
 
 macro_rules! avx512 {
+    (two, $low:expr, $high:expr) => {
+        _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(_mm256_loadu_pd($low.as_ptr())), _mm256_loadu_pd($high.as_ptr()))
+    };
+    (columns, $rows:expr) => {{
+        let rows: [&Four; MOST_LANES] = $rows;
+        let (a, b) = (avx512!(two, rows[0], rows[2]), avx512!(two, rows[1], rows[3]));
+        let (c, d) = (avx512!(two, rows[4], rows[6]), avx512!(two, rows[5], rows[7]));
+        // Numbers 0 and 2, or 1 and 3, of four rows.
+        let (even, odd) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+        let (even_after, odd_after) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+        [
+            _mm512_shuffle_f64x2::<0x88>(even, even_after),
+            _mm512_shuffle_f64x2::<0x88>(odd, odd_after),
+            _mm512_shuffle_f64x2::<0xdd>(even, even_after),
+            _mm512_shuffle_f64x2::<0xdd>(odd, odd_after),
+        ]
+    }};
+    (shift, $a:expr) => {
+        _mm512_castsi512_pd(_mm512_slli_epi64::<{ BELOW_EXPONENT as _ }>(_mm512_castpd_si512($a)))
+    };
     (less, $a:expr, $b:expr) => {
         _mm512_cmp_pd_mask::<_CMP_LT_OQ>($a, $b)
     };

@@ -6,12 +6,12 @@ use std::f64::consts::FRAC_PI_2;
 use crate::block::{Block, Foundation, Regime, Restraints};
 use crate::excitation::{Excitation, Forcing, Ramp};
 use crate::numerics::control::{eighth_root, near_a_peak, short_factor};
-use crate::numerics::dop853::Step;
+use crate::numerics::dop853::{self, Step};
 use crate::numerics::numbers::Numbers;
 use crate::numerics::roots::Sample;
-use crate::numerics::short::ShortStep;
-use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
-use crate::numerics::{Rate, Real, Scalar, Stages, State};
+use crate::numerics::short;
+use crate::numerics::wide::{Array, Four, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::{Rate, Real, Scalar, StageRates, Stages, State};
 use crate::simulation::lanes::bounds::Ends;
 use crate::simulation::lanes::pulses::Pulses;
 use crate::simulation::lanes::{Lane, place};
@@ -134,13 +134,11 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
     ) -> u32 {
         let near = near_a_peak(duration, longest);
         let close = self.close(here, near, peaks).or(self.close(there, near, peaks));
-        let mut ends = [here.cheap_channels(), there.cheap_channels()];
+        let (mut start, mut end) = (here.cheap_channels(), there.cheap_channels());
         if close.any() {
-            for (place, now) in [here, there].into_iter().enumerate() {
-                ends[place] = in_lanes(close, now.channels_inlined(), ends[place]);
-            }
+            start = in_lanes(close, here.channels_inlined(), start);
+            end = in_lanes(close, there.channels_inlined(), end);
         }
-        let [start, end] = ends;
         let [theta, reaction, horizontal, uplift, friction_demand] = peaks;
         let demand = Ends { start: start.friction_demand, end: end.friction_demand, duration };
         raise(theta, both_ways(start.theta, end.theta, duration))
@@ -192,22 +190,24 @@ impl<'m, V: Simd, L: Law> GroupMotion<'m, V, L> {
         duration: Wide<V>,
         rounding: &Rounding<V>,
     ) -> u32 {
-        let mut may = 0;
-        for surface in watched(self.law).into_iter().flatten() {
-            may |= self.may_fall(surface, here, there, duration, rounding);
-        }
-        may
+        // No loop: numbers that are found by an index stay in memory.
+        let [first, second, third, fourth] = watched(self.law);
+        self.may_fall(first, here, there, duration, rounding)
+            | self.may_fall(second, here, there, duration, rounding)
+            | self.may_fall(third, here, there, duration, rounding)
+            | self.may_fall(fourth, here, there, duration, rounding)
     }
 
     #[inline(always)]
     fn may_fall(
         &self,
-        surface: Surface,
+        surface: Option<Surface>,
         here: &Evaluation<Wide<V>>,
         there: &Evaluation<Wide<V>>,
         duration: Wide<V>,
         rounding: &Rounding<V>,
     ) -> u32 {
+        let Some(surface) = surface else { return 0 };
         let rounding = match surface {
             Surface::Gap(_) => rounding.gap,
             Surface::QuarterTurn => rounding.quarter_turn,
@@ -263,6 +263,19 @@ fn pair<V: Simd>(start: [Sample<Wide<V>>; 2], end: [Sample<Wide<V>>; 2], duratio
     [Ends { start: start[0], end: end[0], duration }, Ends { start: start[1], end: end[1], duration }]
 }
 
+/// The lanes in which a short step with this [`short::squared_error`] makes at most a `share` of the allowed error, and the factors by which
+/// the sizes of the others may change.
+#[inline(always)]
+fn within_error<V: Simd>(squared: Wide<V>, size: Wide<V>, share: Wide<V>) -> (u32, Wide<V>) {
+    // Three roots and two quotients take long, and errors are rarely so great that they decide.
+    if (squared * (size * size)).less(share * share * 0.5).all() {
+        return (u32::MAX, share);
+    }
+    let error = size * squared.sqrt() / share;
+    let factor = short_factor(error);
+    (error.less(Wide::from(f64::INFINITY)).bits() & !factor.less(Wide::from(1.0)).bits(), factor)
+}
+
 /// Some channels in some lanes, others elsewhere.
 #[inline(always)]
 fn in_lanes<V: Simd>(lanes: Lanes<V>, some: Channels<Wide<V>>, others: Channels<Wide<V>>) -> Channels<Wide<V>> {
@@ -284,10 +297,14 @@ fn pick<V: Simd>(lanes: Lanes<V>, some: Sample<Wide<V>>, other: Sample<Wide<V>>)
 }
 
 impl<L: Law> Together<'_, L> {
-    /// A number of each lane.
+    /// Four numbers of each lane.
     #[inline(always)]
-    fn each<V: Simd>(&self, number: impl Fn(&Lane) -> f64) -> Wide<V> {
-        Wide::each(|lane| number(self.runs[lane]))
+    fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
+        let mut rows = [of(self.runs[0]); MOST_LANES];
+        for lane in 1..V::LANES {
+            rows[lane] = of(self.runs[lane]);
+        }
+        Wide::columns(rows)
     }
 
     /// Heights of the supports that nothing touches, and their rates; zeros for the others. As `Creep::top` finds them.
@@ -306,12 +323,8 @@ impl<L: Law> Together<'_, L> {
 
     #[inline(always)]
     fn lifted<V: Simd>(&self) -> LiftedSupports<V> {
-        LiftedSupports {
-            depth: self.each(|lane| lane.lifted.creep.depth),
-            since: self.each(|lane| lane.lifted.creep.since),
-            rate: self.each(|lane| lane.lifted.rate),
-            free_height: self.each(|lane| lane.lifted.free_height),
-        }
+        let [depth, since, rate, free_height] = self.fours(|lane| &lane.fours.lifted);
+        LiftedSupports { depth, since, rate, free_height }
     }
 
     /// The excitations at both ends of the step, and their forcings at these times.
@@ -327,66 +340,43 @@ impl<L: Law> Together<'_, L> {
         ]
     }
 
-    /// Peaks so far: of θ, N, H, uplift, friction demand.
     #[inline(always)]
-    fn peaks<V: Simd>(&self) -> [Wide<V>; 5] {
-        [
-            self.each(|lane| lane.simulation.peaks.theta),
-            self.each(|lane| lane.simulation.peaks.reaction),
-            self.each(|lane| lane.simulation.peaks.horizontal),
-            self.each(|lane| lane.simulation.peaks.uplift),
-            self.each(|lane| lane.simulation.peaks.friction_demand),
-        ]
-    }
-
-    #[inline(always)]
-    fn rounding<V: Simd>(&self, group: &Group<V>) -> Rounding<V> {
-        Rounding {
-            reaction: group.block.gravity * ROUNDING,
-            gap: self.each(|lane| lane.gap_rounding),
-            quarter_turn: Wide::from(ROUNDING * FRAC_PI_2),
-        }
+    fn rounding<V: Simd>(&self, group: &Group<V>, gap: Wide<V>) -> Rounding<V> {
+        Rounding { reaction: group.block.gravity * ROUNDING, gap, quarter_turn: Wide::from(ROUNDING * FRAC_PI_2) }
     }
 
     #[inline(always)]
     fn group<V: Simd>(&self) -> Group<V> {
         let unread = Wide::default();
-        let of_block = |number: fn(&Block) -> f64| self.each(|lane| number(lane.block()));
+        let [mass, gravity, r0, b] = self.fours(|lane| &lane.fours.block[0]);
+        let [h, omega_v, xi_v, i0] = self.fours(|lane| &lane.fours.block[1]);
+        let [eccentricity, left, right, offset] = self.fours(|lane| &lane.fours.block[2]);
         let block = Block {
-            mass: of_block(|block| block.mass),
-            gravity: of_block(|block| block.gravity),
+            mass,
+            gravity,
             gamma: unread,
             epsilon: unread,
             foundation: Foundation::Viscoelastic,
             restitution_factor: unread,
             alpha: unread,
-            r0: of_block(|block| block.r0),
-            b: of_block(|block| block.b),
-            h: of_block(|block| block.h),
+            r0,
+            b,
+            h,
             p: unread,
-            omega_v: of_block(|block| block.omega_v),
-            xi_v: of_block(|block| block.xi_v),
+            omega_v,
+            xi_v,
             stiffness: unread,
             damping: unread,
-            i0: of_block(|block| block.i0),
-            eccentricity: of_block(|block| block.eccentricity),
-            share: [of_block(|block| block.share[0]), of_block(|block| block.share[1])],
+            i0,
+            eccentricity,
+            share: [left, right],
             friction: unread,
             restraints: Restraints::none(),
         };
-        let ramp = |i: usize| Ramp {
-            value: self.each(|lane| lane.ground.1[i].value),
-            rate: self.each(|lane| lane.ground.1[i].rate),
-        };
-        let offset = self.each(|lane| match lane.simulation.pose.footing {
-            Footing::Grips { offset } => offset,
-            Footing::Free { u, .. } | Footing::Slides { u, .. } => u,
-        });
-        Group {
-            block,
-            excitation: Excitation::of_ground(self.each(|lane| lane.ground.0), [ramp(0), ramp(1)]),
-            footing: Footing::Grips { offset },
-        }
+        let [time, x, x_rate, z] = self.fours(|lane| &lane.fours.ground);
+        let z_rate = Wide::each(|lane| self.runs[lane].fours.vertical_rate);
+        let ground = [Ramp { value: x, rate: x_rate }, Ramp { value: z, rate: z_rate }];
+        Group { block, excitation: Excitation::of_ground(time, ground), footing: Footing::Grips { offset } }
     }
 }
 
@@ -398,54 +388,42 @@ impl<L: Law> Task for Together<'_, L> {
         let group = self.group::<V>();
         let motion = GroupMotion { law: self.law, group: &group, pulses: self.pulses };
         let place = place(self.law.regime()).unwrap_or(0);
-        let weights = Numbers([
-            self.each(|lane| lane.limits[place].weights[0]),
-            self.each(|lane| lane.limits[place].weights[1]),
-            self.each(|lane| lane.limits[place].weights[2]),
-            self.each(|lane| lane.limits[place].weights[3]),
-        ]);
-        let longest = self.each(|lane| lane.longest);
-        let rounding = self.rounding(&group);
-        let (time, end_time) = (self.each(|lane| lane.simulation.pose.time), self.each(Lane::end_time));
-        let size = self.each(|lane| lane.attempt.size);
-        let state = [
-            self.each(|lane| lane.simulation.pose.state[0]),
-            self.each(|lane| lane.simulation.pose.state[1]),
-            self.each(|lane| lane.simulation.pose.state[2]),
-            self.each(|lane| lane.simulation.pose.state[3]),
-        ];
+        let weights = Numbers(self.fours(|lane| &lane.limits[place].weights.0));
+        let [work_weight, share, gap_rounding, _] = self.fours(|lane| &lane.fours.limits);
+        let rounding = self.rounding(&group, gap_rounding);
+        let [time, end_time, size, longest] = self.fours(|lane| &lane.fours.step);
+        let state = Numbers(self.fours(|lane| &lane.simulation.pose.state.0));
+        let [input, dashpots, friction_demand, _] = self.fours(|lane| &lane.fours.sums);
+        let [theta, reaction, horizontal, uplift] = self.fours(|lane| &lane.fours.peaks);
+        let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
 
         let lifted = self.lifted();
         let [start, stop] = self.ends(&group, [time, end_time]);
         let drive = Drive { excitation: &start.0, time, forcing: start.1 };
-        let here = motion.at(drive, state, self.support_heights(time, &lifted));
+        let here = motion.at(drive, state.0, self.support_heights(time, &lifted));
         let infinite = Wide::from(f64::INFINITY);
-        let one = Wide::from(1.0);
-        enum Made<V: Simd> {
-            Short(ShortStep<Wide<V>>),
-            Long(Step<Wide<V>>),
-        }
-        let (end, work, step) = if self.short {
-            let step = ShortStep::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
-            (step.end, step.work, Made::Short(step))
+        let (end, work, of_stages);
+        let mut rates = None;
+        if self.short {
+            let mut rates = StageRates::beginning_with(here.rate);
+            (end, work) = short::attempt_in_loop(time, size, state, &mut rates, &motion);
+            of_stages = short::difference(&rates);
         } else {
-            let step = Step::attempt_in_loop(time, size, Numbers(state), here.rate, &motion);
-            (step.end, step.work, Made::Long(step))
-        };
+            let rates = rates.insert(StageRates::beginning_with(here.rate));
+            (end, work) = dop853::attempt_in_loop(time, size, state, rates, &motion);
+            of_stages = Rate::default();
+        }
         let drive = Drive { excitation: &stop.0, time: end_time, forcing: stop.1 };
         let there = motion.at(drive, end.0, self.support_heights(end_time, &lifted));
-        let (error_is_fine, root) = match &step {
+        let (error_is_fine, root) = match &rates {
             // Its error depends on the rate at its end, too.
-            Made::Short(step) => {
-                let work_weight = self.each(|lane| lane.limits[place].work_weight);
-                let share: Wide<V> = self.each(|lane| lane.limits[place].short_share);
-                let error = step.error(there.rate, weights, work_weight) / share;
-                let factor = short_factor(error);
-                (error.less(infinite).bits() & !factor.less(one).bits(), factor)
+            None => {
+                let squared = short::squared_error(of_stages, there.rate, weights, work_weight);
+                within_error(squared, size, share)
             }
-            Made::Long(step) => {
-                let error = step.error(weights);
-                (error.less(infinite).bits() & !one.less(error).bits(), eighth_root(error))
+            Some(rates) => {
+                let error = dop853::error(rates, size, weights);
+                (error.less(infinite).bits() & !Wide::from(1.0).less(error).bits(), eighth_root(error))
             }
         };
 
@@ -459,25 +437,22 @@ impl<L: Law> Task for Together<'_, L> {
         let events = motion.may_hold_event(&here, &there, duration, &rounding);
         let usual = error_is_fine & moves.bits() & !rests;
 
-        let mut peaks = self.peaks();
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let runs = ((1_u64 << self.count) - 1) as u32;
         let eventful = usual & (events | inside) & runs;
         let mut accepted = Vec::new();
-        if let Made::Long(step) = &step {
+        if let Some(rates) = &rates {
             for lane in (0..self.count).filter(|lane| eventful >> lane & 1 == 1) {
-                accepted.push((lane, step.of_lane(lane)));
+                accepted.push((lane, Step::of_lane(lane, [time, size], [state, end], work, rates)));
             }
         }
-        let input = self.each::<V>(|lane| lane.simulation.sums.input) + work.0[0];
-        let dashpots = self.each::<V>(|lane| lane.simulation.sums.dashpots) + work.0[1];
         Stepped {
             taken: usual & !(events | inside) & runs,
             eventful: if self.short { eventful } else { 0 },
             accepted,
             failed: if self.short { !error_is_fine & !rests & runs } else { 0 },
             state: [end.0[0].store(), end.0[1].store(), end.0[2].store(), end.0[3].store()],
-            sums: [input.store(), dashpots.store()],
+            sums: [(input + work.0[0]).store(), (dashpots + work.0[1]).store()],
             peaks: [peaks[0].store(), peaks[1].store(), peaks[2].store(), peaks[3].store(), peaks[4].store()],
             root: root.store(),
         }

@@ -15,20 +15,17 @@ use crate::excitation::{Excitation, Inputs, Ramp, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
 use crate::numerics::dop853::{EVALUATIONS_PER_STEP, Step};
 use crate::numerics::short::EVALUATIONS_PER_SHORT_STEP;
-use crate::numerics::wide::VectorWidth;
+use crate::numerics::wide::{Four, VectorWidth};
 use crate::simulation::peaks::Peaks;
 use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
 use crate::simulation::stepping::Limits;
 use crate::simulation::{Simulation, SimulationError};
 use crate::system::events::{Event, Surface};
 use crate::system::forces;
-use crate::system::instant::State;
+use crate::system::instant::{Footing, State};
 use crate::system::law::Gripping;
 use kernel::Stepped;
 use swings::Swinging;
-
-/// A reference time (s), and the ground accelerations from there on, horizontal and vertical.
-type GroundRamps = (f64, [Ramp; 2]);
 
 /// A run that is stepped in a lane.
 #[derive(Clone, Debug)]
@@ -45,8 +42,6 @@ pub struct Lane {
     since: f64,
     /// Whether nothing but horizontal and vertical accelerations acts.
     without_moment: bool,
-    /// Their reference time (s), and those that are linear in time.
-    ground: GroundRamps,
     /// The pulse that acts, unless it is constant.
     wave: Option<Wave>,
     /// The longest step that the pulse allows (s).
@@ -58,10 +53,8 @@ pub struct Lane {
     budget: u64,
     /// Limits of a step in each regime without a pulse.
     limits: [Limits; 3],
-    /// Round-off of the zero of a gap.
-    gap_rounding: f64,
-    /// The support that nothing touches.
-    lifted: Lifted,
+    /// The numbers that steps on supports read.
+    fours: Fours,
     /// The longest step (s).
     longest: f64,
     /// The step that comes next.
@@ -76,27 +69,56 @@ pub struct Lane {
     swinging: Swinging,
 }
 
-/// A support that nothing touches.
-#[derive(Clone, Copy, Debug)]
-struct Lifted {
-    creep: Creep,
-    /// The rate of its creep (1/s).
-    rate: f64,
-    /// Its free height (m).
-    free_height: f64,
+/// The numbers of a run that steps on supports read, four by four, so that vectors of several runs are soon made of them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Fours {
+    /// Mass (kg), gravity (m/s²), R0 and b (m); h (m), ω_v (rad/s), ξ_v (1), I0 (m²); eccentricity (m), shares of both corners (1), and the
+    /// displacement of the foot (m).
+    block: [Four; 3],
+    /// Of a short step in this regime: weight of the works, share of the error; round-off of the zero of a gap (m); nothing.
+    limits: Four,
+    /// The support that nothing touches: depth (m), beginning (s) and rate (1/s) of its creep, its free height (m).
+    lifted: Four,
+    /// Works of the excitation and the dashpots (m²/s²), peak of the friction demand (1); nothing.
+    sums: Four,
+    /// Peaks of θ (rad), N, H (N) and uplift (m).
+    peaks: Four,
+    /// Reference time of the ground accelerations (s), the horizontal one (m/s²), its rate (m/s³), and the vertical one.
+    ground: Four,
+    /// The rate of the latter (m/s³).
+    vertical_rate: f64,
+    /// Beginning, end, size and greatest size (s) of the step that comes next.
+    step: Four,
 }
 
-impl Lifted {
-    /// The support of the corner on which a block that tilts does not stand; any other one is not read.
-    fn of(simulation: &Simulation) -> Lifted {
-        let (block, contacts) = (simulation.block(), &simulation.pose.contacts);
-        let corner = if contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
+impl Fours {
+    /// Reads what only steps of single runs and events change otherwise.
+    fn read(&mut self, simulation: &Simulation, limits: &[Limits; 3]) {
+        let Simulation { pose, sums, peaks, .. } = simulation;
+        let block = simulation.block();
+        let Block { mass, gravity, r0, b, h, omega_v, xi_v, i0, eccentricity, share, .. } = *block;
+        let (Footing::Grips { offset } | Footing::Free { u: offset, .. } | Footing::Slides { u: offset, .. }) =
+            pose.footing;
+        self.block = [[mass, gravity, r0, b], [h, omega_v, xi_v, i0], [eccentricity, share[0], share[1], offset]];
+        let Limits { work_weight, short_share, .. } = limits[place(pose.contacts.regime()).unwrap_or(0)];
+        self.limits = [work_weight, short_share, Surface::Gap(Corner::Left).rounding(block), 0.0];
+        // Any other one is not read.
+        let corner = if pose.contacts.touches(Corner::Left) { Corner::Right } else { Corner::Left };
         let (rate, free_height) = (block.creep_rate(), block.free_height(corner));
-        match contacts.of(corner) {
-            Contact::Lifted(creep) if creep.depth != 0.0 && rate.is_finite() => Lifted { creep, rate, free_height },
+        self.lifted = match pose.contacts.of(corner) {
+            Contact::Lifted(Creep { depth, since }) if depth != 0.0 && rate.is_finite() => {
+                [depth, since, rate, free_height]
+            }
             // It has recovered.
-            _ => Lifted { creep: Creep::default(), rate: 0.0, free_height },
-        }
+            _ => [0.0, 0.0, 0.0, free_height],
+        };
+        self.sums = [sums.input, sums.dashpots, peaks.friction_demand, 0.0];
+        self.peaks = [peaks.theta, peaks.reaction, peaks.horizontal, peaks.uplift];
+    }
+
+    #[inline(always)]
+    fn set_ground(&mut self, time: f64, [x, z]: [Ramp; 2]) {
+        (self.ground, self.vertical_rate) = ([time, x.value, x.rate, z.value], z.rate);
     }
 }
 
@@ -186,15 +208,16 @@ pub enum Next {
 impl Lane {
     /// A run that takes no step before [`Lane::send`] has given it a stop.
     pub fn new(simulation: Simulation, tag: usize) -> Lane {
-        let gap_rounding = Surface::Gap(Corner::Left).rounding(simulation.block());
         let time = simulation.time();
-        let (course, lifted) = (course_in_lanes(&simulation), Lifted::of(&simulation));
+        let course = course_in_lanes(&simulation);
         let swinging = Swinging::of(&simulation);
         let limits = [
             simulation.limits(Gripping::<true, true, false>, 0.0),
             simulation.limits(Gripping::<true, false, false>, 0.0),
             simulation.limits(Gripping::<false, true, false>, 0.0),
         ];
+        let mut fours = Fours::default();
+        fours.read(&simulation, &limits);
         Lane {
             tag,
             course,
@@ -204,14 +227,12 @@ impl Lane {
             stop: time,
             since: time,
             without_moment: false,
-            ground: GroundRamps::default(),
             wave: None,
             longest_under_pulse: f64::INFINITY,
             begins: true,
             budget: 0,
             limits,
-            gap_rounding,
-            lifted,
+            fours,
             longest: f64::INFINITY,
             attempt: Attempt::to_stop(0.0),
             grows: false,
@@ -242,17 +263,28 @@ impl Lane {
         let Simulation { pulse, pose, system, counts, .. } = &mut self.simulation;
         self.stop = pulse.next_kink(pose.time).map_or(self.until, |kink| kink.min(self.until));
         self.since = pose.time;
-        let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
-        if system.block.foundation == Foundation::Rigid {
-            self.swinging.begin_piece(&system.block, excitation);
-        } else if let Some((time, [x, z], wave)) = excitation.without_moment() {
+        let on_supports = system.block.foundation == Foundation::Viscoelastic;
+        let wave = if on_supports && inputs.is_ground_motion() && !pulse.acts_at(pose.time) {
             self.without_moment = true;
+            let Inputs { time, a_gx, a_gz, .. } = *inputs;
+            self.fours.set_ground(time, [a_gx, a_gz]);
+            None
+        } else {
+            let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
+            if !on_supports {
+                self.swinging.begin_piece(&system.block, excitation);
+            }
+            let ground = excitation.without_moment().filter(|_| on_supports);
+            self.without_moment = ground.is_some();
+            ground.and_then(|(time, ramps, wave)| {
+                self.fours.set_ground(time, ramps);
+                wave
+            })
+        };
+        // A copy of none would be one of all its bytes.
+        if wave.is_some() || self.wave.is_some() {
             self.wave = wave;
             self.longest_under_pulse = wave.map_or(f64::INFINITY, |wave| LONGEST / wave.frequency());
-            (self.ground.0, self.ground.1[0].value, self.ground.1[0].rate) = (time, x.value, x.rate);
-            (self.ground.1[1].value, self.ground.1[1].rate) = (z.value, z.rate);
-        } else {
-            self.without_moment = false;
         }
         self.begins = true;
         counts.evaluations += 1;
@@ -295,13 +327,15 @@ impl Lane {
         }
         let control = &self.simulation.control;
         let short = if self.short_failed { ShortStepTo::TooFar } else { control.short_step(size, longest) };
-        if short == ShortStepTo::Stop {
+        let is_short = short == ShortStepTo::Stop;
+        if is_short {
             self.attempt = Attempt::to_stop(size);
-            return Some(Kind::Step { regime, short: true });
+        } else {
+            self.attempt = control.attempt(size, longest, shortest(time, stop));
+            self.grows = short == ShortStepTo::NotYet;
         }
-        self.attempt = control.attempt(size, longest, shortest(time, stop));
-        self.grows = short == ShortStepTo::NotYet;
-        Some(Kind::Step { regime, short: false })
+        self.fours.step = [time, self.end_time(), self.attempt.size, longest];
+        Some(Kind::Step { regime, short: is_short })
     }
 
     /// Takes a step alone, or on the rigid base the rest of a long piece, and reports each event to `observer`.
@@ -326,7 +360,7 @@ impl Lane {
         // There may have been an event.
         self.course = course_in_lanes(&self.simulation);
         match on_supports {
-            true => self.lifted = Lifted::of(&self.simulation),
+            true => self.fours.read(&self.simulation, &self.limits),
             false => self.swinging.turn(&self.simulation),
         }
         done
@@ -346,29 +380,24 @@ impl Lane {
     /// Comes to the end of a step.
     #[inline]
     fn arrive(&mut self, stepped: &Stepped, lane: usize, short: bool) {
-        let end_time = self.end_time();
         if short {
             self.simulation.counts.evaluations += EVALUATIONS_PER_SHORT_STEP + 1;
         } else {
             self.accept(stepped, lane);
         }
-        let simulation = &mut self.simulation;
+        let Lane { simulation, fours, .. } = self;
         simulation.counts.steps += 1;
         simulation.events_in_this_instant = 0;
-        simulation.pose.time = end_time;
+        simulation.pose.time = fours.step[1];
         let [theta, theta_dot, w, w_dot] = &stepped.state;
         simulation.pose.state = State::from([theta[lane], theta_dot[lane], w[lane], w_dot[lane]]);
         let [input, dashpots] = &stepped.sums;
-        (simulation.sums.input, simulation.sums.dashpots) = (input[lane], dashpots[lane]);
         let [theta, reaction, horizontal, uplift, friction_demand] = &stepped.peaks;
-        simulation.peaks = Peaks {
-            theta: theta[lane],
-            reaction: reaction[lane],
-            horizontal: horizontal[lane],
-            uplift: uplift[lane],
-            friction_demand: friction_demand[lane],
-            ..simulation.peaks
-        };
+        fours.sums = [input[lane], dashpots[lane], friction_demand[lane], 0.0];
+        fours.peaks = [theta[lane], reaction[lane], horizontal[lane], uplift[lane]];
+        let Peaks { theta, reaction, horizontal, uplift, friction_demand, .. } = &mut simulation.peaks;
+        [*theta, *reaction, *horizontal, *uplift] = fours.peaks;
+        [simulation.sums.input, simulation.sums.dashpots, *friction_demand, _] = fours.sums;
         self.begins = false;
         self.short_failed = false;
         self.budget -= 1;

@@ -58,13 +58,16 @@ impl<L: Law> Task for Look<'_, L> {
             end,
             together.support_heights(end_time, &lifted),
         );
-        let rounding = together.rounding(&group);
+        let [_, _, gap_rounding, _] = together.fours(|lane| &lane.fours.limits);
+        let rounding = together.rounding(&group, gap_rounding);
         let longest = each(&|case| case.lane.longest);
-        let mut peaks = together.peaks();
+        let [theta, reaction, horizontal, uplift] = together.fours(|lane| &lane.fours.peaks);
+        let [_, _, friction_demand, _] = together.fours(|lane| &lane.fours.sums);
+        let mut peaks = [theta, reaction, horizontal, uplift, friction_demand];
         let rests = motion.rests(&here, &rounding);
         let duration = end_time - time;
         let events = motion.may_hold_event(&here, &there, duration, &rounding);
-        let may_fall = surfaces(together.law).map(|of| motion.may_fall(of, &here, &there, duration, &rounding));
+        let may_fall = surfaces(together.law).map(|of| motion.may_fall(Some(of), &here, &there, duration, &rounding));
         let inside = motion.raise_peaks(&mut peaks, &here, &there, duration, longest);
         let peaks = peaks.map(Wide::store);
         let found = |i: usize| Found {
@@ -208,6 +211,8 @@ prop_compose! {
             friction_demand: peaks[4] * a.friction_demand.max(b.friction_demand),
             ..Peaks::default()
         };
+        let Lane { simulation, limits, fours, .. } = &mut case.lane;
+        fours.read(simulation, limits);
         case
     }
 }
