@@ -385,11 +385,11 @@ impl Simulation {
     fn apply_alone(
         &mut self,
         surface: Surface,
+        block: &Block,
         excitation: &Excitation,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let system = Arc::clone(&self.system);
-        let now = self.now(&system.block, excitation);
+        let now = self.now(block, excitation);
         self.apply(surface, &now, observer).map(|_| ())
     }
 

@@ -1,8 +1,6 @@
 //! The stretches of a call over which the excitation is smooth, and the steps to the end of each.
 
 use std::cell::Cell;
-#[cfg(feature = "lanes")]
-use std::sync::Arc;
 
 use crate::block::Block;
 use crate::excitation::Excitation;
@@ -102,13 +100,13 @@ impl Simulation {
     pub(super) fn rest_of_piece(
         &mut self,
         stop: f64,
+        block: &Block,
         excitation: &Excitation,
         begins: bool,
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let system = Arc::clone(&self.system);
-        let (block, since, end, at_event) = (&system.block, self.pose.time, stop, AtEvent::Apply);
+        let (since, end, at_event) = (self.pose.time, stop, AtEvent::Apply);
         let stop = self.within_reach(stop);
         let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
         self.all_steps(&piece, begins, budget, observer)
@@ -129,6 +127,7 @@ impl Simulation {
     pub(super) fn single_step(
         &mut self,
         stop: f64,
+        block: &Block,
         excitation: &Excitation,
         start: StepStart,
         accepted: Option<&Step>,
@@ -136,9 +135,7 @@ impl Simulation {
         budget: &mut u64,
         observer: &mut dyn FnMut(&Event),
     ) -> Result<(), SimulationError> {
-        let system = Arc::clone(&self.system);
-        let since = self.pose.time;
-        let (block, end, at_event) = (&system.block, stop, AtEvent::Apply);
+        let (since, end, at_event) = (self.pose.time, stop, AtEvent::Apply);
         let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
         let piece = SmoothPiece { single: true, known_swing, ..piece };
         self.steps(&piece, start, accepted, budget, observer)

@@ -10,6 +10,8 @@ mod kernel;
 mod pulses;
 mod swings;
 
+use std::sync::Arc;
+
 use crate::block::{Block, Contact, Corner, Creep, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Ramp, Wave};
 use crate::numerics::control::{Attempt, LONGEST, ShortStepTo, is_resolved, shortest, size_factor};
@@ -20,6 +22,7 @@ use crate::simulation::peaks::Peaks;
 use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
 use crate::simulation::stepping::Limits;
 use crate::simulation::{Simulation, SimulationError};
+use crate::system::System;
 use crate::system::events::{Event, Surface};
 use crate::system::forces;
 use crate::system::instant::{Footing, State};
@@ -32,6 +35,8 @@ use swings::Swinging;
 pub struct Lane {
     /// The caller's mark of the run.
     pub tag: usize,
+    /// The run's own, which a step can borrow while the simulation changes: to share it for each step would take longer than many a swing.
+    system: Arc<System>,
     simulation: Simulation,
     inputs: Inputs,
     /// Time of the next stop (s).
@@ -221,6 +226,7 @@ impl Lane {
         Lane {
             tag,
             course,
+            system: Arc::clone(&simulation.system),
             simulation,
             inputs: Inputs::default(),
             until: time,
@@ -341,21 +347,23 @@ impl Lane {
     /// Takes a step alone, or on the rigid base the rest of a long piece, and reports each event to `observer`.
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
         let (landing, goes_far) = (self.take_landing(), self.goes_far());
-        let Lane { simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
-        let on_supports = simulation.system.block.foundation == Foundation::Viscoelastic;
+        let Lane { system, simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
+        let block = &system.block;
+        let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
-            true => Excitation::from_time(*since, inputs, &simulation.pulse, &simulation.system.block),
+            true => Excitation::from_time(*since, inputs, &simulation.pulse, block),
             false => swinging.excitation,
         };
         let done = if let Some(surface) = landing {
-            simulation.apply_alone(surface, &excitation, observer)
+            simulation.apply_alone(surface, block, &excitation, observer)
         } else if !on_supports && goes_far {
-            simulation.rest_of_piece(*stop, &excitation, std::mem::take(begins), budget, observer)
+            simulation.rest_of_piece(*stop, block, &excitation, std::mem::take(begins), budget, observer)
         } else {
             let start = StepStart { of_piece: *begins, short_failed: *short_failed };
             (*begins, *short_failed) = (false, false);
             let (accepted, known) = (accepted.take(), swinging.known.take());
-            simulation.single_step(*stop, &excitation, start, accepted.as_ref(), known.as_deref(), budget, observer)
+            let (accepted, known) = (accepted.as_ref(), known.as_deref());
+            simulation.single_step(*stop, block, &excitation, start, accepted, known, budget, observer)
         };
         // There may have been an event.
         self.course = course_in_lanes(&self.simulation);
@@ -368,7 +376,7 @@ impl Lane {
 
     #[inline(always)]
     fn block(&self) -> &Block {
-        &self.simulation.system.block
+        &self.system.block
     }
 
     /// Time at the end of the step that comes next (s).
