@@ -332,6 +332,19 @@ impl Excitation {
         Excitation::new(inputs, pulse.acts_at(time).then_some(pulse), block.mass)
     }
 
+    /// Becomes another excitation, number by number: a copy of all at once would wait until the processor has stored them.
+    #[cfg(feature = "lanes")]
+    #[inline(always)]
+    pub fn adopt(&mut self, other: &Excitation) {
+        self.time = other.time;
+        (self.x.value, self.x.rate) = (other.x.value, other.x.rate);
+        (self.z.value, self.z.rate) = (other.z.value, other.z.rate);
+        (self.moment.value, self.moment.rate) = (other.moment.value, other.moment.rate);
+        if self.wave.is_some() || other.wave.is_some() {
+            self.wave = other.wave;
+        }
+    }
+
     /// Nothing drives the block.
     pub fn none() -> Excitation {
         Excitation { time: 0.0, x: Ramp::default(), z: Ramp::default(), moment: Ramp::default(), wave: None }

@@ -9,8 +9,20 @@
 //! Casteljau's algorithm, are four times closer (R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective",
 //! Computer Aided Geometric Design 29 (2012) 379–419).
 
+#[cfg(feature = "lanes")]
+pub mod lanes;
+
+use crate::numerics::scalar::Real;
+
 /// Relative error of a zero.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Of the interval, the width of the last step to a maximum. The error is of the order of its square, and the value as exact as the square
+/// of that.
+const WIDTH: f64 = 1e-5;
+
+/// Maximum number of Newton's steps to a zero or a maximum.
+const MOST_NEWTON: u32 = 100;
 
 /// The highest degree.
 pub const DEGREE: usize = 16;
@@ -62,11 +74,11 @@ const fn reciprocals() -> Row {
 /// The Bernstein coefficients of N polynomials from those of the powers. The differences of the b_j at j = 0 are `a_k / C(n, k)`;
 /// additions as in Pascal's triangle restore the b_j.
 #[inline(always)]
-fn convert<const N: usize>(powers: &Row<[f64; N]>) -> Row<[f64; N]> {
+pub fn convert<const N: usize, T: Real>(powers: &Row<[T; N]>) -> Row<[T; N]> {
     let mut coefficients = *powers;
-    for (k, of_power) in coefficients.iter_mut().enumerate() {
-        for coefficient in of_power {
-            *coefficient *= RECIPROCALS[k];
+    for k in 0..DEGREE + 1 {
+        for i in 0..N {
+            coefficients[k][i] = coefficients[k][i] * RECIPROCALS[k];
         }
     }
     // Written out, so that all sums stay in registers.
@@ -74,7 +86,7 @@ fn convert<const N: usize>(powers: &Row<[f64; N]>) -> Row<[f64; N]> {
         ($($from:literal)*) => {
             $(for k in ($from..DEGREE + 1).rev() {
                 for i in 0..N {
-                    coefficients[k][i] += coefficients[k - 1][i];
+                    coefficients[k][i] = coefficients[k][i] + coefficients[k - 1][i];
                 }
             })*
         };
@@ -134,27 +146,14 @@ impl Bernstein {
     /// The value at a place.
     #[inline]
     pub fn at(&self, place: f64) -> f64 {
-        let mut sum = 0.0;
-        for k in (0..self.degree + 1).rev() {
-            sum = sum * place + self.powers[k];
-        }
-        sum
+        let [value, _] = self.value_and_slope(place);
+        value
     }
 
     /// Value and slope at a place.
     #[inline]
     fn value_and_slope(&self, place: f64) -> [f64; 2] {
         value_and_slope(&self.powers, self.degree, place)
-    }
-
-    /// The coefficients of the slope.
-    #[inline(always)]
-    fn slopes(&self) -> Row {
-        let mut slopes = [0.0; DEGREE + 1];
-        for k in 0..DEGREE {
-            slopes[k] = self.powers[k + 1] * (k + 1) as f64;
-        }
-        slopes
     }
 
     /// The values at both ends.
@@ -209,7 +208,7 @@ impl Bernstein {
     fn zero_within(&self, [low, high]: [f64; 2], coefficients: &Row, halvings: u32) -> Zero {
         match (sign_changes(coefficients), coefficients[DEGREE] > 0.0) {
             (0, true) => Zero::None,
-            (1, false) => Zero::At(self.only_zero([low, high], [coefficients[0], coefficients[DEGREE]])),
+            (1, false) => Zero::At(self.only_zero([low, high], crossing(coefficients))),
             _ if halvings == 0 => Zero::Unclear,
             _ => {
                 let middle = 0.5 * (low + high);
@@ -222,12 +221,11 @@ impl Bernstein {
         }
     }
 
-    /// The only zero between two places with these values, positive and negative, by Newton's method, or by bisection where that would
-    /// leave them.
-    fn only_zero(&self, [mut low, mut high]: [f64; 2], [first, last]: [f64; 2]) -> f64 {
-        const MOST: u32 = 100;
-        let mut place = low + (high - low) * (first / (first - last));
-        for _ in 0..MOST {
+    /// The only zero between two places, near this part of the way, by Newton's method, or by bisection where that would leave them. The
+    /// polynomial is positive at the first place, and negative at the last.
+    fn only_zero(&self, [mut low, mut high]: [f64; 2], near: f64) -> f64 {
+        let mut place = low + (high - low) * near;
+        for _ in 0..MOST_NEWTON {
             let [value, slope] = self.value_and_slope(place);
             if value > 0.0 {
                 low = place;
@@ -277,7 +275,7 @@ impl Bernstein {
         }
         match sign_changes(&differences) {
             1 if coefficients[1] > first || coefficients[DEGREE - 1] > last => {
-                let at = self.top([low, high], [differences[0], differences[DEGREE - 1]]);
+                let at = self.top([low, high], crossing(&differences));
                 include(at, self.at(at));
             }
             0 | 1 => {}
@@ -291,16 +289,11 @@ impl Bernstein {
         }
     }
 
-    /// The only maximum between two places with these slopes, positive and negative, by Newton's method, or by bisection where that would
-    /// leave them.
-    fn top(&self, [mut low, mut high]: [f64; 2], [first, last]: [f64; 2]) -> f64 {
-        /// Of the interval. The error after a step is of the order of its square, and the value at a maximum as exact as the square of
-        /// that.
-        const WIDTH: f64 = 1e-5;
-        let slopes = self.slopes();
-        let secant = low + (high - low) * (first / (first - last));
-        let mut place = if secant > low && secant < high { secant } else { 0.5 * (low + high) };
-        while high - low > WIDTH * WIDTH {
+    /// The only maximum between two places, near this part of the way, by Newton's method, or by bisection where that would leave them.
+    fn top(&self, [mut low, mut high]: [f64; 2], near: f64) -> f64 {
+        let slopes = slopes(&self.powers);
+        let mut place = low + (high - low) * near;
+        for _ in 0..MOST_NEWTON {
             let [slope, curvature] = value_and_slope(&slopes, self.degree, place);
             if slope > 0.0 {
                 low = place
@@ -308,8 +301,8 @@ impl Bernstein {
                 high = place
             }
             let next = place - slope / curvature;
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if (next - place).abs() < WIDTH {
+            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
+            if (next - place).abs() <= WIDTH {
                 return next;
             }
             place = next;
@@ -321,18 +314,39 @@ impl Bernstein {
 /// Value and slope of the polynomial with these coefficients of the powers. Even and odd powers are summed side by side, which takes half
 /// the time of one sum after the other.
 #[inline(always)]
-fn value_and_slope(powers: &Row, degree: usize, place: f64) -> [f64; 2] {
+fn value_and_slope<T: Real>(powers: &Row<T>, degree: usize, place: T) -> [T; 2] {
     let square = place * place;
-    let (mut values, mut slopes) = ([0.0; 2], [0.0; 2]);
+    let (mut values, mut slopes) = ([T::from(0.0); 2], [T::from(0.0); 2]);
     for k in (0..degree / 2 + 1).rev() {
         for i in 0..2 {
             slopes[i] = slopes[i] * square + values[i];
         }
-        let odd = if 2 * k < DEGREE { powers[2 * k + 1] } else { 0.0 };
+        let odd = if 2 * k < DEGREE { powers[2 * k + 1] } else { T::from(0.0) };
         values = [values[0] * square + powers[2 * k], values[1] * square + odd];
     }
-    let value = values[0] + place * values[1];
-    [value, values[1] + 2.0 * (place * slopes[0] + square * slopes[1])]
+    [values[0] + place * values[1], values[1] + (place * slopes[0] + square * slopes[1]) * 2.0]
+}
+
+/// The coefficients of the slope of the polynomial with these coefficients of the powers.
+#[inline(always)]
+fn slopes<T: Real>(powers: &Row<T>) -> Row<T> {
+    let mut slopes = [T::from(0.0); DEGREE + 1];
+    for k in 0..DEGREE {
+        slopes[k] = powers[k + 1] * (k + 1) as f64;
+    }
+    slopes
+}
+
+/// The part of the way at which a polynomial with these Bernstein coefficients crosses zero for the first time, by its control polygon.
+fn crossing(coefficients: &[f64]) -> f64 {
+    let last = coefficients.len() - 1;
+    for k in 0..last {
+        let [here, next] = [coefficients[k], coefficients[k + 1]];
+        if here * next < 0.0 {
+            return (k as f64 + here / (here - next)) / last as f64;
+        }
+    }
+    0.5
 }
 
 /// Number of sign changes; zeros do not count.
@@ -384,7 +398,7 @@ mod tests {
                 prop_assert!((form.at(at) - exact).abs() < 1e-13);
                 let terms = || powers.iter().enumerate().map(|(k, power)| (k as i32, power));
                 let slope: f64 = terms().map(|(k, power)| f64::from(k) * power * at.powi(k - 1)).skip(1).sum();
-                prop_assert!((value_and_slope(&form.slopes(), N, at)[0] - slope).abs() < 1e-12);
+                prop_assert!((value_and_slope(&slopes(&form.powers), N, at)[0] - slope).abs() < 1e-12);
                 prop_assert!((form.value_and_slope(at)[0] - exact).abs() < 1e-13);
                 prop_assert!((form.value_and_slope(at)[1] - slope).abs() < 1e-12);
                 prop_assert!(least - 1e-13 <= exact && exact <= most + 1e-13, "{} beyond {} to {}", exact, least, most);

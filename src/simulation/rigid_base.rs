@@ -59,6 +59,13 @@ fn is_below_peaks(bounds: &Bounds, block: &Block, peaks: &Peaks) -> bool {
         && bounds.horizontal < peaks.friction_demand * least
 }
 
+/// The least part of a peak that a force must reach to be searched for.
+pub(super) fn visible(tolerance: f64) -> f64 {
+    /// Of the tolerance: as much may a force exceed its peak unseen.
+    const SHARE: f64 = 0.01;
+    1.0 + SHARE * tolerance
+}
+
 /// Whether both reactions of a block at rest are above their round-off.
 fn is_pressed_down(now: &Evaluation) -> bool {
     let rounding = Surface::Reaction(Corner::Left).rounding(now.block);
@@ -77,12 +84,16 @@ impl Standing {
             [left, right, horizontal]
         };
         let none = under(Forcing::default());
+        // The differences to both sides, so that a mirrored block has the same numbers.
+        let by = |unit: fn(f64) -> Forcing<f64>| {
+            let (up, down) = (under(unit(1.0)), under(unit(-1.0)));
+            [0, 1, 2].map(|i| 0.5 * (up[i] - down[i]))
+        };
         let by = [
-            under(Forcing { x: 1.0, ..Forcing::default() }),
-            under(Forcing { z: 1.0, ..Forcing::default() }),
-            under(Forcing { moment: 1.0, ..Forcing::default() }),
-        ]
-        .map(|[left, right, shear]| [left - none[0], right - none[1], shear - none[2]]);
+            by(|x| Forcing { x, ..Forcing::default() }),
+            by(|z| Forcing { z, ..Forcing::default() }),
+            by(|moment| Forcing { moment, ..Forcing::default() }),
+        ];
         let (mut forces, mut power) = ([[0.0; ORDER + 1]; 3], 1.0);
         for k in 0..ORDER + 1 {
             let linear = |ramp: [f64; 2]| if k < 2 { ramp[k] } else { 0.0 };
@@ -329,11 +340,9 @@ impl Simulation {
         resultant: &Pair,
         include: impl Fn(&mut Simulation, f64),
     ) {
-        /// Of the tolerance: as much may a force exceed its peak unseen.
-        const SHARE: f64 = 0.01;
         /// A limit of the search for a peak of the friction demand, which takes two or three rounds.
         const MOST: u32 = 8;
-        let visible = 1.0 + SHARE * self.settings.tolerance;
+        let visible = visible(self.settings.tolerance);
         let per_mass = visible / self.system.block.mass;
         for (pair, reaction) in reactions {
             if let Some(place) = pair.highest(*reaction, per_mass * self.peaks.reaction) {
@@ -395,21 +404,25 @@ impl Simulation {
             self.spend(budget, piece, longest)?;
             let (time, [theta, theta_dot, ..]) = (self.pose.time, self.pose.state.0);
             let remaining = stop - time;
+            let own;
             let swing = match known.take() {
-                Some(known) => *known,
-                None => Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed),
+                Some(known) => known,
+                None => {
+                    own = Swing::of(block, pivot, excitation, [time, theta, theta_dot], remaining.min(most), allowed);
+                    &own
+                }
             };
             if let Some(place) = piece.swing {
-                place.set(Some(swing));
+                place.set(Some(*swing));
             }
             self.counts.evaluations += 1;
             self.counts.steps += 1;
             let bounds = swing.bounds(block, pivot);
             let (lasts, last_end) = (swing.size == remaining, time + swing.size);
             let mut way =
-                Way::of(&swing, &bounds, pivot).filter(|way| way.surface.is_some() || lasts || last_end > time);
+                Way::of(swing, &bounds, pivot).filter(|way| way.surface.is_some() || lasts || last_end > time);
             if !is_below_peaks(&bounds, block, &self.peaks) {
-                way = way.and_then(|way| self.take_in_forces(law, piece, &swing, way, lasts));
+                way = way.and_then(|way| self.take_in_forces(law, piece, swing, way, lasts));
             }
             let Way { part, surface } = way.unwrap_or(Way { part: 1.0, surface: None });
             let end = if lasts && surface.is_none() { stop } else { time + part * swing.size };
@@ -424,7 +437,7 @@ impl Simulation {
                 }
                 self.go_along(end, state, swing.work(part));
             } else {
-                match self.examine(law, &swing, [part, end], state, start.of_piece, piece, observer)? {
+                match self.examine(law, swing, [part, end], state, start.of_piece, piece, observer)? {
                     Finished::TooLong(size) => {
                         most = size;
                         continue;

@@ -95,23 +95,6 @@ impl Simulation {
         Ok(())
     }
 
-    /// The rest of a smooth piece that ends at `stop`. Lanes may have taken steps of it.
-    #[cfg(feature = "lanes")]
-    pub(super) fn rest_of_piece(
-        &mut self,
-        stop: f64,
-        block: &Block,
-        excitation: &Excitation,
-        begins: bool,
-        budget: &mut u64,
-        observer: &mut dyn FnMut(&Event),
-    ) -> Result<(), SimulationError> {
-        let (since, end, at_event) = (self.pose.time, stop, AtEvent::Apply);
-        let stop = self.within_reach(stop);
-        let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
-        self.all_steps(&piece, begins, budget, observer)
-    }
-
     /// Replaces a stop so far away that the clock would not resolve the motion by one that no call reaches: by then the block
     /// rests, or the call has failed.
     fn within_reach(&self, stop: f64) -> f64 {
@@ -129,6 +112,7 @@ impl Simulation {
         stop: f64,
         block: &Block,
         excitation: &Excitation,
+        single: bool,
         start: StepStart,
         accepted: Option<&Step>,
         known_swing: Option<&Swing>,
@@ -137,7 +121,7 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let (since, end, at_event) = (self.pose.time, stop, AtEvent::Apply);
         let piece = SmoothPiece::new(block, excitation, since, [stop, end], at_event);
-        let piece = SmoothPiece { single: true, known_swing, ..piece };
+        let piece = SmoothPiece { single, known_swing, ..piece };
         self.steps(&piece, start, accepted, budget, observer)
     }
 

@@ -81,7 +81,17 @@ const fn numbers(inverse: bool) -> Series {
     numbers
 }
 
-/// Maximum number of Newton's steps to a landing.
+/// Of a swing, the width of the last step to the greatest rotation. The error is of the order of its square, and the rotation as exact as
+/// the square of that.
+const TOP_WIDTH: f64 = 1e-5;
+
+/// Round-off of the acceleration of a block that leaves the base, relative to its change over the swing.
+const LANDING_ROUNDING: f64 = 1e-12;
+
+/// The least part of a swing after which a block that leaves the base without a rate comes down other than by round-off.
+const LEAST_LANDING: f64 = 1e-3;
+
+/// Maximum number of Newton's steps to a landing or to the greatest rotation.
 const MOST_NEWTON: u32 = 60;
 
 /// The part of a place below which the next one by Newton's method is a step.
@@ -141,6 +151,15 @@ impl<T: Real> Swing<T> {
         self.forcing.scale(factor);
     }
 
+    /// The coefficients k of N/M − g and H/M (m/s²), with `1/size²` (1/s²).
+    #[inline(always)]
+    fn force_terms(&self, k: usize, per_second: T) -> [T; 2] {
+        let Swing { x, q, forcing, .. } = self;
+        let squares = per_second * (NUMBER[k + 1] * NUMBER[k + 2]);
+        let z = if k < 2 { forcing.z[k] } else { T::from(0.0) };
+        [q[k + 2] * squares + z, x[k + 2] * squares + forcing.x[k]]
+    }
+
     /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
     #[inline(always)]
     pub fn at(&self, part: T) -> [T; 2] {
@@ -157,6 +176,20 @@ impl<T: Real> Swing<T> {
             theta = theta * part + self.theta[k];
         }
         [theta, slope]
+    }
+}
+
+impl<T: Real> Swing<T> {
+    /// θ (rad), its rate of change per swing, and half of the rate of that.
+    #[inline(always)]
+    fn curve_at(&self, part: T) -> [T; 3] {
+        let (mut theta, mut slope, mut half_curvature) = (T::from(0.0), T::from(0.0), T::from(0.0));
+        for k in (0..self.order + 1).rev() {
+            half_curvature = half_curvature * part + slope;
+            slope = slope * part + theta;
+            theta = theta * part + self.theta[k];
+        }
+        [theta, slope, half_curvature]
     }
 }
 
@@ -230,13 +263,12 @@ impl Swing {
     /// N/M and H/M (m/s²) up to a part of the swing, by the series: at its end less accurate than by the equations of motion.
     #[inline(always)]
     pub fn forces(&self, part: f64, gravity: f64) -> Pair {
-        let Swing { size, order, ref x, ref q, ref forcing, .. } = *self;
+        let Swing { size, order, .. } = *self;
         let mut forces = [[0.0; 2]; DEGREE + 1];
         let (per_second, mut power) = (1.0 / (size * size), 1.0);
         for k in 0..order - 1 {
-            let squares = per_second * (NUMBER[k + 1] * NUMBER[k + 2]);
-            let z = if k < 2 { forcing.z[k] } else { 0.0 };
-            forces[k] = [(q[k + 2] * squares + z) * power, (x[k + 2] * squares + forcing.x[k]) * power];
+            let [n, h] = self.force_terms(k, per_second);
+            forces[k] = [n * power, h * power];
             power *= part;
         }
         forces[0][0] += gravity;
@@ -245,13 +277,9 @@ impl Swing {
 
     /// The part of the swing after which a block that leaves the base, or stands off it, comes down.
     pub fn first_landing(&self, corner: Corner) -> Zero {
-        /// Round-off of an acceleration, relative to its change over the swing.
-        const ROUNDING: f64 = 1e-12;
-        /// The least part after which a block that leaves the base without a rate comes down other than by round-off.
-        const LEAST: f64 = 1e-3;
         let theta = self.away_from(corner, 1.0);
         let zeros = match theta {
-            [0.0, 0.0, second, third, ..] if second.abs() <= ROUNDING * third => 3,
+            [0.0, 0.0, second, third, ..] if second.abs() <= LANDING_ROUNDING * third => 3,
             [0.0, 0.0, ..] => 2,
             [0.0, ..] => 1,
             _ => 0,
@@ -259,7 +287,7 @@ impl Swing {
         let mut rest = [0.0; DEGREE + 1];
         rest[..ORDER + 1 - zeros].copy_from_slice(&theta[zeros..]);
         match Bernstein::of(rest, self.order - zeros).zero() {
-            Zero::At(part) if zeros > 1 && part < LEAST => Zero::Unclear,
+            Zero::At(part) if zeros > 1 && part < LEAST_LANDING => Zero::Unclear,
             zero => zero,
         }
     }
@@ -283,21 +311,13 @@ impl Swing {
     /// The same where θ̈ points to the base all the time: Newton's method for the zero of θ̇, until a tangent shows that the rotation does
     /// not exceed `most`.
     fn top(&self, away: f64, part: f64, most: f64) -> Option<f64> {
-        /// Of the swing: the rotation at its maximum is as exact as the square.
-        const WIDTH: f64 = 1e-9;
-        const MOST: u32 = 50;
         let ([_, first], [_, last]) = (self.theta_at(0.0), self.theta_at(part));
         if first * away <= 0.0 || last * away >= 0.0 {
             return None;
         }
         let (mut low, mut high, mut place) = (0.0, part, part * (first / (first - last)));
-        for _ in 0..MOST {
-            let (mut theta, mut slope, mut half_curvature) = (0.0, 0.0, 0.0);
-            for k in (0..self.order + 1).rev() {
-                half_curvature = half_curvature * place + slope;
-                slope = slope * place + theta;
-                theta = theta * place + self.theta[k];
-            }
+        for _ in 0..MOST_NEWTON {
+            let [theta, slope, half_curvature] = self.curve_at(place);
             let rises = slope * away > 0.0;
             let end = if rises { high } else { low };
             if theta * away + slope * away * (end - place) <= most {
@@ -306,7 +326,7 @@ impl Swing {
             (low, high) = if rises { (place, high) } else { (low, place) };
             let next = place - slope / (2.0 * half_curvature);
             let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
-            if (next - place).abs() <= WIDTH {
+            if (next - place).abs() <= TOP_WIDTH {
                 return Some(next);
             }
             place = next;

@@ -73,6 +73,8 @@ pub trait Simd: Copy + 'static {
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Logical or.
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Logical and of `a` and not `b`.
+    fn except(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// A bit per lane, the first lane in the least significant one.
     fn bits(mask: Self::Mask) -> u32;
 }
@@ -220,6 +222,12 @@ impl<V: Simd> Lanes<V> {
         Lanes(V::either(self.0, other.0))
     }
 
+    /// These lanes without the others.
+    #[inline(always)]
+    pub fn except(self, other: Lanes<V>) -> Lanes<V> {
+        Lanes(V::except(self.0, other.0))
+    }
+
     /// A bit per lane, the first lane in the least significant one.
     #[inline(always)]
     pub fn bits(self) -> u32 {
@@ -339,7 +347,7 @@ mod tests {
                 picked,
                 V::splat(0.7),
             ];
-            let masks = [less, small, V::both(less, small), V::either(less, small)];
+            let masks = [less, small, V::both(less, small), V::either(less, small), V::except(less, small)];
             (made.map(V::store).to_vec(), masks.map(V::bits).to_vec())
         }
     }
@@ -375,7 +383,13 @@ mod tests {
         assert_eq!(bits(&made), bits(&expected), "{lanes} lanes");
         let mask = |is: &dyn Fn(usize) -> bool| (0..lanes).map(|i| u32::from(is(i)) << i).sum::<u32>();
         let (less, small) = (|i: usize| a[i] < b[i], |i: usize| b[i] < 1.0);
-        let expected = [mask(&less), mask(&small), mask(&|i| less(i) && small(i)), mask(&|i| less(i) || small(i))];
+        let expected = [
+            mask(&less),
+            mask(&small),
+            mask(&|i| less(i) && small(i)),
+            mask(&|i| less(i) || small(i)),
+            mask(&|i| less(i) && !small(i)),
+        ];
         assert_eq!(masks, expected, "{lanes} lanes");
     }
 

@@ -118,6 +118,11 @@ impl Simd for Pair {
     }
 
     #[inline(always)]
+    fn except(a: [bool; 2], b: [bool; 2]) -> [bool; 2] {
+        [a[0] & !b[0], a[1] & !b[1]]
+    }
+
+    #[inline(always)]
     fn bits(mask: [bool; 2]) -> u32 {
         u32::from(mask[0]) | u32::from(mask[1]) << 1
     }

@@ -184,6 +184,12 @@ macro_rules! vector {
             }
 
             #[inline(always)]
+            fn except(a: $mask, b: $mask) -> $mask {
+                // SAFETY: as in `add`.
+                unsafe { $rest!(except, a, b) }
+            }
+
+            #[inline(always)]
             fn bits(mask: $mask) -> u32 {
                 // SAFETY: as in `add`.
                 unsafe { $rest!(bits, mask) }
@@ -213,6 +219,9 @@ macro_rules! sse2 {
     };
     (either, $a:expr, $b:expr) => {
         _mm_or_pd($a, $b)
+    };
+    (except, $a:expr, $b:expr) => {
+        _mm_andnot_pd($b, $a)
     };
     (bits, $mask:expr) => {
         _mm_movemask_pd($mask) as u32
@@ -248,6 +257,9 @@ macro_rules! avx2 {
     };
     (either, $a:expr, $b:expr) => {
         _mm256_or_pd($a, $b)
+    };
+    (except, $a:expr, $b:expr) => {
+        _mm256_andnot_pd($b, $a)
     };
     (bits, $mask:expr) => {
         _mm256_movemask_pd($mask) as u32
@@ -286,6 +298,9 @@ macro_rules! avx512 {
     };
     (either, $a:expr, $b:expr) => {
         _kor_mask8($a, $b)
+    };
+    (except, $a:expr, $b:expr) => {
+        _kandn_mask8($b, $a)
     };
     (bits, $mask:expr) => {
         _cvtmask8_u32($mask)

@@ -150,12 +150,14 @@ pub enum Kind {
     Swing {
         /// Whether a pulse acts, or only what is linear in time.
         is_wave: bool,
+        /// Whether it probably ends with a landing, which takes several iterations.
+        lands: bool,
     },
 }
 
 impl Kind {
     /// The number of kinds.
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 10;
 
     const REGIMES: [Regime; 3] = [Regime::FullContact, Regime::TiltingLeft, Regime::TiltingRight];
 
@@ -163,7 +165,7 @@ impl Kind {
     pub fn number(self) -> usize {
         match self {
             Kind::Step { regime, short } => place(regime).unwrap_or(0) + if short { 0 } else { 3 },
-            Kind::Swing { is_wave } => 6 + usize::from(is_wave),
+            Kind::Swing { is_wave, lands } => 6 + usize::from(is_wave) + 2 * usize::from(lands),
         }
     }
 
@@ -171,7 +173,7 @@ impl Kind {
     pub fn numbered(number: usize) -> Kind {
         match number {
             0..6 => Kind::Step { regime: Kind::REGIMES[number % 3], short: number < 3 },
-            _ => Kind::Swing { is_wave: number == 7 },
+            _ => Kind::Swing { is_wave: number % 2 == 1, lands: number >= 8 },
         }
     }
 }
@@ -278,7 +280,7 @@ impl Lane {
         } else {
             let excitation = Excitation::from_time(pose.time, inputs, pulse, &system.block);
             if !on_supports {
-                self.swinging.begin_piece(&system.block, excitation);
+                self.swinging.begin_piece(&system.block, &excitation);
             }
             let ground = excitation.without_moment().filter(|_| on_supports);
             self.without_moment = ground.is_some();
@@ -344,10 +346,12 @@ impl Lane {
         Some(Kind::Step { regime, short: is_short })
     }
 
-    /// Takes a step alone, or on the rigid base the rest of a long piece, and reports each event to `observer`.
+    /// Takes a step alone, or rests as long as that lasts, and reports each event to `observer`.
     pub fn step_alone(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let (landing, goes_far) = (self.take_landing(), self.goes_far());
-        let Lane { system, simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } = self;
+        let landing = self.take_landing();
+        let rests = self.course.is_none();
+        let Lane { system, simulation, inputs, stop, since, begins, short_failed, accepted, swinging, budget, .. } =
+            self;
         let block = &system.block;
         let on_supports = block.foundation == Foundation::Viscoelastic;
         let excitation = match on_supports {
@@ -356,14 +360,15 @@ impl Lane {
         };
         let done = if let Some(surface) = landing {
             simulation.apply_alone(surface, block, &excitation, observer)
-        } else if !on_supports && goes_far {
-            simulation.rest_of_piece(*stop, block, &excitation, std::mem::take(begins), budget, observer)
         } else {
             let start = StepStart { of_piece: *begins, short_failed: *short_failed };
             (*begins, *short_failed) = (false, false);
-            let (accepted, known) = (accepted.take(), swinging.known.take());
-            let (accepted, known) = (accepted.as_ref(), known.as_deref());
-            simulation.single_step(*stop, block, &excitation, start, accepted, known, budget, observer)
+            let known = swinging.known.take();
+            let (step, swing) = (accepted.as_ref(), known.as_deref());
+            let done = simulation.single_step(*stop, block, &excitation, !rests, start, step, swing, budget, observer);
+            // A step is large: it is not moved.
+            *accepted = None;
+            done
         };
         // There may have been an event.
         self.course = course_in_lanes(&self.simulation);
@@ -435,18 +440,19 @@ impl Lane {
 pub fn step_group(width: VectorWidth, kind: Kind, group: &mut [Box<Lane>]) -> u32 {
     match kind {
         Kind::Step { regime, short } => step(width, regime, short, group),
-        Kind::Swing { is_wave } => swing(width, is_wave, group),
+        Kind::Swing { is_wave, .. } => swing(width, is_wave, group),
     }
 }
 
 /// The same for swings.
 fn swing(width: VectorWidth, is_wave: bool, group: &mut [Box<Lane>]) -> u32 {
     let mut swung = swings::swing(width, is_wave, group);
-    for (lane, run) in group.iter_mut().enumerate().filter(|(lane, _)| swung.taken >> lane & 1 == 1) {
-        run.arrive_by_swing(&swung, lane);
-    }
-    for (lane, swing) in std::mem::take(&mut swung.known) {
-        group[lane].swinging.known = Some(Box::new(swing));
+    for (lane, run) in group.iter_mut().enumerate() {
+        if swung.taken >> lane & 1 == 1 {
+            run.arrive_by_swing(&swung, lane);
+        } else {
+            run.swinging.known = swung.known[lane].take();
+        }
     }
     swung.taken
 }

@@ -4,11 +4,13 @@
 use crate::block::{Block, Corner};
 use crate::excitation::Excitation;
 use crate::numerics::Real;
+use crate::numerics::bernstein::{DEGREE, Row};
 use crate::numerics::control::is_resolved;
-use crate::numerics::wide::{Array, MOST_LANES, Simd, Task, VectorWidth, Wide};
+use crate::numerics::wide::{Array, Lanes, MOST_LANES, Simd, Task, VectorWidth, Wide};
 use crate::simulation::Simulation;
 use crate::simulation::lanes::{Kind, Lane};
-use crate::simulation::rigid_base::{PRESSED, UPRIGHT, allowed_error, longest_swing};
+use crate::simulation::outputs::MOST_FRICTION_DEMAND;
+use crate::simulation::rigid_base::{PRESSED, UPRIGHT, allowed_error, longest_swing, visible};
 use crate::system::events::Surface;
 use crate::system::instant::State;
 use crate::system::swing::Swing;
@@ -27,6 +29,8 @@ pub struct Swinging {
     offset: f64,
     /// The sign of a rotation away from the base.
     away: f64,
+    /// See [`visible`].
+    visible: f64,
     /// The pivot at which the last swing in a lane has ended, where the block comes down on the other corner.
     landing: Option<Corner>,
     /// The swing that comes next, if a lane has made it.
@@ -41,6 +45,7 @@ impl Swinging {
             allowed: allowed_error(simulation.block(), simulation.settings.tolerance),
             offset: 0.0,
             away: 0.0,
+            visible: visible(simulation.settings.tolerance),
             landing: None,
             known: None,
         };
@@ -57,10 +62,10 @@ impl Swinging {
     }
 
     /// Adopts the excitation of a new piece.
-    #[inline]
-    pub fn begin_piece(&mut self, block: &Block, excitation: Excitation) {
+    #[inline(always)]
+    pub fn begin_piece(&mut self, block: &Block, excitation: &Excitation) {
         self.longest = longest_swing(block.p, excitation.frequency());
-        self.excitation = excitation;
+        self.excitation.adopt(excitation);
     }
 }
 
@@ -74,8 +79,12 @@ pub struct Swung {
     end: [Array; 3],
     /// The works of the excitation since the start of the run.
     input: Array,
-    /// The swings of the lanes in which they were not taken, with the lanes.
-    pub known: Vec<(usize, Swing)>,
+    /// The greatest rotations (rad) inside that are peaks, or zeros.
+    highest: Array,
+    /// Peaks of N, H and friction demand, without those at the ends.
+    peaks: [Array; 3],
+    /// The swings of the lanes in which they were not taken.
+    pub known: [Option<Box<Swing>>; MOST_LANES],
 }
 
 /// Takes a swing of each run of a group, which has at least one run and at most one per lane.
@@ -129,34 +138,70 @@ impl Task for Together<'_> {
         let bounds = swings.bounds(&pivoting);
 
         let (zero, infinite) = (Wide::default(), Wide::from(f64::INFINITY));
-        let lands = bounds.is_certain.and(bounds.last.less(zero));
-        let part = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
+        let mut lands = bounds.is_certain.and(bounds.last.less(zero));
+        let mut part = if lands.any() { swings.landing(lands) } else { Wide::from(1.0) };
+        let mut is_decided = bounds.is_certain;
+        let others = zero.less(swings.size()).except(is_decided);
+        if others.any() {
+            let (stays, comes_down, after) = swings.first_landing(others, pivoting.away);
+            is_decided = is_decided.or(stays).or(comes_down);
+            (lands, part) = (lands.or(comes_down), after.in_lanes(comes_down, part));
+        }
+        let turned = is_decided.except(bounds.theta.less(Wide::from(UPRIGHT)));
+        if turned.any() {
+            is_decided = is_decided.except(turned.except(swings.stays_upright(pivoting.away)));
+        }
         let size = swings.size();
-        let continues = size.less(remaining).or(remaining.less(size)).or(lands);
-        let end_time = (time + part * size).in_lanes(continues, stop);
+        let ends_before = size.less(remaining).or(remaining.less(size)).or(lands);
+        let end_time = (time + part * size).in_lanes(ends_before, stop);
         let advances = lands.or(time.less(end_time));
-        let known = bounds.is_certain.and(bounds.theta.less(Wide::from(UPRIGHT))).and(advances);
-
-        let mass: Wide<V> = self.each(|lane| lane.block().mass);
-        let peak_theta: Wide<V> = self.each(|lane| lane.simulation.peaks.theta);
-        let peak_demand: Wide<V> = self.each(|lane| lane.simulation.peaks.friction_demand);
-        let [least, greatest] = bounds.reaction;
-        let is_below_peaks = (pivoting.gravity * PRESSED)
-            .less(least)
-            .and((greatest * mass).less(self.each(|lane| lane.simulation.peaks.reaction)))
-            .and((bounds.horizontal * mass).less(self.each(|lane| lane.simulation.peaks.horizontal)))
-            .and(bounds.horizontal.less(peak_demand * least));
-        let no_turn = bounds.is_monotone.or(bounds.theta.less(peak_theta));
         let [theta, theta_dot] = swings.at(part);
         let is_finite = theta.abs().less(infinite).and(theta_dot.abs().less(infinite));
+        let usual = is_decided.and(advances).and(is_finite);
+
+        let peak_theta: Wide<V> = self.each(|lane| lane.simulation.peaks.theta);
+        let may_turn = usual.except(bounds.is_monotone.or(bounds.theta.less(peak_theta)));
+        let (mut taken, mut highest) = (usual, zero);
+        if may_turn.any() {
+            let turns_back = may_turn.and(bounds.turns_back);
+            highest = swings.top(turns_back, pivoting.away, part, peak_theta);
+            let others = may_turn.except(turns_back);
+            if others.any() {
+                let (top, known) = swings.highest(others, pivoting.away, part, peak_theta);
+                highest = top.in_lanes(others, highest);
+                taken = taken.except(others.except(known));
+            }
+        }
+
+        let mass: Wide<V> = self.each(|lane| lane.block().mass);
+        let mut peaks = ForcePeaks {
+            reaction: self.each(|lane| lane.simulation.peaks.reaction),
+            horizontal: self.each(|lane| lane.simulation.peaks.horizontal),
+            friction_demand: self.each(|lane| lane.simulation.peaks.friction_demand),
+        };
+        let [least, greatest] = bounds.reaction;
+        let pressed = pivoting.gravity * PRESSED;
+        let is_below = pressed
+            .less(least)
+            .and((greatest * mass).less(peaks.reaction))
+            .and((bounds.horizontal * mass).less(peaks.horizontal))
+            .and(bounds.horizontal.less(peaks.friction_demand * least));
+        let others = taken.except(is_below);
+        if others.any() {
+            let forces = swings.forces(part, pivoting.gravity);
+            let continues = ends_before.except(lands);
+            let visible = self.each(|lane| lane.swinging.visible);
+            let holds = peaks.raise(others, &forces, mass, pressed, continues, visible);
+            taken = taken.except(others.except(holds));
+        }
 
         let runs = ((1_u64 << self.count) - 1) as u32;
-        let taken = known.and(is_below_peaks).and(no_turn).and(is_finite).bits() & runs;
+        let taken = taken.bits() & runs;
         let made = bounds.theta.less(infinite).and(zero.less(size)).bits() & runs;
-        let mut known = Vec::new();
+        let mut known = [const { None }; MOST_LANES];
         for lane in 0..self.count {
             if (made & !taken) >> lane & 1 == 1 {
-                known.push((lane, swings.of_lane(lane)));
+                known[lane] = Some(Box::new(swings.of_lane(lane)));
             }
         }
         let input = self.each::<V>(|lane| lane.simulation.sums.input) + swings.work(part);
@@ -165,9 +210,85 @@ impl Task for Together<'_> {
             lands: taken & lands.bits(),
             end: [end_time.store(), theta.store(), theta_dot.store()],
             input: input.store(),
+            highest: highest.store(),
+            peaks: [peaks.reaction.store(), peaks.horizontal.store(), peaks.friction_demand.store()],
             known,
         }
     }
+}
+
+/// Peaks of N (N), H (N) and the friction demand (1).
+struct ForcePeaks<V> {
+    reaction: Wide<V>,
+    horizontal: Wide<V>,
+    friction_demand: Wide<V>,
+}
+
+impl<V: Simd> ForcePeaks<V> {
+    /// Raises the peaks of some lanes to the forces at the beginning of a swing with these Bernstein coefficients of N/M and H/M. Returns the
+    /// lanes in which the corner is certainly pressed on and no force exceeds its peak later, except at the end where another swing begins:
+    /// in those that are not `lasts` the end counts.
+    #[inline(always)]
+    fn raise(
+        &mut self,
+        lanes: Lanes<V>,
+        forces: &Row<[Wide<V>; 2]>,
+        mass: Wide<V>,
+        pressed: Wide<V>,
+        continues: Lanes<V>,
+        visible: Wide<V>,
+    ) -> Lanes<V> {
+        let [n, h] = forces[0];
+        self.reaction = self.reaction.max(mass * n).in_lanes(lanes, self.reaction);
+        self.horizontal = self.horizontal.max(mass * h.abs()).in_lanes(lanes, self.horizontal);
+        self.friction_demand = self.friction_demand.max(h.abs() / n).in_lanes(lanes, self.friction_demand);
+        let (most, steepest, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
+        let mut exceeds = lanes.except(lanes);
+        let (mut holds, mut exceeds_at_end) = (lanes, exceeds);
+        for k in 0..DEGREE + 1 {
+            let [n, h] = forces[k];
+            holds = holds.and(pressed.less(n));
+            exceeds_at_end = most.less(n).or(steepest.less(h.abs())).or((demand * n).less(h.abs()));
+            exceeds = exceeds.or(exceeds_at_end);
+        }
+        holds = holds.except(exceeds_at_end.except(continues));
+        if !holds.and(exceeds).any() {
+            return holds;
+        }
+        // As in the search of a run alone, which would find nothing.
+        let per_mass = visible / mass;
+        let [n, h] = forces[DEGREE];
+        let is_little = h.abs().less(n * MOST_FRICTION_DEMAND);
+        let at_end = (h.abs() / n).in_lanes(is_little, Wide::from(MOST_FRICTION_DEMAND));
+        let demand = visible * demand.max(at_end);
+        let zero = [[Wide::default()]; DEGREE + 1];
+        let (mut reaction, mut shear) = (zero, [zero; 2]);
+        let mut slip = shear;
+        for k in 0..DEGREE + 1 {
+            let [n, h] = forces[k];
+            reaction[k] = [n];
+            (shear[0][k], shear[1][k]) = ([h], [-h]);
+            (slip[0][k], slip[1][k]) = ([-demand * n + h], [-demand * n - h]);
+        }
+        let mut rises = may_exceed(&reaction, per_mass * self.reaction);
+        for side in 0..2 {
+            rises = rises.or(may_exceed(&shear[side], per_mass * self.horizontal));
+            rises = rises.or(may_exceed(&slip[side], Wide::default()));
+        }
+        holds.except(exceeds.and(rises))
+    }
+}
+
+/// The lanes in which a polynomial with these Bernstein coefficients may exceed `most` and its values at both ends: those in which
+/// [`highest`](crate::numerics::bernstein::Bernstein::highest) would search.
+#[inline(always)]
+fn may_exceed<V: Simd>(coefficients: &Row<[Wide<V>; 1]>, most: Wide<V>) -> Lanes<V> {
+    let value = coefficients[0][0].max(coefficients[DEGREE][0]).max(most);
+    let mut exceeds = value.less(value);
+    for k in 1..DEGREE {
+        exceeds = exceeds.or(value.less(coefficients[k][0]));
+    }
+    exceeds
 }
 
 impl Lane {
@@ -178,7 +299,12 @@ impl Lane {
         let [end, theta, theta_dot] = [swung.end[0][lane], swung.end[1][lane], swung.end[2][lane]];
         simulation.counts.evaluations += 1;
         simulation.counts.steps += 1;
+        simulation.raise_rotation(swung.highest[lane]);
         simulation.raise_rotation(theta.abs());
+        let [reaction, horizontal, friction_demand] = swung.peaks;
+        let peaks = &mut simulation.peaks;
+        (peaks.reaction, peaks.horizontal, peaks.friction_demand) =
+            (reaction[lane], horizontal[lane], friction_demand[lane]);
         simulation.sums.input = swung.input[lane];
         simulation.pose.state = State::from([theta, theta_dot, 0.0, 0.0]);
         if end > simulation.pose.time {
@@ -192,17 +318,14 @@ impl Lane {
     /// The kind of the swing that comes next, if it can be taken in a lane.
     #[inline]
     pub(super) fn swing_kind(&self) -> Option<Kind> {
-        let Swinging { excitation, longest, .. } = &self.swinging;
+        let Swinging { excitation, longest, away, .. } = &self.swinging;
         let remaining = self.stop - self.simulation.pose.time;
         let can = excitation.has_series() && self.budget > 0 && is_resolved(remaining, *longest);
-        (can && !self.goes_far()).then(|| Kind::Swing { is_wave: !excitation.is_linear() })
-    }
-
-    /// Whether the rest of the piece takes several swings. Between frequent stops most swings end without a peak or an event; long ones hold
-    /// them, and are faster one after the other in the same run.
-    #[inline]
-    pub(super) fn goes_far(&self) -> bool {
-        self.stop - self.simulation.pose.time > self.swinging.longest
+        // Without an excitation, and as if at the base all the time.
+        let [theta, theta_dot, ..] = self.simulation.pose.state.0;
+        let (size, p, alpha) = (remaining.min(*longest), self.block().p, self.block().alpha);
+        let last = away * (theta + theta_dot * size) - 0.5 * alpha * p * p * size * size;
+        can.then(|| Kind::Swing { is_wave: !excitation.is_linear(), lands: last < 0.0 })
     }
 
     /// Whether the block has come down in a lane, and its impact is to be applied.

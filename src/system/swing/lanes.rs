@@ -2,9 +2,16 @@
 //!
 //! The terms of a lane are zero beyond its own order. Zeros change no sum, and where a product with another series would, they are left out.
 
-use super::{LEAST, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, RECIPROCAL, STILL, Series, Swing, shortening};
+use std::f64::consts::FRAC_PI_2;
+
+use super::{
+    LANDING_ROUNDING, LEAST, LEAST_LANDING, MOST_NEWTON, NUMBER, OF_FLIGHT, ORDER, RECIPROCAL, STILL, Series, Swing,
+    TOP_WIDTH, shortening,
+};
 use crate::block::Lever;
 use crate::excitation::{Excitation, ForcingSeries};
+use crate::numerics::bernstein::lanes::{Bernsteins, Highest};
+use crate::numerics::bernstein::{DEGREE, Row, convert};
 use crate::numerics::wide::{Lanes, Simd, Wide};
 use crate::numerics::{Real, Scalar};
 
@@ -37,6 +44,8 @@ pub struct LaneBounds<V: Simd> {
     pub is_certain: Lanes<V>,
     /// The rotation away from the base at the end (rad).
     pub last: Wide<V>,
+    /// Whether θ̈ points to the base all the time.
+    pub turns_back: Lanes<V>,
     /// Whether |θ| only rises or only falls.
     pub is_monotone: Lanes<V>,
     /// The greatest |θ| (rad).
@@ -45,6 +54,12 @@ pub struct LaneBounds<V: Simd> {
     pub reaction: [Wide<V>; 2],
     /// The greatest |H|/M (m/s²).
     pub horizontal: Wide<V>,
+}
+
+/// A term of a series, zero beyond the highest order.
+#[inline(always)]
+fn term<V: Simd>(series: &Series<Wide<V>>, k: usize) -> Wide<V> {
+    if k < ORDER + 1 { series[k] } else { Wide::default() }
 }
 
 impl<V: Simd> Swing<Wide<V>> {
@@ -166,6 +181,7 @@ impl<V: Simd> Swings<V> {
         LaneBounds {
             is_certain: spread.less(first).or(turns_back.and(leaves)),
             last,
+            turns_back,
             is_monotone: steepest.less(theta[1].abs()),
             theta: first.abs() + spread,
             reaction: [first_reaction - reaction, first_reaction + reaction],
@@ -193,6 +209,102 @@ impl<V: Simd> Swings<V> {
             part = next.in_lanes(moves, part);
         }
         part
+    }
+
+    /// The lanes of some in which the block certainly does not come down, those in which it does, and the part after which, see
+    /// [`Swing::first_landing`].
+    #[inline(always)]
+    pub fn first_landing(&self, lanes: Lanes<V>, away: Wide<V>) -> (Lanes<V>, Lanes<V>, Wide<V>) {
+        let Swing { order, ref theta, .. } = self.series;
+        let zero = Wide::default();
+        let (stands_off, rises) = (zero.less(theta[0].abs()), zero.less(theta[1].abs()));
+        let turns = (theta[3] * away * LANDING_ROUNDING).less(theta[2].abs());
+        let mut rotation = [zero; DEGREE + 1];
+        for k in 0..order.min(ORDER) + 1 {
+            // Zeros at the beginning are divided out.
+            let from_rest = term(theta, k + 2).in_lanes(turns, term(theta, k + 3));
+            rotation[k] = theta[k].in_lanes(stands_off, term(theta, k + 1).in_lanes(rises, from_rest)) * away;
+        }
+        let moves = stands_off.or(rises);
+        let rotation = Bernsteins::of(rotation, order);
+        let stays = lanes.and(rotation.is_positive());
+        let others = lanes.except(stays);
+        let (part, lands) = rotation.only_zero(others);
+        let is_early = part.less(Wide::from(LEAST_LANDING)).and(lands.except(moves));
+        (stays, lands.except(is_early), part)
+    }
+
+    /// The lanes in which the block certainly makes no quarter turn, see [`Swing::quarter_turn`].
+    #[inline(always)]
+    pub fn stays_upright(&self, away: Wide<V>) -> Lanes<V> {
+        let Swing { order, ref theta, .. } = self.series;
+        let mut rest = [Wide::default(); DEGREE + 1];
+        for k in 0..order.min(ORDER) + 1 {
+            rest[k] = theta[k] * -away;
+        }
+        rest[0] = rest[0] + FRAC_PI_2;
+        Bernsteins::of(rest, order).is_positive()
+    }
+
+    /// The greatest rotation (rad) inside, up to a part, in these lanes, if it exceeds `most` and that at both ends, otherwise 0; and the
+    /// lanes in which this is known. See [`Swing::highest`].
+    #[inline(always)]
+    pub fn highest(&self, lanes: Lanes<V>, away: Wide<V>, part: Wide<V>, most: Wide<V>) -> (Wide<V>, Lanes<V>) {
+        let Swing { order, ref theta, .. } = self.series;
+        let (mut rotation, mut power) = ([Wide::default(); DEGREE + 1], away);
+        for k in 0..order.min(ORDER) + 1 {
+            rotation[k] = theta[k] * power;
+            power = power * part;
+        }
+        let Highest { place, exceeds, known } = Bernsteins::of(rotation, order).highest(lanes, most);
+        let [theta, _] = self.series.theta_at(place * part);
+        (theta.abs().in_lanes(exceeds, Wide::default()), known)
+    }
+
+    /// The Bernstein coefficients of N/M and H/M (m/s²) up to a part, see [`Swing::forces`].
+    #[inline(always)]
+    pub fn forces(&self, part: Wide<V>, gravity: Wide<V>) -> Row<[Wide<V>; 2]> {
+        let Swing { size, order, .. } = self.series;
+        let (zero, per_second) = (Wide::default(), Wide::from(1.0) / (size * size));
+        let (mut forces, mut power) = ([[zero; 2]; DEGREE + 1], Wide::from(1.0));
+        for k in 0..order.min(ORDER) - 1 {
+            let ([n, h], within) = (self.series.force_terms(k, per_second), self.reach(k + 2));
+            forces[k] = [(n * power).in_lanes(within, zero), (h * power).in_lanes(within, zero)];
+            power = power * part;
+        }
+        forces[0][0] = forces[0][0] + gravity;
+        convert(&forces)
+    }
+
+    /// The greatest rotation (rad) inside, up to a part, in these lanes, whose θ̈ points to the base all the time, if it exceeds `most`, and
+    /// otherwise 0: see [`Swing::highest`].
+    #[inline(always)]
+    pub fn top(&self, lanes: Lanes<V>, away: Wide<V>, part: Wide<V>, most: Wide<V>) -> Wide<V> {
+        let zero = Wide::default();
+        let first = self.series.theta[1];
+        let [_, last] = self.series.theta_at(part);
+        let mut active = lanes.and(zero.less(first * away)).and((last * away).less(zero));
+        let mut found = zero.less(zero);
+        let (mut low, mut high, mut place) = (zero, part, part * (first / (first - last)));
+        for _ in 0..MOST_NEWTON {
+            if !active.any() {
+                break;
+            }
+            let [theta, slope, half_curvature] = self.series.curve_at(place);
+            let rises = zero.less(slope * away);
+            let end = high.in_lanes(rises, low);
+            active = active.and(most.less(theta * away + slope * away * (end - place)));
+            (low, high) = (place.in_lanes(rises, low), high.in_lanes(rises, place));
+            let next = place - slope / (half_curvature * 2.0);
+            let outside = next.less(low).or(high.less(next));
+            let next = ((low + high) * 0.5).in_lanes(outside, next);
+            let moves = Wide::from(TOP_WIDTH).less((next - place).abs());
+            place = next.in_lanes(active, place);
+            found = found.or(active.except(moves));
+            active = active.and(moves);
+        }
+        let [theta, _] = self.series.theta_at(place);
+        theta.abs().in_lanes(found.or(active), zero)
     }
 
     /// See [`Swing::work`], which has the same sums.
