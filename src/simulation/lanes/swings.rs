@@ -225,9 +225,10 @@ struct ForcePeaks<V> {
 }
 
 impl<V: Simd> ForcePeaks<V> {
-    /// Raises the peaks of some lanes to the forces at the beginning of a swing with these Bernstein coefficients of N/M and H/M. Returns the
-    /// lanes in which the corner is certainly pressed on and no force exceeds its peak later, except at the end where another swing begins:
-    /// in those that are not `lasts` the end counts.
+    /// Raises the peaks of some lanes to the forces at the beginning of a swing with these Bernstein coefficients of N/M and H/M.
+    ///
+    /// Returns the lanes in which the corner is certainly pressed on and no force exceeds its peak later. In lanes that `continues` the end
+    /// does not count: the next swing begins with its forces.
     #[inline(always)]
     fn raise(
         &mut self,
