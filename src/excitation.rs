@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::Block;
 use crate::block::restraints::States;
 use crate::numerics::dual::Dual;
-use crate::numerics::scalar::{Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
 pub use pulse::{Form, Pulse, PulseShape, Wave};
@@ -31,8 +31,8 @@ impl<T: Scalar> Ramp<T> {
     }
 
     #[inline(always)]
-    fn at(self, elapsed: T) -> T {
-        self.value + self.rate * elapsed
+    fn at<N: CombinesWith<T>>(self, elapsed: N) -> N {
+        elapsed * self.rate + self.value
     }
 
     /// The ramp seen from a reference time `elapsed` seconds later.
@@ -254,17 +254,17 @@ impl<T: Scalar> Excitation<T> {
 
     /// The forcing at `time` (s), without restraints.
     #[inline(always)]
-    pub fn at(&self, time: T) -> Forcing<T> {
+    pub fn at<N: CombinesWith<T>>(&self, time: N) -> Forcing<N> {
         let pulse = match &self.wave {
             Some(wave) => wave.at(time),
-            None => T::from(0.0),
+            None => N::from(0.0),
         };
         self.at_with(pulse, time)
     }
 
     /// The same with this acceleration (m/s²) as that of the pulse.
     #[inline(always)]
-    pub fn at_with(&self, pulse: T, time: T) -> Forcing<T> {
+    pub fn at_with<N: CombinesWith<T>>(&self, pulse: N, time: N) -> Forcing<N> {
         let elapsed = time - self.time;
         Forcing {
             x: self.x.at(elapsed) + pulse,
@@ -286,15 +286,15 @@ impl<T: Scalar> Excitation<T> {
 
     /// The forcing after `time` (s) as power series; needs [`Excitation::has_series`].
     #[inline(always)]
-    pub fn series<const N: usize>(&self, time: T) -> ForcingSeries<N, T> {
+    pub fn series<const TERMS: usize, N: CombinesWith<T>>(&self, time: N) -> ForcingSeries<TERMS, N> {
         let elapsed = time - self.time;
-        let linear = |ramp: Ramp<T>| [ramp.at(elapsed), ramp.rate];
+        let linear = |ramp: Ramp<T>| [ramp.at(elapsed), ramp.rate.into()];
         let mut series =
-            ForcingSeries { x: [T::from(0.0); N], terms: 2, z: linear(self.z), moment: linear(self.moment) };
+            ForcingSeries { x: [N::from(0.0); TERMS], terms: 2, z: linear(self.z), moment: linear(self.moment) };
         [series.x[0], series.x[1]] = linear(self.x);
         if let Some(wave) = &self.wave {
             wave.add_series(time, &mut series.x);
-            series.terms = N;
+            series.terms = TERMS;
         }
         series
     }

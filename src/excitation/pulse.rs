@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::scalar::{Elementary, Scalar};
+use crate::numerics::scalar::{CombinesWith, Elementary, Scalar};
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
 
@@ -226,7 +226,7 @@ pub struct Wave<T = f64> {
 
 impl<T: Scalar> Wave<T> {
     #[inline]
-    pub(super) fn at(&self, time: T) -> T {
+    pub(super) fn at<N: CombinesWith<T>>(&self, time: N) -> N {
         self.acceleration(time)
     }
 
@@ -237,15 +237,16 @@ impl<T: Scalar> Wave<T> {
 
     /// The acceleration at `time` (m/s²). It is inlined with all that it calls.
     #[inline(always)]
-    pub fn acceleration(&self, time: T) -> T {
-        let x = self.omega * (time - self.origin);
+    pub fn acceleration<N: CombinesWith<T>>(&self, time: N) -> N {
+        let x = (time - self.origin) * self.omega;
         match self.form {
-            Form::Sine => self.amplitude * (x + self.phase).sin(),
-            Form::SymmetricRicker => self.amplitude * (-(x * x) + 1.0) * gaussian(x),
-            Form::AntisymmetricRicker => self.amplitude * x * (x * x - 3.0) * gaussian(x),
+            Form::Sine => (x + self.phase).sin() * self.amplitude,
+            Form::SymmetricRicker => (-(x * x) + 1.0) * self.amplitude * gaussian(x),
+            Form::AntisymmetricRicker => x * self.amplitude * (x * x - 3.0) * gaussian(x),
             Form::Gabor => {
-                let ((sin_slow, cos_slow), (sin, cos)) = ((x / self.cycles).sin_cos(), (x + self.phase).sin_cos());
-                -(self.amplitude * 0.5 * (sin_slow * cos / self.cycles + sin * (cos_slow + 1.0)))
+                let cycles = N::from(self.cycles);
+                let ((sin_slow, cos_slow), (sin, cos)) = ((x / cycles).sin_cos(), (x + self.phase).sin_cos());
+                -((sin_slow * cos / cycles + sin * (cos_slow + 1.0)) * (self.amplitude * 0.5))
             }
         }
     }
@@ -277,13 +278,13 @@ impl<T: Scalar> Wave<T> {
 
     /// Adds the coefficients of the power series of a sine in the time elapsed since `time` (s).
     #[inline(always)]
-    pub(super) fn add_series(&self, time: T, series: &mut [T]) {
+    pub(super) fn add_series<N: CombinesWith<T>>(&self, time: N, series: &mut [N]) {
         let Wave { amplitude, omega, phase, origin, .. } = *self;
-        let (sin, cos) = (omega * (time - origin) + phase).sin_cos();
-        let (mut now, mut next) = (amplitude * sin, amplitude * omega * cos);
+        let (sin, cos) = ((time - origin) * omega + phase).sin_cos();
+        let (mut now, mut next) = (sin * amplitude, cos * (amplitude * omega));
         for (k, coefficient) in series.iter_mut().enumerate() {
             *coefficient = *coefficient + now;
-            (now, next) = (next, -omega * omega * now / T::from(((k + 1) * (k + 2)) as f64));
+            (now, next) = (next, now * (-omega * omega) / N::from(((k + 1) * (k + 2)) as f64));
         }
     }
 }

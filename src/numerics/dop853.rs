@@ -8,7 +8,7 @@ use crate::numerics::coefficients::{NODES, combine, dense, difference, increment
 use crate::numerics::numbers::Numbers;
 #[cfg(feature = "lanes")]
 use crate::numerics::wide::{Simd, Wide};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State, Sums};
 
 /// An attempted step with all its stages, which the dense output needs.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,9 @@ pub const EVALUATIONS_PER_STEP: u64 = 11;
 
 /// Number of stages, with the one at the beginning of the step.
 pub const STAGES: usize = 12;
+
+/// The same with those of the dense output.
+pub const DENSE_STAGES: usize = 16;
 
 /// Returns the time of a stage.
 #[inline(always)]
@@ -117,7 +120,7 @@ pub fn error<R: Real, const N: usize>(rates: &StageRates<R, N>, size: R, weights
 
 /// The sum of the weighted stages that leads to a stage from 1 to 11.
 #[inline(always)]
-fn increment<R: Scalar, const N: usize, const STAGES: usize>(k: &[State<R, N>; STAGES], stage: usize) -> State<R, N> {
+pub(super) fn increment<S: Sums, const STAGES: usize>(k: &[S; STAGES], stage: usize) -> S {
     match stage {
         1 => increment!(k, 1),
         2 => increment!(k, 2),
@@ -131,62 +134,6 @@ fn increment<R: Scalar, const N: usize, const STAGES: usize>(k: &[State<R, N>; S
         10 => increment!(k, 10),
         _ => increment!(k, 11),
     }
-}
-
-/// State at the end of a step that is known to be accurate, in numbers with derivatives; the values have the bits of [`Step::attempt`].
-#[inline(always)]
-pub fn follow<T: Scalar, const N: usize>(
-    time: f64,
-    size: f64,
-    start: State<T, N>,
-    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
-) -> State<T, N> {
-    let k = followed::<_, N, 12>(time, size, start, rate);
-    start + increment!(k, 12) * size
-}
-
-/// The same; the states at these times inside the step go to `seen` by the dense output.
-#[inline(always)]
-pub fn follow_inside<T: Scalar, const N: usize>(
-    time: f64,
-    size: f64,
-    start: State<T, N>,
-    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
-    inside: &[f64],
-    seen: &mut dyn FnMut(f64, State<T, N>),
-) -> State<T, N> {
-    let mut k = followed::<_, N, 16>(time, size, start, &rate);
-    let end = start + increment!(k, 12) * size;
-    k[12] = rate(time + size, end);
-    for stage in 13..16 {
-        let increment = match stage {
-            13 => increment!(k, 13),
-            14 => increment!(k, 14),
-            _ => increment!(k, 15),
-        };
-        k[stage] = rate(time + size * NODES[stage], start + increment * size);
-    }
-    let polynomial = polynomial(start, end - start, size, &k);
-    for &at in inside {
-        seen(at, evaluate(&polynomial, (at - time) / size));
-    }
-    end
-}
-
-/// The first twelve stages, in an array with room for those of the dense output or without.
-#[inline(always)]
-fn followed<T: Scalar, const N: usize, const STAGES: usize>(
-    time: f64,
-    size: f64,
-    start: State<T, N>,
-    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
-) -> [State<T, N>; STAGES] {
-    let mut k = [State::zeros(); STAGES];
-    k[0] = rate(time, start);
-    for stage in 1..12 {
-        k[stage] = rate(time + size * NODES[stage], start + increment(&k, stage) * size);
-    }
-    k
 }
 
 #[cfg(feature = "lanes")]
@@ -245,13 +192,14 @@ impl<const N: usize> Step<N> {
 }
 
 /// Value at the beginning, then the coefficients of the dense output.
-type Polynomial<const N: usize, T = f64> = [Numbers<T, N>; 8];
+pub type Polynomial<const N: usize, T = f64> = [Numbers<T, N>; 8];
 
-fn polynomial<T: Scalar, const N: usize>(
+/// The dense output of a step with all its stages, from the state at its beginning and its change.
+pub fn polynomial<T: Scalar, const N: usize>(
     start: Numbers<T, N>,
     change: Numbers<T, N>,
     size: f64,
-    k: &[Numbers<T, N>; 16],
+    k: &[Numbers<T, N>; DENSE_STAGES],
 ) -> Polynomial<N, T> {
     let mut polynomial = cubic(start, change, size, &k[0], &k[12]);
     polynomial[4..].copy_from_slice(&[
@@ -319,7 +267,8 @@ impl<const N: usize> DenseOutput<N> {
     }
 }
 
-fn evaluate<T: Scalar, const N: usize>(f: &Polynomial<N, T>, x: f64) -> Numbers<T, N> {
+/// The value of a dense output at a part of its step.
+pub fn evaluate<T: Scalar, const N: usize>(f: &Polynomial<N, T>, x: f64) -> Numbers<T, N> {
     let y = 1.0 - x;
     f[0] + (f[1] + (f[2] + (f[3] + (f[4] + (f[5] + (f[6] + f[7] * x) * y) * x) * y) * x) * y) * x
 }

@@ -9,112 +9,157 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use crate::numerics::dual::{Dual, constants_with_duals};
 use crate::numerics::scalar::{Elementary, Scalar};
 
-/// A number, and its derivatives in N directions. These are aligned so that the compiler takes four as one vector, and none of them with
-/// the number.
+/// Derivatives in several directions: an array of numbers, or a vector of the processor.
+pub trait Directions: Copy {
+    /// No derivatives.
+    fn zeros() -> Self;
+    /// Sums.
+    fn plus(self, other: Self) -> Self;
+    /// Differences.
+    fn minus(self, other: Self) -> Self;
+    /// Negatives.
+    fn negated(self) -> Self;
+    /// Products with a factor.
+    fn times(self, factor: f64) -> Self;
+}
+
+impl<const N: usize> Directions for [f64; N] {
+    #[inline(always)]
+    fn zeros() -> Self {
+        [0.0; N]
+    }
+
+    #[inline(always)]
+    fn plus(mut self, other: Self) -> Self {
+        let mut i = 0;
+        while i < N {
+            self[i] += other[i];
+            i += 1;
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn minus(mut self, other: Self) -> Self {
+        let mut i = 0;
+        while i < N {
+            self[i] -= other[i];
+            i += 1;
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn negated(mut self) -> Self {
+        let mut i = 0;
+        while i < N {
+            self[i] = -self[i];
+            i += 1;
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn times(mut self, factor: f64) -> Self {
+        let mut i = 0;
+        while i < N {
+            self[i] *= factor;
+            i += 1;
+        }
+        self
+    }
+}
+
+/// A number, and its derivatives in several directions. These are aligned so that the compiler takes four as one vector, and none of them
+/// with the number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub struct Gradient<const N: usize> {
+pub struct Varying<D> {
     /// Its derivatives.
-    pub eps: [f64; N],
+    pub eps: D,
     /// The number.
     pub re: f64,
 }
 
+/// A number with its derivatives in N directions.
+pub type Gradient<const N: usize> = Varying<[f64; N]>;
+
 /// A number with its derivative in one direction. Unlike that of a [`Dual`], its value has the bits of a plain number.
 pub type Along = Gradient<1>;
 
-impl<const N: usize> Gradient<N> {
+impl<D: Directions> Varying<D> {
     /// A number with these derivatives.
     #[inline(always)]
-    pub fn new(re: f64, eps: [f64; N]) -> Self {
-        Gradient { re, eps }
+    pub fn new(re: f64, eps: D) -> Self {
+        Varying { re, eps }
     }
 
     /// The value `re` of a function of both numbers, whose partial derivatives are these.
     #[inline(always)]
     fn chain(self, other: Self, re: f64, [by_self, by_other]: [f64; 2]) -> Self {
-        let mut eps = self.eps;
-        let mut i = 0;
-        while i < N {
-            eps[i] = eps[i] * by_self + other.eps[i] * by_other;
-            i += 1;
-        }
-        Gradient { re, eps }
+        Varying { re, eps: self.eps.times(by_self).plus(other.eps.times(by_other)) }
     }
 
     /// The value `re` of a function of this number, whose derivative is `slope`.
     #[inline(always)]
     fn map(self, re: f64, slope: f64) -> Self {
-        let mut eps = self.eps;
-        let mut i = 0;
-        while i < N {
-            eps[i] *= slope;
-            i += 1;
-        }
-        Gradient { re, eps }
+        Varying { re, eps: self.eps.times(slope) }
     }
 }
 
-impl<const N: usize> Default for Gradient<N> {
+impl<D> Varying<D> {
+    /// The number as it is stored.
+    #[inline(always)]
+    pub fn stored<const N: usize>(self) -> Gradient<N>
+    where
+        D: Into<[f64; N]>,
+    {
+        Varying { re: self.re, eps: self.eps.into() }
+    }
+}
+
+impl<D: Directions> Default for Varying<D> {
     #[inline(always)]
     fn default() -> Self {
-        Gradient::from(0.0)
+        Varying::from(0.0)
     }
 }
 
-impl<const N: usize> From<f64> for Gradient<N> {
+impl<D: Directions> From<f64> for Varying<D> {
     #[inline(always)]
     fn from(re: f64) -> Self {
-        Gradient { re, eps: [0.0; N] }
+        Varying { re, eps: D::zeros() }
     }
 }
 
-impl<const N: usize> Neg for Gradient<N> {
+impl<D: Directions> Neg for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        let mut eps = self.eps;
-        let mut i = 0;
-        while i < N {
-            eps[i] = -eps[i];
-            i += 1;
-        }
-        Gradient { re: -self.re, eps }
+        Varying { re: -self.re, eps: self.eps.negated() }
     }
 }
 
-impl<const N: usize> Add for Gradient<N> {
+impl<D: Directions> Add for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        let mut eps = self.eps;
-        let mut i = 0;
-        while i < N {
-            eps[i] += other.eps[i];
-            i += 1;
-        }
-        Gradient { re: self.re + other.re, eps }
+        Varying { re: self.re + other.re, eps: self.eps.plus(other.eps) }
     }
 }
 
-impl<const N: usize> Sub for Gradient<N> {
+impl<D: Directions> Sub for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        let mut eps = self.eps;
-        let mut i = 0;
-        while i < N {
-            eps[i] -= other.eps[i];
-            i += 1;
-        }
-        Gradient { re: self.re - other.re, eps }
+        Varying { re: self.re - other.re, eps: self.eps.minus(other.eps) }
     }
 }
 
-impl<const N: usize> Mul for Gradient<N> {
+impl<D: Directions> Mul for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -123,7 +168,7 @@ impl<const N: usize> Mul for Gradient<N> {
     }
 }
 
-impl<const N: usize> Div for Gradient<N> {
+impl<D: Directions> Div for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -133,25 +178,25 @@ impl<const N: usize> Div for Gradient<N> {
     }
 }
 
-impl<const N: usize> Add<f64> for Gradient<N> {
+impl<D: Directions> Add<f64> for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: f64) -> Self {
-        Gradient { re: self.re + other, ..self }
+        Varying { re: self.re + other, ..self }
     }
 }
 
-impl<const N: usize> Sub<f64> for Gradient<N> {
+impl<D: Directions> Sub<f64> for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
     fn sub(self, other: f64) -> Self {
-        Gradient { re: self.re - other, ..self }
+        Varying { re: self.re - other, ..self }
     }
 }
 
-impl<const N: usize> Mul<f64> for Gradient<N> {
+impl<D: Directions> Mul<f64> for Varying<D> {
     type Output = Self;
 
     #[inline(always)]
@@ -160,12 +205,12 @@ impl<const N: usize> Mul<f64> for Gradient<N> {
     }
 }
 
-impl<const N: usize> Scalar for Gradient<N> {
+impl<D: Directions> Scalar for Varying<D> {
     type Real = f64;
 
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Gradient::from(value)
+        Varying::from(value)
     }
 
     #[inline(always)]
@@ -197,6 +242,60 @@ impl<const N: usize> Scalar for Gradient<N> {
     }
 }
 
+/// Four numbers as one vector, and the derivatives of each: the sums of a step are then sums of vectors.
+#[cfg(feature = "lanes")]
+#[derive(Clone, Copy, Debug)]
+pub struct Apart<D> {
+    /// The numbers.
+    pub re: D,
+    /// Their derivatives.
+    pub eps: [D; 4],
+}
+
+#[cfg(feature = "lanes")]
+impl<D: Directions + From<[f64; 4]> + Into<[f64; 4]>> Apart<D> {
+    /// These numbers.
+    #[inline(always)]
+    pub fn of([a, b, c, d]: [Varying<D>; 4]) -> Self {
+        Apart { re: [a.re, b.re, c.re, d.re].into(), eps: [a.eps, b.eps, c.eps, d.eps] }
+    }
+
+    /// The numbers with their derivatives.
+    #[inline(always)]
+    pub fn numbers(&self) -> [Varying<D>; 4] {
+        let ([a, b, c, d], eps) = (self.re.into(), self.eps);
+        [Varying::new(a, eps[0]), Varying::new(b, eps[1]), Varying::new(c, eps[2]), Varying::new(d, eps[3])]
+    }
+}
+
+#[cfg(feature = "lanes")]
+impl<D: Directions> Add for Apart<D> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(mut self, other: Self) -> Self {
+        self.re = self.re.plus(other.re);
+        for i in 0..4 {
+            self.eps[i] = self.eps[i].plus(other.eps[i]);
+        }
+        self
+    }
+}
+
+#[cfg(feature = "lanes")]
+impl<D: Directions> Mul<f64> for Apart<D> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(mut self, factor: f64) -> Self {
+        self.re = self.re.times(factor);
+        for i in 0..4 {
+            self.eps[i] = self.eps[i].times(factor);
+        }
+        self
+    }
+}
+
 impl<const N: usize> Elementary for Gradient<N> {
     fn asin(self) -> Self {
         self.map(libm::asin(self.re), 1.0 / ((1.0 - self.re) * (1.0 + self.re)).sqrt())
@@ -212,8 +311,14 @@ impl<const N: usize> Elementary for Gradient<N> {
         self.chain(other, length, [self.re / length, other.re / length])
     }
 
+    #[inline(always)]
     fn is_zero(self) -> bool {
-        self.re.is_zero() && self.eps.iter().all(|eps| *eps == 0.0)
+        let (mut is_zero, mut i) = (self.re == 0.0, 0);
+        while i < N {
+            is_zero &= self.eps[i] == 0.0;
+            i += 1;
+        }
+        is_zero
     }
 }
 

@@ -8,6 +8,7 @@
 //! | [`numbers`] | a vector of numbers, such as a state, and operations on all of them |
 //! | [`dop853`] | a right-hand side and a step → the state a step later, its error, and the motion inside |
 //! | [`short`] | the same of order 5, to a stop close ahead, with fewer evaluations |
+//! | [`repeat`] | a step that is known to be accurate → its end in other numbers, such as those with derivatives |
 //! | [`control`] | the error of a step → the size of the next |
 //! | [`roots`] | a function over a step → its first fall through zero, its greatest value |
 //! | [`bernstein`] | the coefficients of a polynomial → its bounds, first zero and greatest value on [0, 1] |
@@ -20,6 +21,7 @@ pub mod dop853;
 pub mod dual;
 pub mod gradient;
 pub mod numbers;
+pub mod repeat;
 pub mod roots;
 pub mod scalar;
 pub mod short;
@@ -29,6 +31,8 @@ mod tests;
 pub mod wide;
 
 pub use scalar::{Real, Scalar};
+
+use std::ops::{Add, Mul};
 
 use numbers::Numbers;
 
@@ -73,6 +77,11 @@ pub trait Equations<R: Scalar = f64, const N: usize = 4> {
     /// Rate of a state at a time (s).
     fn rate(&self, time: R, state: &State<R, N>) -> Rate<R, N>;
 }
+
+/// States and rates, whose weighted sums the methods form.
+pub trait Sums: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
+
+impl<S: Copy + Add<Output = S> + Mul<f64, Output = S>> Sums for S {}
 
 /// The right-hand side of the stages of a step, counted from 1: its excitation may be known there beforehand.
 pub trait Stages<R: Scalar = f64, const N: usize = 4> {

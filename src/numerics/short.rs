@@ -1,7 +1,7 @@
 //! A step of order 5 to a stop close ahead. It has no dense output: its ends alone bound the motion inside.
 
 use crate::numerics::coefficients::{SHORT_NODES, combine, short_difference, short_end_difference, short_increment};
-use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State};
+use crate::numerics::{Equations, Quadratures, Rate, Real, Scalar, StageRates, Stages, State, Sums};
 
 /// Number of evaluations of the right-hand side in a short step, without those at its ends.
 pub const EVALUATIONS_PER_SHORT_STEP: u64 = 5;
@@ -107,7 +107,7 @@ pub fn squared_error<R: Real, const N: usize>(
 
 /// The sum of the weighted stages that leads to a stage from 1 to 5.
 #[inline(always)]
-fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; STAGES], stage: usize) -> State<R, N> {
+pub(super) fn increment<S: Sums, const ROOM: usize>(k: &[S; ROOM], stage: usize) -> S {
     match stage {
         1 => short_increment!(k, 1),
         2 => short_increment!(k, 2),
@@ -115,21 +115,4 @@ fn increment<R: Scalar, const N: usize>(k: &[State<R, N>; STAGES], stage: usize)
         4 => short_increment!(k, 4),
         _ => short_increment!(k, 5),
     }
-}
-
-/// State at the end of a short step that is known to be accurate, in numbers with derivatives; the values have the bits of
-/// [`ShortStep::attempt`].
-#[inline(always)]
-pub fn follow<T: Scalar, const N: usize>(
-    time: f64,
-    size: f64,
-    start: State<T, N>,
-    rate: impl Fn(f64, State<T, N>) -> State<T, N>,
-) -> State<T, N> {
-    let mut k = [State::zeros(); 6];
-    k[0] = rate(time, start);
-    for stage in 1..6 {
-        k[stage] = rate(time + size * SHORT_NODES[stage], start + increment(&k, stage) * size);
-    }
-    start + short_increment!(k, 6) * size
 }

@@ -4,8 +4,9 @@ use crate::numerics::control::{
     Attempt, LONGEST, ShortStepTo, StepControl, eighth_root, is_resolved, near_a_peak, short_factor, shortest,
     size_factor,
 };
-use crate::numerics::dop853::{self, DenseOutput, Step};
+use crate::numerics::dop853::{self, DenseOutput, Step, evaluate, polynomial};
 use crate::numerics::numbers::Numbers;
+use crate::numerics::repeat::{Form, StateRate, repeat_step};
 use crate::numerics::short::{self, ShortStep};
 use crate::numerics::{Equations, Quadratures, Rate, StageRates, State};
 
@@ -20,6 +21,12 @@ impl Equations for Oscillators {
         let [x, x_dot, _, y_dot] = state.0;
         let quadratures = Quadratures::from([x * x, y_dot * libm::cos(time)]);
         Rate { state: State::from([x_dot, -x, y_dot, -4.0 * libm::sin(2.0 * time)]), quadratures }
+    }
+}
+
+impl StateRate<State> for Oscillators {
+    fn state_rate(&self, time: f64, state: &State) -> State {
+        self.rate(time, state).state
     }
 }
 
@@ -112,20 +119,19 @@ fn a_short_step_has_order_five() {
 fn all_forms_of_a_step_have_the_same_bits() {
     let (start, size) = (exact(START).0, 0.7);
     let first = Oscillators.rate(START, &start);
-    let rate = |time, state| Oscillators.rate(time, &state).state;
     let step = step(size);
     let mut rates = StageRates::beginning_with(first);
     assert_eq!((step.end, step.work), dop853::attempt_in_loop(START, size, start, &mut rates, &Oscillators));
     let times = [START, START + 0.25, START + 0.6];
     let dense = step.dense(Oscillators.rate(step.end_time, &step.end), &Oscillators);
-    let mut inside = Vec::new();
-    let end = dop853::follow_inside(START, size, start, rate, &times, &mut |time, state| inside.push((time, state)));
-    assert_eq!([step.end; 2], [end, dop853::follow(START, size, start, rate)]);
-    assert_eq!(inside, times.map(|time| (time, dense.state(time - START))));
+    let (end, stages) = repeat_step(Form::Dense, [START, size], start, &Oscillators);
+    assert_eq!([step.end; 2], [end, repeat_step(Form::Long, [START, size], start, &Oscillators).0]);
+    let inside = polynomial(start, end - start, size, &stages);
+    assert_eq!(times.map(|time| evaluate(&inside, (time - START) / size)), times.map(|time| dense.state(time - START)));
     let step = ShortStep::attempt(START, size, start, first, &Oscillators);
     let mut rates = StageRates::beginning_with(first);
     assert_eq!((step.end, step.work), short::attempt_in_loop(START, size, start, &mut rates, &Oscillators));
-    assert_eq!(step.end, short::follow(START, size, start, rate));
+    assert_eq!(step.end, repeat_step(Form::Short, [START, size], start, &Oscillators).0);
 }
 
 /// Where a step of `h` has the error `(h/h0)⁸`, steps to a stop become nearly h0 after few attempts, end there, and never repeat an error.

@@ -6,20 +6,22 @@ use std::sync::Arc;
 
 use crate::block::{Block, Foundation, Regime};
 use crate::excitation::{Excitation, Inputs, Pulse};
+use crate::numerics::State;
 use crate::numerics::dop853::{self, EVALUATIONS_PER_STEP};
-use crate::numerics::gradient::Gradient;
-use crate::numerics::scalar::{Elementary, Scalar};
-use crate::numerics::wide::{PlainTask, vectorized};
-use crate::numerics::{State, short};
+use crate::numerics::gradient::{Apart, Varying};
+use crate::numerics::repeat::{self, Form, StateRate};
+use crate::numerics::scalar::{CombinesWith, Elementary};
+use crate::numerics::wide::{DirectionsTask, Number, Packed, with_directions};
 use crate::simulation::smooth_piece::SmoothPiece;
 use crate::simulation::smooth_piece::{MOST_STEPS, StepStart};
 use crate::simulation::{AtEvent, Pending, Simulation, SimulationError};
 use crate::system::System;
-use crate::system::evaluation::Motion;
-use crate::system::events::Surface;
+use crate::system::evaluation::{Evaluation, Motion};
+use crate::system::events::{Event, Surface};
 use crate::system::instant::{Footing, Pose};
 use crate::system::law::{AnyLaw, Gripping, Law, in_law};
 use crate::system::swing::Swing;
+use crate::system::swing::tangent::NO_TANGENTS;
 
 /// The way in which a run went on.
 #[derive(Clone, Copy, Debug)]
@@ -37,11 +39,36 @@ pub enum Course {
     Rested,
 }
 
+/// Rates of a block in motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates {
+    /// Those of the state.
+    pub state: State,
+    /// u̇ (m/s) and ü (m/s²).
+    pub u: [f64; 2],
+    /// Velocity of the foot (m/s).
+    pub slip: f64,
+}
+
+impl Rates {
+    /// Those at an instant.
+    pub fn of<T: Elementary>(now: &Evaluation<T>) -> Rates {
+        let x = &now.instant;
+        Rates {
+            state: State::from(now.rate.state.0.map(T::value)),
+            u: [x.u_dot.value(), x.u_ddot.value()],
+            slip: x.slip_rate.value(),
+        }
+    }
+}
+
 /// The motion falls through a surface at the end of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Fall {
     /// The surface.
     pub surface: Surface,
+    /// The rates of the block there.
+    pub rates: Rates,
     /// Rate of its function (1/s of its unit).
     pub rate: f64,
     /// Whether the function hardly falls below zero before it rises again: a neighbouring run has no such event.
@@ -64,8 +91,8 @@ impl Steps {
         Steps { stop, begins: true, budget: MOST_STEPS, course: Course::Stayed }
     }
 
-    /// Takes the next step under these inputs, and returns its course and the fall at its end. [`Simulation::settle`] applies that
-    /// event. None if the run has reached the stop, or has ended.
+    /// Takes the next step under these inputs, and returns its course and the fall at its end. [`Simulation::settle_with_rates`]
+    /// applies that event. None if the run has reached the stop, or has ended.
     pub fn next(
         &mut self,
         simulation: &mut Simulation,
@@ -106,6 +133,15 @@ impl Simulation {
         }
     }
 
+    /// Applies the event at which a step has ended, as [`Simulation::settle`] does, and returns the rates right after it, if there is one.
+    pub fn settle_with_rates(
+        &mut self,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Option<Rates>, SimulationError> {
+        self.apply_pending(inputs, observer, Rates::of)
+    }
+
     /// The fall through a surface now.
     fn fall(&self, surface: Surface, excitation: &Excitation) -> Fall {
         // Depth of the dip of an event that grazes, in units of the round-off of a zero, which is 1e-13 of the largest term.
@@ -129,7 +165,7 @@ impl Simulation {
         let curvature = (rate(&later).0 - first) / duration;
         // It falls as `first t + curvature t²/2`.
         let is_shallow = curvature > 0.0 && first * first <= 2.0 * curvature * DEPTH * surface.rounding(block);
-        Fall { surface, rate: first, grazes: first >= 0.0 || is_shallow }
+        Fall { surface, rates: Rates::of(&now), rate: first, grazes: first >= 0.0 || is_shallow }
     }
 
     /// The block now.
@@ -161,164 +197,189 @@ pub struct Samples<'a, T> {
 
 /// State and footing at `end` (s), and the block at the times of the samples, in numbers with derivatives, by the formulas of the run's step
 /// from `pose`.
-pub fn repeat_step<const D: usize>(
-    block: &Block<Gradient<D>>,
-    pose: &Pose<Gradient<D>>,
-    excitation: &Excitation<Gradient<D>>,
+pub fn repeat_step(
+    block: &Block<Number>,
+    pose: &Pose<Number>,
+    excitation: &Excitation<Number>,
     course: &Course,
     end: f64,
-    samples: Samples<Gradient<D>>,
-) -> (State<Gradient<D>>, Footing<Gradient<D>>) {
+    samples: Samples<Number>,
+) -> (State<Number>, Footing<Number>) {
     let law = AnyLaw::of(block, pose);
     if let (Course::Swing(swing), Some(corner)) = (course, law.regime().pivot()) {
         let [theta, theta_dot, ..] = pose.state.0;
-        let tangents = swing.tangents(block, corner, excitation, [pose.time, theta, theta_dot]);
-        let state = |time: f64| {
-            let [theta, theta_dot] = tangents.at((time - pose.time.re) / swing.size);
-            let zero = Gradient::from(0.0);
+        let mut series = NO_TANGENTS;
+        let wanted = (!samples.times.is_empty()).then_some(&mut series);
+        let part = |time: f64| (time - pose.time.re) / swing.size;
+        let start = [pose.time, theta, theta_dot];
+        let last = swing.varied(block, corner, excitation, start, part(end), wanted);
+        let state = |[theta, theta_dot]: [Number; 2]| {
+            let zero = Number::from(0.0);
             State::from([theta, theta_dot, zero, zero])
         };
         for &time in samples.times {
-            (samples.seen)(&Pose { time: time.into(), state: state(time), ..*pose });
+            let state = state(swing.varied_by(&series, part(time)));
+            (samples.seen)(&Pose { time: time.into(), state, ..*pose });
         }
-        return (state(end), pose.footing);
+        return (state(last), pose.footing);
     }
     match law.extended() {
-        Some(_) => repeat_under::<EXTENDED, _, _>(law, block, pose, excitation, course, end, samples),
-        None => in_law!(law, law => repeat_under::<4, _, _>(law, block, pose, excitation, course, end, samples)),
+        Some(_) => repeat_under::<EXTENDED>(&law, block, pose, excitation, course, end, samples),
+        None => in_law!(law, law => repeat_under::<4>(&law, block, pose, excitation, course, end, samples)),
     }
 }
 
-fn repeat_under<const N: usize, L: Law, T: Elementary>(
-    law: L,
-    block: &Block<T>,
-    pose: &Pose<T>,
-    excitation: &Excitation<T>,
+fn repeat_under<const N: usize>(
+    law: &dyn Repeats<N>,
+    block: &Block<Number>,
+    pose: &Pose<Number>,
+    excitation: &Excitation<Number>,
     course: &Course,
     end: f64,
-    Samples { times, seen }: Samples<T>,
-) -> (State<T>, Footing<T>)
-where
-    for<'a> Motion<'a, L, N, T>: StateRate<T, N>,
-{
-    let motion = Motion::<_, N, _>::under(law, block, pose, excitation);
-    let (state, start) = (motion.state_at(pose), pose.time.value());
-    let mut look = |time: f64, state: State<T, N>| {
+    Samples { times, seen }: Samples<Number>,
+) -> (State<Number>, Footing<Number>) {
+    let motion = Motion::<_, N, _>::under(AnyLaw::of(block, pose), block, pose, excitation);
+    let (state, start) = (motion.state_at(pose), pose.time.re);
+    let mut look = |time: f64, state: State<Number, N>| {
         let (state, footing) = motion.place_at(time.into(), state);
         seen(&Pose { time: time.into(), state, footing, ..*pose });
     };
-    let straight = |time: f64| state + StateRate::state_rate(&motion, start, &state) * (time - start);
-    let short = |time: f64| by_short_step(&motion, state, start, time - start);
+    let span = |end: f64| [start, end - start];
     let end_state = match course {
-        // Nothing accelerates.
-        _ if law.is_at_rest() => {
-            times.iter().for_each(|&time| look(time, straight(time)));
-            straight(end)
-        }
         // A part of a short step is one, too, and more accurate.
         Course::ShortStep => {
+            let short = |end: f64| law.repeat(&motion, &Step { state, span: span(end), form: Form::Short }, None);
             times.iter().for_each(|&time| look(time, short(time)));
             short(end)
         }
         Course::Stayed | Course::Step | Course::Swing(_) | Course::Rested => {
-            by_step(&motion, state, start, end - start, times, &mut look)
+            if times.is_empty() {
+                law.repeat(&motion, &Step { state, span: span(end), form: Form::Long }, None)
+            } else {
+                let (size, mut stages) = (end - start, [State::zeros(); dop853::DENSE_STAGES]);
+                let step = Step { state, span: span(end), form: Form::Dense };
+                let end_state = law.repeat(&motion, &step, Some(&mut stages));
+                let inside = dop853::polynomial(state, end_state - state, size, &stages);
+                times.iter().for_each(|&time| look(time, dop853::evaluate(&inside, (time - start) / size)));
+                end_state
+            }
         }
     };
     motion.place_at(end.into(), end_state)
 }
 
-/// A step in numbers with derivatives, for all laws: sums over stages are much to compile.
-struct Follow<'a, T: Scalar, const N: usize> {
-    equations: &'a dyn StateRate<T, N>,
-    state: State<T, N>,
-    start: f64,
-    size: f64,
+/// A step that is repeated.
+#[derive(Clone, Copy)]
+struct Step<const N: usize> {
+    state: State<Number, N>,
+    /// Its beginning and its size (s).
+    span: [f64; 2],
+    form: Form,
 }
 
-struct ByShortStep<'a, T: Scalar, const N: usize>(Follow<'a, T, N>);
+/// The stages of a step.
+type Stages<const N: usize> = [State<Number, N>; dop853::DENSE_STAGES];
 
-impl<T: Scalar, const N: usize> PlainTask for ByShortStep<'_, T, N> {
-    type Output = State<T, N>;
+/// A law under which steps are repeated.
+trait Repeats<const N: usize> {
+    /// The end of a step of a motion under this law; its stages go to `stages`.
+    fn repeat(
+        &self,
+        motion: &Motion<AnyLaw, N, Number>,
+        step: &Step<N>,
+        stages: Option<&mut Stages<N>>,
+    ) -> State<Number, N>;
+}
+
+impl<const N: usize> Repeats<N> for AnyLaw {
+    fn repeat(
+        &self,
+        motion: &Motion<AnyLaw, N, Number>,
+        &Step { state, span, form }: &Step<N>,
+        stages: Option<&mut Stages<N>>,
+    ) -> State<Number, N> {
+        let (end, k) = repeat::repeat_step(form, span, state, motion);
+        if let Some(stages) = stages {
+            *stages = k;
+        }
+        end
+    }
+}
+
+impl<const N: usize> StateRate<State<Number, N>> for Motion<'_, AnyLaw, N, Number> {
+    fn state_rate(&self, time: f64, state: &State<Number, N>) -> State<Number, N> {
+        self.rate_at_called(Number::from(time), state)
+    }
+}
+
+impl<const LEFT: bool, const RIGHT: bool, const RIGID: bool> Repeats<4> for Gripping<LEFT, RIGHT, RIGID> {
+    fn repeat(
+        &self,
+        motion: &Motion<AnyLaw, 4, Number>,
+        step: &Step<4>,
+        mut stages: Option<&mut Stages<4>>,
+    ) -> State<Number> {
+        if self.is_at_rest() {
+            // Nothing accelerates.
+            let ([_, theta_dot, _, w_dot], zero) = (step.state.0, Number::from(0.0));
+            let rate = State::from([theta_dot, zero, w_dot, zero]);
+            if let Some(stages) = stages {
+                *stages = [rate; dop853::DENSE_STAGES];
+            }
+            return step.state + rate * step.span[1];
+        }
+        with_directions(Repeat { law: *self, motion, step, stages: stages.as_deref_mut() })
+            .unwrap_or_else(|| motion.law().repeat(motion, step, stages))
+    }
+}
+
+/// A step under a law that the compiler knows.
+struct Repeat<'a, L> {
+    law: L,
+    motion: &'a Motion<'a, AnyLaw, 4, Number>,
+    step: &'a Step<4>,
+    stages: Option<&'a mut Stages<4>>,
+}
+
+impl<L: Law> DirectionsTask for Repeat<'_, L> {
+    type Output = State<Number>;
 
     #[inline(always)]
-    fn run(self) -> State<T, N> {
-        let Follow { equations, state, start, size } = self.0;
-        short::follow(start, size, state, |time, state| equations.state_rate(time, &state))
+    fn run<D: Packed>(self) -> State<Number>
+    where
+        Varying<D>: CombinesWith<Number>,
+    {
+        let Repeat { law, motion, step: &Step { state: State { 0: [a, b, c, d] }, span, form }, stages } = self;
+        let start = Apart::<D>::of([a.into(), b.into(), c.into(), d.into()]);
+        let (end, k) = repeat::repeat_step(form, span, start, &Known { law, motion });
+        if let Some(stages) = stages {
+            for i in 0..dop853::DENSE_STAGES {
+                stages[i] = stored(&k[i]);
+            }
+        }
+        stored(&end)
     }
 }
 
-struct ByStep<'a, T: Scalar, const N: usize>(Follow<'a, T, N>);
-
-impl<T: Scalar, const N: usize> PlainTask for ByStep<'_, T, N> {
-    type Output = State<T, N>;
-
-    #[inline(always)]
-    fn run(self) -> State<T, N> {
-        let Follow { equations, state, start, size } = self.0;
-        dop853::follow(start, size, state, |time, state| equations.state_rate(time, &state))
-    }
+/// A state as it is stored.
+#[inline(always)]
+fn stored<D: Packed>(state: &Apart<D>) -> State<Number> {
+    let [a, b, c, d] = state.numbers();
+    State::from([a.stored(), b.stored(), c.stored(), d.stored()])
 }
 
-/// The state after a short step: one function for all laws, since sums over stages are much to compile.
-#[inline(never)]
-fn by_short_step<const N: usize, T: Elementary>(
-    equations: &dyn StateRate<T, N>,
-    state: State<T, N>,
-    start: f64,
-    size: f64,
-) -> State<T, N> {
-    vectorized(ByShortStep(Follow { equations, state, start, size }))
+/// The equations of a law that the compiler knows.
+struct Known<'a, L> {
+    law: L,
+    motion: &'a Motion<'a, AnyLaw, 4, Number>,
 }
 
-/// The same after a step of order 8, with the states inside.
-#[inline(never)]
-fn by_step<const N: usize, T: Elementary>(
-    equations: &dyn StateRate<T, N>,
-    state: State<T, N>,
-    start: f64,
-    size: f64,
-    inside: &[f64],
-    seen: &mut dyn FnMut(f64, State<T, N>),
-) -> State<T, N> {
-    // Without samples no room is cleared for the dense output.
-    if inside.is_empty() {
-        vectorized(ByStep(Follow { equations, state, start, size }))
-    } else {
-        dop853::follow_inside(start, size, state, |time, state| equations.state_rate(time, &state), inside, seen)
-    }
-}
-
-/// A right-hand side without the quadratures.
-trait StateRate<T, const N: usize> {
-    /// Rate of a state at a time (s).
-    fn state_rate(&self, time: f64, state: &State<T, N>) -> State<T, N>;
-}
-
-impl<T: Elementary, const LEFT: bool, const RIGHT: bool, const RIGID: bool> StateRate<T, 4>
-    for Motion<'_, Gripping<LEFT, RIGHT, RIGID>, 4, T>
+impl<D: Packed, L: Law> StateRate<Apart<D>> for Known<'_, L>
+where
+    Varying<D>: CombinesWith<Number>,
 {
-    fn state_rate(&self, time: f64, state: &State<T>) -> State<T> {
-        vectorized(RateAt { motion: self, time, state })
-    }
-}
-
-struct RateAt<'a, 'b, L, T: Scalar> {
-    motion: &'a Motion<'b, L, 4, T>,
-    time: f64,
-    state: &'a State<T>,
-}
-
-impl<L: Law, T: Elementary> PlainTask for RateAt<'_, '_, L, T> {
-    type Output = State<T>;
-
     #[inline(always)]
-    fn run(self) -> State<T> {
-        self.motion.state_rate(T::from(self.time), self.state)
-    }
-}
-
-impl<T: Elementary, const N: usize> StateRate<T, N> for Motion<'_, AnyLaw, N, T> {
-    fn state_rate(&self, time: f64, state: &State<T, N>) -> State<T, N> {
-        self.rate_at_called(T::from(time), state)
+    fn state_rate(&self, time: f64, state: &Apart<D>) -> Apart<D> {
+        Apart::of(self.motion.state_rate_under(self.law, Varying::from(time), &State::from(state.numbers())).0)
     }
 }

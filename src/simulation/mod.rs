@@ -178,11 +178,21 @@ impl Simulation {
 
     /// Applies the event at which [`Simulation::advance_to_event`] stopped, if it did, under these inputs.
     pub fn settle(&mut self, inputs: &Inputs, observer: &mut dyn FnMut(&Event)) -> Result<(), SimulationError> {
-        let Some(Pending { surface, piece }) = self.pending.take() else { return Ok(()) };
+        self.apply_pending(inputs, observer, |_| ()).map(|_| ())
+    }
+
+    /// The same; the block right after the event goes to `look`.
+    fn apply_pending<R>(
+        &mut self,
+        inputs: &Inputs,
+        observer: &mut dyn FnMut(&Event),
+        look: impl FnOnce(&Evaluation) -> R,
+    ) -> Result<Option<R>, SimulationError> {
+        let Some(Pending { surface, piece }) = self.pending.take() else { return Ok(None) };
         let system = Arc::clone(&self.system);
         let excitation = Excitation::from_time(piece, inputs, &self.pulse, &system.block);
         let now = self.now(&system.block, &excitation);
-        self.apply(surface, &now, observer).map(|_| ())
+        self.apply(surface, &now, observer).map(|after| Some(look(&after)))
     }
 
     /// Whether the motion has stopped at an event that has not been applied.

@@ -311,8 +311,9 @@ impl<'a, P: Scalar, T: CombinesWith<P>> Posture<'a, P, T> {
     /// The forcing with the pull of the restraints; no foot stands in flight.
     #[inline(always)]
     fn with_forces(&self, foot: Option<Foot>, forcing: Forcing<T>) -> Forcing<T> {
-        // A copy, so that the rest stays in registers.
-        if forcing.restraints.pull() { pulled(*self, foot, forcing) } else { forcing }
+        // Copies, so that the rest stays in registers.
+        let Forcing { x, z, moment, restraints } = forcing;
+        if restraints.pull() { pulled(*self, foot, Forcing { x, z, moment, restraints }) } else { forcing }
     }
 
     /// Height of a corner above its place at rest (m).

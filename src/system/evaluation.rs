@@ -80,13 +80,12 @@ impl<'a, T: Elementary> Motion<'a, AnyLaw, 4, T> {
 }
 
 #[cfg(feature = "lanes")]
-impl<L: Law, T: Elementary> Motion<'_, L, 4, T> {
-    /// Rate of a state under a law by which the foot grips and no corner is held, without the powers.
+impl<P: Elementary> Motion<'_, AnyLaw, 4, P> {
+    /// Rate of a state, without the powers, under a law that is known by its type and by which the foot grips and no corner is held.
     #[inline(always)]
-    pub fn state_rate(&self, time: T, state: &State<T>) -> State<T> {
-        let Motion { block, excitation, law, .. } = *self;
+    pub fn state_rate_under<T: CombinesWith<P>>(&self, law: impl Law, time: T, state: &State<T>) -> State<T> {
         let footing = Footing::Grips { offset: T::from(0.0) };
-        instant_of(block, law.foundation(), law.regime(), state.0, footing, excitation.at(time), |x| {
+        instant_of(self.block, law.foundation(), law.regime(), state.0, footing, self.excitation.at(time), |x| {
             State::from([x.theta_dot, x.theta_ddot, x.w_dot, x.w_ddot])
         })
     }

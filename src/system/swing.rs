@@ -24,7 +24,7 @@
 #[cfg(feature = "lanes")]
 pub mod lanes;
 #[cfg(feature = "lanes")]
-mod tangent;
+pub mod tangent;
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -51,9 +51,11 @@ pub fn advance_with_samples(
             first += inside.len();
             let Some(fall) = fall else { continue };
             let mut happened = None;
-            simulation.settle(inputs, &mut |event| happened = Some(*event))?;
+            let Some(after) = simulation.settle_with_rates(inputs, &mut |event| happened = Some(*event))? else {
+                continue;
+            };
             for follower in followers.iter_mut() {
-                follower.pass_event(fall.surface, happened, simulation);
+                follower.pass_event(&fall, happened, &after, simulation);
             }
         }
     }

@@ -4,12 +4,12 @@ use rocking_block::block::{Contact, Corner};
 use rocking_block::excitation::{Excitation, Inputs};
 use rocking_block::numerics::State;
 use rocking_block::simulation::Simulation;
-use rocking_block::simulation::follow::{Course, Fall, Samples, repeat_step};
+use rocking_block::simulation::follow::{Course, Fall, Rates, Samples, repeat_step};
 use rocking_block::simulation::outputs::{Observation, observe};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::system::System;
 use rocking_block::system::evaluation::{Evaluation, Motion};
-use rocking_block::system::events::{Event, EventKind, Surface};
+use rocking_block::system::events::{Event, EventKind};
 use rocking_block::system::forces::energy;
 use rocking_block::system::instant::{Footing, Pose};
 
@@ -93,8 +93,8 @@ impl Follower {
         if let Some((shift, acted)) = self.varied.kink(pulse, time) {
             for (acts, sign) in [(acted, 1.0), (!acted, -1.0)] {
                 let excitation = self.varied.excitation(inputs, acts);
-                let now = self.at(&self.pose, &excitation);
-                self.pose = moved(&self.pose, &now, shift.map(|shift| sign * shift));
+                let rates = Rates::of(&self.at(&self.pose, &excitation));
+                self.pose = moved(&self.pose, &rates, shift.map(|shift| sign * shift));
             }
             self.pose.time = Number::from(time);
             self.shift = shift;
@@ -113,7 +113,7 @@ impl Follower {
         seen: &mut dyn FnMut(&Sample),
     ) {
         let start_shift = self.shift;
-        let start = (*peaks != simulation.peaks()).then_some(self.pose);
+        let start = if *peaks == simulation.peaks() { None } else { Some(self.pose) };
         self.go(course, simulation, times, seen);
         let mut end_shift = [0.0; BATCH];
         if let Some(fall) = fall {
@@ -158,7 +158,7 @@ impl Follower {
     }
 
     /// Derivatives of the time of a fall.
-    fn event_time(&self, Fall { surface, rate, grazes }: Fall, course: &Course) -> [f64; BATCH] {
+    fn event_time(&self, Fall { surface, rate, grazes, .. }: Fall, course: &Course) -> [f64; BATCH] {
         let Number { re: value, eps } = surface.value(&self.at(&self.pose, &self.excitation));
         if matches!(course, Course::Stayed) && value < -surface.rounding(&self.system.block) {
             // The excitation has jumped, or an event has brought it there: in that instant.
@@ -167,22 +167,20 @@ impl Follower {
         if grazes { [f64::NAN; BATCH] } else { eps.map(|eps| -eps / rate) }
     }
 
-    /// Passes an event, which the run has just applied: up to its moving time under the law before it, through the transition, and
-    /// back to the time of the run under the law after it.
-    pub(crate) fn pass_event(&mut self, surface: Surface, happened: Option<Event>, simulation: &Simulation) {
+    /// Passes an event, which the run has just applied, with the rates of the run `after` it: up to its moving time under the law before it,
+    /// through the transition, and back to the time of the run under the law after it.
+    pub(crate) fn pass_event(&mut self, fall: &Fall, happened: Option<Event>, after: &Rates, simulation: &Simulation) {
         let (shift, time) = (self.shift, simulation.time());
-        let now = self.at(&self.pose, &self.excitation);
-        let (slip_rate, before) = (now.instant.slip_rate.re, moved(&self.pose, &now, shift));
-        self.pose = self.system.transition(&before, &self.at(&before, &self.excitation), surface).pose;
+        let before = moved(&self.pose, &fall.rates, shift);
+        self.pose = self.system.transition(&before, &self.at(&before, &self.excitation), fall.surface).pose;
         self.meet(simulation.pose());
         if shift.iter().any(|shift| !shift.is_finite()) && self.grazing.is_none() {
             self.grazing = Some(Grazing { time, kind: happened.map(|event| event.kind) });
         }
         self.events.extend(happened.map(|event| EventGradient { event, time: shift }));
         if !simulation.is_frozen() {
-            let after = self.at(&self.pose, &self.excitation);
-            let slowed = slip_rate - after.instant.slip_rate.re;
-            self.pose = moved(&self.pose, &after, shift.map(|shift| -shift));
+            let slowed = fall.rates.slip - after.slip;
+            self.pose = moved(&self.pose, after, shift.map(|shift| -shift));
             self.slip.eps = std::array::from_fn(|i| self.slip.eps[i] + slowed * shift[i]);
         }
         self.pose.time = Number::from(time);
@@ -239,7 +237,7 @@ impl Follower {
             pose = Pose { time: end.into(), state, footing, ..pose };
         }
         let now = self.at(&pose, excitation);
-        let along = self.at(&moved(&pose, &now, [1.0; BATCH]), excitation);
+        let along = self.at(&moved(&pose, &Rates::of(&now), [1.0; BATCH]), excitation);
         [self.observed(&now), self.observed(&along)]
     }
 
@@ -321,7 +319,7 @@ impl Sample<'_> {
     pub fn observe_along(&self) -> Observation<Number> {
         let Sample { follower, pose, .. } = *self;
         let now = follower.at(pose, &follower.excitation);
-        follower.observed(&follower.at(&moved(pose, &now, [1.0; BATCH]), &follower.excitation))
+        follower.observed(&follower.at(&moved(pose, &Rates::of(&now), [1.0; BATCH]), &follower.excitation))
     }
 
     /// The displacement of the foot from its place at the start (m).
@@ -331,15 +329,14 @@ impl Sample<'_> {
     }
 }
 
-/// The pose at a time that differs by `shift` in each direction, along the motion at `now`.
-fn moved(pose: &Pose<Number>, now: &Evaluation<Number>, shift: [f64; BATCH]) -> Pose<Number> {
-    let by = |number: Number, rate: Number| {
-        Number::new(number.re, std::array::from_fn(|i| number.eps[i] + rate.re * shift[i]))
-    };
-    let (x, mut footing) = (&now.instant, pose.footing);
+/// The pose at a time that differs by `shift` in each direction, along the motion with these rates.
+fn moved(pose: &Pose<Number>, rates: &Rates, shift: [f64; BATCH]) -> Pose<Number> {
+    let by =
+        |number: Number, rate: f64| Number::new(number.re, std::array::from_fn(|i| number.eps[i] + rate * shift[i]));
+    let mut footing = pose.footing;
     if let Footing::Free { u, u_dot } | Footing::Slides { u, u_dot, .. } = &mut footing {
-        (*u, *u_dot) = (by(*u, x.u_dot), by(*u_dot, x.u_ddot));
+        (*u, *u_dot) = (by(*u, rates.u[0]), by(*u_dot, rates.u[1]));
     }
-    let state = State::from(std::array::from_fn(|i| by(pose.state[i], now.rate.state[i])));
-    Pose { time: by(pose.time, Number::from(1.0)), state, footing, ..*pose }
+    let state = State::from(std::array::from_fn(|i| by(pose.state[i], rates.state[i])));
+    Pose { time: by(pose.time, 1.0), state, footing, ..*pose }
 }

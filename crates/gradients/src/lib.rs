@@ -16,11 +16,7 @@ pub mod follower;
 pub mod peaks;
 pub mod varied;
 
-/// Number of directions that are followed at once.
-pub const BATCH: usize = 4;
-
-/// A number with its derivatives in the directions of a batch.
-pub type Number = rocking_block::numerics::gradient::Gradient<BATCH>;
+pub use rocking_block::numerics::wide::{DIRECTIONS as BATCH, Number};
 
 pub use advance::{advance, advance_with_samples};
 pub use follower::{EventGradient, Follower, Grazing, Sample};

@@ -3,6 +3,7 @@
 //! Sums, differences, products, quotients and square roots of vectors are rounded as those of single numbers are, and none is
 //! fused with another; so each lane has the bits that the same operations give on `f64`.
 
+mod directions;
 #[cfg(any(not(target_arch = "x86_64"), test))]
 mod portable;
 mod scalar;
@@ -15,6 +16,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use portable as processor;
 #[cfg(target_arch = "x86_64")]
 use x86 as processor;
+
+pub use directions::{DIRECTIONS, DirectionsTask, Number, Packed};
 
 /// Maximum number of lanes of a vector.
 pub const MOST_LANES: usize = 8;
@@ -89,23 +92,14 @@ pub trait Task {
     fn run<V: Simd>(self) -> Self::Output;
 }
 
-/// A computation on single numbers.
-pub trait PlainTask {
-    /// Its result.
-    type Output;
-
-    /// Runs it. As with a [`Task`], only what is inlined is compiled for the processor's vectors.
-    fn run(self) -> Self::Output;
-}
-
-/// Runs a task, compiled for vectors of four numbers where the processor has them: the compiler then puts four derivatives into one. The
-/// results have the same bits.
+/// Runs a task with the processor's vectors of four numbers, or with arrays where the compiler makes such vectors of them. `None` on an x86-64
+/// without AVX2. The results have the same bits.
 #[inline(always)]
-pub fn vectorized<T: PlainTask>(task: T) -> T::Output {
+pub fn with_directions<T: DirectionsTask>(task: T) -> Option<T::Output> {
     #[cfg(target_arch = "x86_64")]
-    return x86::vectorized(task);
+    return x86::with_directions(task);
     #[cfg(not(target_arch = "x86_64"))]
-    task.run()
+    Some(task.run::<[f64; DIRECTIONS]>())
 }
 
 /// A vector width that this processor has.

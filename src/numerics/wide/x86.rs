@@ -5,7 +5,8 @@
 
 use std::arch::x86_64::*;
 
-use crate::numerics::wide::{Array, BELOW_EXPONENT, Four, MOST_LANES, PlainTask, Simd, TO_EXPONENT, Task};
+use crate::numerics::wide::directions::DirectionVector;
+use crate::numerics::wide::{Array, BELOW_EXPONENT, DirectionsTask, Four, MOST_LANES, Simd, TO_EXPONENT, Task, Wide};
 
 /// A vector type that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,14 +50,14 @@ impl Vectors {
 }
 
 #[inline(always)]
-pub fn vectorized<T: PlainTask>(task: T) -> T::Output {
+pub fn with_directions<T: DirectionsTask>(task: T) -> Option<T::Output> {
     // SAFETY: the processor has AVX2.
-    if is_x86_feature_detected!("avx2") { unsafe { vectorized_by_avx2(task) } } else { task.run() }
+    is_x86_feature_detected!("avx2").then(|| unsafe { directions_with_avx2(task) })
 }
 
 #[target_feature(enable = "avx2")]
-fn vectorized_by_avx2<T: PlainTask>(task: T) -> T::Output {
-    task.run()
+fn directions_with_avx2<T: DirectionsTask>(task: T) -> T::Output {
+    task.run::<Wide<F64x4>>()
 }
 
 #[target_feature(enable = "avx2")]
@@ -321,3 +322,5 @@ vector!(
     _mm512_loadu_pd, _mm512_storeu_pd, _mm512_set1_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_sqrt_pd, _mm512_xor_pd, _mm512_andnot_pd
 );
+
+impl DirectionVector for F64x4 {}

@@ -20,66 +20,127 @@
 use super::{ORDER, RECIPROCAL, Swing};
 use crate::block::{Block, Corner, Foot};
 use crate::excitation::Excitation;
-use crate::numerics::gradient::Gradient;
-use crate::numerics::numbers::Numbers;
-use crate::numerics::wide::{PlainTask, vectorized};
+use crate::numerics::gradient::{Directions, Varying};
+use crate::numerics::scalar::CombinesWith;
+use crate::numerics::wide::{DIRECTIONS, DirectionsTask, Number, Packed, with_directions};
 
-/// A swing with its derivatives in N directions.
-#[derive(Clone, Copy, Debug)]
-pub struct Tangents<'a, const N: usize> {
-    swing: &'a Swing,
-    /// The series of δθ in powers of the elapsed part.
-    series: [Numbers<f64, N>; ORDER + 1],
-}
+/// The series of δθ in powers of the elapsed part of a swing.
+pub type TangentSeries<D = [f64; DIRECTIONS]> = [D; ORDER + 1];
+
+/// No derivatives.
+pub const NO_TANGENTS: TangentSeries = [[0.0; DIRECTIONS]; ORDER + 1];
 
 impl Swing {
-    /// The derivatives of the swing, from those of block, excitation and start `[t, θ, θ̇]`, whose values are those of the swing. The
-    /// time does not vary.
-    pub fn tangents<const N: usize>(
+    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing, with the derivatives that follow from those of block, excitation and start `[t, θ,
+    /// θ̇]`, whose values are those of the swing. The time does not vary. Their series goes to `series`.
+    pub fn varied(
         &self,
-        block: &Block<Gradient<N>>,
+        block: &Block<Number>,
         corner: Corner,
-        excitation: &Excitation<Gradient<N>>,
-        start: [Gradient<N>; 3],
-    ) -> Tangents<'_, N> {
-        Tangents { swing: self, series: vectorized(Vary { swing: self, block, corner, excitation, start }) }
+        excitation: &Excitation<Number>,
+        start: [Number; 3],
+        part: f64,
+        mut series: Option<&mut TangentSeries>,
+    ) -> [Number; 2] {
+        let vary = Vary { swing: self, block, corner, excitation, start, part };
+        let change = with_directions(Task(vary, series.as_deref_mut()))
+            .unwrap_or_else(|| Task(vary, series).run::<[f64; DIRECTIONS]>());
+        self.with_derivatives(part, change)
+    }
+
+    /// The same by a series that is known.
+    pub fn varied_by(&self, series: &TangentSeries, part: f64) -> [Number; 2] {
+        self.with_derivatives(part, sums(series, self.order, part, self.size))
+    }
+
+    fn with_derivatives(&self, part: f64, [change, rate]: [[f64; DIRECTIONS]; 2]) -> [Number; 2] {
+        let [theta, theta_dot] = self.at(part);
+        [Number::new(theta, change), Number::new(theta_dot, rate)]
     }
 }
 
-/// A swing that varies.
-struct Vary<'a, const N: usize> {
-    swing: &'a Swing,
-    block: &'a Block<Gradient<N>>,
-    corner: Corner,
-    excitation: &'a Excitation<Gradient<N>>,
-    start: [Gradient<N>; 3],
+/// `[δθ, δθ̇]` after a part of a swing of this order and size (s).
+#[inline(always)]
+fn sums<D: Directions>(series: &TangentSeries<D>, order: usize, part: f64, size: f64) -> [D; 2] {
+    let (mut change, mut slope) = (D::zeros(), D::zeros());
+    for k in (0..order + 1).rev() {
+        slope = slope.times(part).plus(change);
+        change = change.times(part).plus(series[k]);
+    }
+    [change, slope.times(1.0 / size)]
 }
 
-impl<const N: usize> PlainTask for Vary<'_, N> {
-    type Output = [Numbers<f64, N>; ORDER + 1];
+/// The changes of a forcing in powers of the elapsed part of a swing.
+struct Changes<D> {
+    x: [D; ORDER + 1],
+    /// The number of those of x that may differ from zero.
+    terms: usize,
+    z: [D; 2],
+    moment: [D; 2],
+}
+
+impl<D: Packed> Changes<D>
+where
+    Varying<D>: CombinesWith<Number>,
+{
+    /// Those of an excitation with at most so many terms in x, over a swing of this size (s).
+    #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "an iterator would put the changes into memory")]
+    fn of<const TERMS: usize>(excitation: &Excitation<Number>, time: Number, size: f64) -> Changes<D> {
+        let mut forcing = excitation.series::<TERMS, Varying<D>>(time.into());
+        forcing.scale(size);
+        let mut x = [D::zeros(); ORDER + 1];
+        for k in 0..TERMS {
+            x[k] = forcing.x[k].eps;
+        }
+        let ([z, z_rate], [moment, moment_rate]) = (forcing.z, forcing.moment);
+        Changes { x, terms: forcing.terms, z: [z.eps, z_rate.eps], moment: [moment.eps, moment_rate.eps] }
+    }
+}
+
+/// A swing that varies, up to a part of it.
+#[derive(Clone, Copy)]
+struct Vary<'a> {
+    swing: &'a Swing,
+    block: &'a Block<Number>,
+    corner: Corner,
+    excitation: &'a Excitation<Number>,
+    start: [Number; 3],
+    part: f64,
+}
+
+/// `[δθ, δθ̇]` of a swing that varies; the series goes to the second part.
+struct Task<'a>(Vary<'a>, Option<&'a mut TangentSeries>);
+
+impl DirectionsTask for Task<'_> {
+    type Output = [[f64; DIRECTIONS]; 2];
 
     #[inline(always)]
-    fn run(self) -> [Numbers<f64, N>; ORDER + 1] {
-        let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot] } = self;
+    fn run<D: Packed>(self) -> Self::Output
+    where
+        Varying<D>: CombinesWith<Number>,
+    {
+        let Task(vary, series) = self;
+        let Vary { swing, block, corner, excitation, start: [time, theta, theta_dot], part } = vary;
         let Swing { size, order, theta: ref rotation, ref x, ref q, ref forcing } = *swing;
         let (sin, cos) = libm::sincos(rotation[0]);
-        let lever = block.lever(Foot::Corner(corner), Gradient::from(sin), Gradient::from(cos));
+        let lever = block.lever(Foot::Corner(corner), Varying::<D>::from(sin), Varying::from(cos));
         let square = lever.x * lever.x + lever.q * lever.q;
         let inertia = square + block.i0;
-        let stretch = Numbers(((lever.x * x[0] + lever.q * q[0]) * (1.0 / square.re)).eps);
-        let turn = Numbers(((lever.x * q[0] - lever.q * x[0]) * (1.0 / square.re)).eps);
-        let inertia_change = Numbers((inertia * (1.0 / inertia.re)).eps);
-        let mut varied = excitation.series::<{ ORDER + 1 }>(time);
-        varied.scale(size);
-        // Coefficients of a_x that vary.
-        let varies = |term: &Gradient<N>| term.eps.iter().any(|eps| *eps != 0.0);
-        let terms = varied.x[..varied.terms].iter().rposition(varies).map_or(0, |last| last + 1);
+        let stretch = ((lever.x * x[0] + lever.q * q[0]) * (1.0 / square.re)).eps;
+        let turn = ((lever.x * q[0] - lever.q * x[0]) * (1.0 / square.re)).eps;
+        let inertia_change = inertia.eps.times(1.0 / inertia.re);
+        let varied = match excitation.is_linear() {
+            true => Changes::of::<2>(excitation, time, size),
+            false => Changes::of::<{ ORDER + 1 }>(excitation, time, size),
+        };
         let gravity = block.gravity;
-        let (weight, weights) = ([forcing.z[0] + gravity.re, forcing.z[1]], [varied.z[0] + gravity, varied.z[1]]);
+        let weight = [forcing.z[0] + gravity.re, forcing.z[1]];
+        let weights = [varied.z[0].plus(gravity.eps.into()), varied.z[1]];
 
         let mut stiffness = [0.0; ORDER + 1];
-        let mut tangent = [Numbers::zeros(); ORDER + 1];
-        (tangent[0], tangent[1]) = (Numbers(theta.eps), Numbers(theta_dot.eps) * size);
+        let mut tangent = [D::zeros(); ORDER + 1];
+        (tangent[0], tangent[1]) = (theta.eps.into(), D::from(theta_dot.eps).times(size));
         let (scale, to_moment) = (size * size / inertia.re, inertia.re / (size * size));
         for k in 0..order - 1 {
             let mut stiff = q[k] * weight[0];
@@ -91,34 +152,28 @@ impl<const N: usize> PlainTask for Vary<'_, N> {
             }
             stiffness[k] = stiff;
             let moment = rotation[k + 2] * (to_moment * ((k + 1) * (k + 2)) as f64);
-            let mut sum = stretch * moment + turn * stiff - inertia_change * moment + Numbers(weights[0].eps) * x[k];
+            let mut sum = stretch.times(moment).plus(turn.times(stiff)).minus(inertia_change.times(moment));
+            sum = sum.plus(weights[0].times(x[k]));
             if k > 0 {
-                sum = sum + Numbers(weights[1].eps) * x[k - 1];
+                sum = sum.plus(weights[1].times(x[k - 1]));
             }
             if k < 2 {
-                sum = sum - stretch * forcing.moment[k] + Numbers(varied.moment[k].eps);
+                sum = sum.minus(stretch.times(forcing.moment[k])).plus(varied.moment[k]);
             }
-            for j in 0..terms.min(k + 1) {
-                sum = sum - Numbers(varied.x[j].eps) * q[k - j];
+            for j in 0..varied.terms.min(k + 1) {
+                sum = sum.minus(varied.x[j].times(q[k - j]));
             }
             for j in 0..k + 1 {
-                sum = sum + tangent[k - j] * stiffness[j];
+                sum = sum.plus(tangent[k - j].times(stiffness[j]));
             }
-            tangent[k + 2] = sum * (scale * RECIPROCAL[k + 1] * RECIPROCAL[k + 2]);
+            tangent[k + 2] = sum.times(scale * RECIPROCAL[k + 1] * RECIPROCAL[k + 2]);
         }
-        tangent
-    }
-}
-
-impl<const N: usize> Tangents<'_, N> {
-    /// `[θ, θ̇]` (rad, rad/s) after a part of the swing.
-    pub fn at(&self, part: f64) -> [Gradient<N>; 2] {
-        let (mut change, mut slope) = (Numbers::zeros(), Numbers::zeros());
-        for k in (0..self.swing.order + 1).rev() {
-            slope = slope * part + change;
-            change = change * part + self.series[k];
+        if let Some(series) = series {
+            for k in 0..order + 1 {
+                series[k] = tangent[k].into();
+            }
         }
-        let [theta, theta_dot] = self.swing.at(part);
-        [Gradient::new(theta, change.0), Gradient::new(theta_dot, (slope * (1.0 / self.swing.size)).0)]
+        let [change, rate] = sums(&tangent, order, part, size);
+        [change.into(), rate.into()]
     }
 }
