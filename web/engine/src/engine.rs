@@ -233,7 +233,7 @@ impl Engine {
             "p": sizes,
             "omega_p": is_pulse.then_some(omega_p),
             "columns": spectrum.header().columns,
-            "header": spectrum.header().text(),
+            "header": spectrum.header().text().unwrap_or_default(),
             "command": command,
         });
         self.study = Some(Prepared::Spectrum(spectrum));
@@ -247,7 +247,7 @@ impl Engine {
             "rows": study.sweep.rows(),
             "strengths": study.strengths,
             "columns": study.sweep.header().columns,
-            "header": study.sweep.header().text(),
+            "header": study.sweep.header().text().unwrap_or_default(),
             "file": study.file,
             "command": "rocking sweep study.toml --csv ensemble.csv",
         });
@@ -263,7 +263,7 @@ impl Engine {
         let to = to.min(study.count());
         let fields = study.make_rows(from.min(to), to);
         let line = |(number, fields): (u64, &Vec<String>)| {
-            csv_line(std::iter::once(number.to_string()).chain(fields.iter().cloned()))
+            csv_line(std::iter::once(number.to_string()).chain(fields.iter().cloned())).unwrap_or_default()
         };
         let lines: String = (from..).zip(&fields).map(line).collect();
         Ok((json!({ "fields": fields }), lines.into_bytes()))

@@ -67,8 +67,8 @@ impl Work<'_> {
     }
 
     /// Makes a table.
-    fn table(&self, study: &impl Study) -> String {
-        let mut text = study.header().text();
+    fn table(&self, study: &impl Study) -> Result<String, AssessError> {
+        let mut text = study.header().text()?;
         let mut rows = Vec::new();
         let make = |numbers| study.make(numbers, self.width);
         let made = runner::in_batches(self.pool, 0..study.rows(), self.width, 1, make, |_, row| {
@@ -78,14 +78,14 @@ impl Work<'_> {
         });
         made.map_or_else(|never| match never {}, |()| ());
         for (number, fields) in rows.into_iter().enumerate() {
-            text += &csv_line(std::iter::once(number.to_string()).chain(fields));
+            text += &csv_line(std::iter::once(number.to_string()).chain(fields))?;
         }
-        text
+        Ok(text)
     }
 
     /// Makes the table of a sweep and reads it.
     fn sweep(&self, name: &str, sweep: &Sweep) -> Result<(String, SweepTable), AssessError> {
-        let text = self.table(sweep);
+        let text = self.table(sweep)?;
         let table = SweepTable::read(name, text.as_bytes())?;
         Ok((text, table))
     }
@@ -144,7 +144,7 @@ pub fn assess(
             ends,
         });
     }
-    let text = work.table(&of_sizes);
+    let text = work.table(&of_sizes)?;
     let statistics = Statistics::of(&of_sizes, text.as_bytes())?;
     let sizes = SizeSpectrum { spectrum: of_sizes, table: text, statistics, strength };
     let pulses = pool.install(|| pulses::least(plan, width, || work.ran()));

@@ -92,10 +92,10 @@ pub struct TableHeader {
 
 impl TableHeader {
     /// The first lines of the file, with their ends.
-    pub fn text(&self) -> String {
+    pub fn text(&self) -> std::io::Result<String> {
         let study: String = self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect();
         let names = std::iter::once("row".to_string()).chain(self.columns.iter().cloned());
-        study + &csv_line(names)
+        Ok(study + &csv_line(names)?)
     }
 }
 
@@ -202,7 +202,7 @@ impl ResumableTable {
     }
 
     fn begin(&mut self, header: &TableHeader) -> Result<(), TableWriteError> {
-        self.write(&header.text())
+        self.write(header.text())
     }
 
     /// Number of complete rows.
@@ -218,7 +218,7 @@ impl ResumableTable {
     /// Writes the next row from its fields after the number; on return, it is in the file.
     pub fn push(&mut self, fields: Vec<String>) -> Result<(), TableWriteError> {
         self.failures.count_row(self.rows, fields.iter().map(String::as_str));
-        self.write(&csv_line(std::iter::once(self.rows.to_string()).chain(fields)))?;
+        self.write(csv_line(std::iter::once(self.rows.to_string()).chain(fields)))?;
         self.rows += 1;
         Ok(())
     }
@@ -237,21 +237,17 @@ impl ResumableTable {
         }
     }
 
-    fn write(&mut self, text: &str) -> Result<(), TableWriteError> {
-        let written = match &mut self.sink {
+    fn write(&mut self, text: std::io::Result<String>) -> Result<(), TableWriteError> {
+        let written = text.and_then(|text| match &mut self.sink {
             Sink::File { file, .. } => file.write_all(text.as_bytes()),
             Sink::Stream { out, copy } => {
                 let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-                match (written, copy) {
-                    (written, None) => written,
-                    (written, Some(copy)) => {
-                        copy.extend(text.as_bytes());
-                        // After the reader has closed the pipe, the copy still receives the rows.
-                        written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
-                    }
-                }
+                let Some(copy) = copy else { return written };
+                copy.extend(text.as_bytes());
+                // After the reader has closed the pipe, the copy still receives the rows.
+                written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
             }
-        };
+        });
         written.map_err(|error| self.io("written", error))
     }
 
@@ -268,22 +264,14 @@ fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
     }
 }
 
-/// Fields as a line of CSV with its end; those that need it are quoted.
-pub fn csv_line(fields: impl Iterator<Item = String>) -> String {
+/// Fields as a line of CSV with its end.
+pub fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
+    /// Bytes of a usual line: the writer clears them each time.
     const USUAL: usize = 512;
-    let mut line = String::with_capacity(USUAL);
-    for (number, field) in fields.enumerate() {
-        if number > 0 {
-            line.push(',');
-        }
-        if field.bytes().any(|byte| matches!(byte, b',' | b'"' | b'\r' | b'\n')) {
-            line.extend(["\"", &field.replace('"', "\"\""), "\""]);
-        } else {
-            line.push_str(&field);
-        }
-    }
-    line.push('\n');
-    line
+    let mut writer = csv::WriterBuilder::new().buffer_capacity(USUAL).from_writer(Vec::with_capacity(USUAL));
+    writer.write_record(fields)?;
+    let bytes = writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
+    String::from_utf8(bytes).map_err(std::io::Error::other)
 }
 
 /// Length (bytes) of the complete lines of a file begun by this study, the number of its rows, and the failed ones.
@@ -296,7 +284,7 @@ fn complete_rows(
     let failed = |error| TableWriteError::Io { file: name.into(), what: "read", error };
     let mut reader = BufReader::new(file);
     let (mut length, mut done, mut failures) = (0, 0, Failures::default());
-    let header_text = header.text();
+    let header_text = header.text().map_err(failed)?;
     let expected: Vec<&str> = header_text.lines().collect();
     let mut line = Vec::new();
     for number in 1.. {
