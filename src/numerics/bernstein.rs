@@ -77,8 +77,8 @@ const fn reciprocals() -> Row {
 pub fn convert<const N: usize, T: Real>(powers: &Row<[T; N]>) -> Row<[T; N]> {
     let mut coefficients = *powers;
     for k in 0..DEGREE + 1 {
-        for i in 0..N {
-            coefficients[k][i] = coefficients[k][i] * RECIPROCALS[k];
+        for coefficient in &mut coefficients[k] {
+            *coefficient = *coefficient * RECIPROCALS[k];
         }
     }
     // Written out, so that all sums stay in registers.

@@ -266,9 +266,9 @@ impl Swing {
         let Swing { size, order, .. } = *self;
         let mut forces = [[0.0; 2]; DEGREE + 1];
         let (per_second, mut power) = (1.0 / (size * size), 1.0);
-        for k in 0..order - 1 {
+        for (k, force) in forces.iter_mut().enumerate().take(order - 1) {
             let [n, h] = self.force_terms(k, per_second);
-            forces[k] = [n * power, h * power];
+            *force = [n * power, h * power];
             power *= part;
         }
         forces[0][0] += gravity;
