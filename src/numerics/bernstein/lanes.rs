@@ -110,8 +110,8 @@ impl<V: Simd> Bernsteins<V> {
         let (zero, coefficients) = (Wide::default(), &self.coefficients);
         let value = coefficients[0].max(coefficients[DEGREE]).max(most);
         let mut exceeds = lanes.except(lanes);
-        for k in 1..DEGREE {
-            exceeds = exceeds.or(value.less(coefficients[k]));
+        for &coefficient in &coefficients[1..DEGREE] {
+            exceeds = exceeds.or(value.less(coefficient));
         }
         let exceeds = exceeds.and(lanes);
         let nothing = lanes.except(exceeds);
@@ -187,8 +187,8 @@ mod tests {
 
         fn run<V: Simd>(self) -> Self::Output {
             let mut powers = [Wide::<V>::default(); DEGREE + 1];
-            for k in 0..DEGREE + 1 {
-                powers[k] = Wide::each(|lane| self.powers[lane].get(k).copied().unwrap_or(0.0));
+            for (k, power) in powers.iter_mut().enumerate() {
+                *power = Wide::each(|lane| self.powers[lane].get(k).copied().unwrap_or(0.0));
             }
             let all = Wide::<V>::default().less(Wide::from(1.0));
             let form = Bernsteins::of(powers, DEGREE);

@@ -301,8 +301,8 @@ impl<L: Law> Together<'_, L> {
     #[inline(always)]
     fn fours<V: Simd>(&self, of: impl Fn(&Lane) -> &Four) -> [Wide<V>; 4] {
         let mut rows = [of(self.runs[0]); MOST_LANES];
-        for lane in 1..V::LANES {
-            rows[lane] = of(self.runs[lane]);
+        for (row, run) in rows.iter_mut().zip(&self.runs).take(V::LANES).skip(1) {
+            *row = of(run);
         }
         Wide::columns(rows)
     }

@@ -199,9 +199,9 @@ impl Task for Together<'_> {
         let taken = taken.bits() & runs;
         let made = bounds.theta.less(infinite).and(zero.less(size)).bits() & runs;
         let mut known = [const { None }; MOST_LANES];
-        for lane in 0..self.count {
+        for (lane, known) in known.iter_mut().enumerate().take(self.count) {
             if (made & !taken) >> lane & 1 == 1 {
-                known[lane] = Some(Box::new(swings.of_lane(lane)));
+                *known = Some(Box::new(swings.of_lane(lane)));
             }
         }
         let input = self.each::<V>(|lane| lane.simulation.sums.input) + swings.work(part);
@@ -246,8 +246,7 @@ impl<V: Simd> ForcePeaks<V> {
         let (most, steepest, demand) = (self.reaction / mass, self.horizontal / mass, self.friction_demand);
         let mut exceeds = lanes.except(lanes);
         let (mut holds, mut exceeds_at_end) = (lanes, exceeds);
-        for k in 0..DEGREE + 1 {
-            let [n, h] = forces[k];
+        for &[n, h] in forces {
             holds = holds.and(pressed.less(n));
             exceeds_at_end = most.less(n).or(steepest.less(h.abs())).or((demand * n).less(h.abs()));
             exceeds = exceeds.or(exceeds_at_end);
@@ -286,8 +285,8 @@ impl<V: Simd> ForcePeaks<V> {
 fn may_exceed<V: Simd>(coefficients: &Row<[Wide<V>; 1]>, most: Wide<V>) -> Lanes<V> {
     let value = coefficients[0][0].max(coefficients[DEGREE][0]).max(most);
     let mut exceeds = value.less(value);
-    for k in 1..DEGREE {
-        exceeds = exceeds.or(value.less(coefficients[k][0]));
+    for &[coefficient] in &coefficients[1..DEGREE] {
+        exceeds = exceeds.or(value.less(coefficient));
     }
     exceeds
 }

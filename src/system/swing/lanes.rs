@@ -267,9 +267,9 @@ impl<V: Simd> Swings<V> {
         let Swing { size, order, .. } = self.series;
         let (zero, per_second) = (Wide::default(), Wide::from(1.0) / (size * size));
         let (mut forces, mut power) = ([[zero; 2]; DEGREE + 1], Wide::from(1.0));
-        for k in 0..order.min(ORDER) - 1 {
+        for (k, force) in forces.iter_mut().enumerate().take(order.min(ORDER) - 1) {
             let ([n, h], within) = (self.series.force_terms(k, per_second), self.reach(k + 2));
-            forces[k] = [(n * power).in_lanes(within, zero), (h * power).in_lanes(within, zero)];
+            *force = [(n * power).in_lanes(within, zero), (h * power).in_lanes(within, zero)];
             power = power * part;
         }
         forces[0][0] = forces[0][0] + gravity;
