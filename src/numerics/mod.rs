@@ -61,7 +61,7 @@ pub struct StageRates<R: Scalar, const N: usize, const STAGES: usize = 12> {
 }
 
 impl<R: Scalar, const N: usize, const STAGES: usize> StageRates<R, N, STAGES> {
-    /// Rates of which only the first is known.
+    /// Rates whose first stage is known; it also stands in place of the others.
     #[inline(always)]
     pub fn beginning_with(first: Rate<R, N>) -> Self {
         StageRates { states: [first.state; STAGES], quadratures: [first.quadratures; STAGES] }

@@ -1,6 +1,6 @@
 //! Polynomials of several lanes → bounds, zeros and greatest values: the operations of single polynomials, in their order.
 //!
-//! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum. The others are told.
+//! Only polynomials whose coefficients change their sign once are followed to a zero or a maximum; results name the other lanes.
 
 use super::{DEGREE, MOST_NEWTON, ROUNDING, Row, WIDTH, convert, slopes, value_and_slope};
 use crate::numerics::Real;

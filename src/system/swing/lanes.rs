@@ -234,7 +234,7 @@ impl<V: Simd> Swings<V> {
         (stays, lands.except(is_early), part)
     }
 
-    /// The lanes in which the block certainly makes no quarter turn, see [`Swing::quarter_turn`].
+    /// Finds the lanes that exclude a quarter turn, as [`Swing::quarter_turn`] does.
     #[inline(always)]
     pub fn stays_upright(&self, away: Wide<V>) -> Lanes<V> {
         let Swing { order, ref theta, .. } = self.series;

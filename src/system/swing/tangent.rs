@@ -83,7 +83,7 @@ impl<D: Packed> Changes<D>
 where
     Varying<D>: CombinesWith<Number>,
 {
-    /// Those of an excitation with at most so many terms in x, over a swing of this size (s).
+    /// Expands the changes of an excitation, whose series in x has no more than `TERMS` terms, over a swing of this size (s).
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "an iterator would put the changes into memory")]
     fn of<const TERMS: usize>(excitation: &Excitation<Number>, time: Number, size: f64) -> Changes<D> {
