@@ -1,0 +1,49 @@
+//! Runs in lanes that give up.
+
+use super::*;
+
+use crate::block::{Common, Dimensionless};
+use crate::excitation::Pulse;
+use crate::simulation::{Initial, Settings};
+
+/// A block that tilts and does not come down within the next step.
+fn lane() -> Lane {
+    let numbers = Dimensionless { alpha: 0.25, p: 2.0, eta: 20.0, xi_v: 0.1 };
+    let block = Block::from_dimensionless(&numbers, &Common::default()).unwrap();
+    let initial = Initial { theta: 0.15, ..Initial::default() };
+    let inputs = Inputs::default();
+    Lane::new(Simulation::new(block, Settings::default(), Pulse::NONE, &initial, 0.0, &inputs), 0)
+}
+
+fn gives_up(lane: &mut Lane) {
+    assert_eq!(lane.next_step(), Next::Alone);
+    let error = lane.step_alone(&mut |_| ()).unwrap_err();
+    assert!(matches!(error, SimulationError::TooManySteps { .. }), "{error}");
+}
+
+/// As a run does that is stepped alone.
+#[test]
+fn a_run_that_has_no_steps_left_gives_up() {
+    let mut group = [Box::new(lane())];
+    group[0].send(10.0, &Inputs::default());
+    group[0].budget = 2;
+    // The first step makes peaks where there were none, and is taken alone.
+    for in_lane in [false, true] {
+        let next = group[0].next_step();
+        let Next::Together(kind) = next else { panic!("{next:?}") };
+        let went = VectorWidth::widest().map(|width| step_group(width, kind, &mut group));
+        assert!(went.is_none_or(|went| went == u32::from(in_lane)), "{went:?}");
+        if went != Some(1) {
+            group[0].step_alone(&mut |_| ()).unwrap();
+        }
+    }
+    gives_up(&mut group[0]);
+}
+
+/// A stop so far away that the clock cannot resolve the motion on the way.
+#[test]
+fn a_run_that_the_clock_does_not_resolve_gives_up() {
+    let mut lane = lane();
+    lane.send(1e300, &Inputs::default());
+    gives_up(&mut lane);
+}
