@@ -52,9 +52,9 @@ fn rows<T: Send>(
         progress.end_if_abandoned();
         make(numbers)
     };
-    let done = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |number, row| {
-        rows.push(row);
-        progress.show(number + 1, count);
+    let done = runner::in_batches(pool, 0..count, VectorWidth::widest(), runs_in_a_row, make, |batch| {
+        rows.extend(batch);
+        progress.show(rows.len() as u64, count);
         Ok::<(), Infallible>(())
     });
     done.map_or_else(|never| match never {}, |()| rows)
@@ -217,7 +217,7 @@ pub fn sweep<'py>(
     })?;
     let failure = made.iter().find_map(|row| row.failure.as_ref()).map(ToString::to_string);
     let column = |(number, heading): (usize, &String)| {
-        let fields = made.iter().map(|row| row.fields[number].as_str());
+        let fields = made.iter().map(|row| row.fields.get(number).unwrap_or_default());
         if !heading.ends_with(']') {
             return Ok(fields.collect::<Vec<_>>().into_pyobject(py)?.into_any());
         }

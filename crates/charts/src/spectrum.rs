@@ -83,10 +83,9 @@ pub(super) struct Point {
 }
 
 /// Reads the block of a table row, without the row number.
-pub(super) fn point<S: AsRef<str>>(over: Abscissa, row: &[S]) -> Result<Point, String> {
+pub(super) fn point<'a>(over: Abscissa, row: impl Fn(usize) -> Option<&'a str>) -> Result<Point, String> {
     let field = |name: &str| {
-        let place = Spectrum::column(name).and_then(|place| row.get(place));
-        place.map(AsRef::as_ref).ok_or_else(|| format!("found no column {name} in the table"))
+        Spectrum::column(name).and_then(&row).ok_or_else(|| format!("found no column {name} in the table"))
     };
     let number = |name: &str| {
         let text = field(name)?;
@@ -161,8 +160,7 @@ pub(super) fn read(
         reader.records().map(|record| {
             let record = record?;
             // The first column is the row number.
-            let row: Vec<&str> = record.iter().skip(1).collect();
-            Ok(point(over, &row)?)
+            Ok(point(over, |column| record.get(column + 1))?)
         }),
     )
 }

@@ -8,8 +8,8 @@ use rocking_block::simulation::Ending;
 use rocking_block::system::events::{Event, EventKind};
 use rocking_charts::numerals::significant;
 use rocking_studies::foundations;
-use rocking_studies::output::resumable::csv_line;
-use rocking_studies::output::runner::Study as Rows;
+use rocking_studies::output::fields;
+use rocking_studies::output::runner::{Study as Rows, StudyRow};
 use rocking_studies::run::{History, Row, Run, table};
 use rocking_studies::spectrum::Spectrum;
 use serde::{Deserialize, Serialize};
@@ -115,13 +115,13 @@ impl Prepared {
 
 /// The rows of a study.
 trait DynRows {
-    fn make_rows(&self, from: u64, to: u64) -> Vec<Vec<String>>;
+    fn make_rows(&self, from: u64, to: u64) -> Vec<StudyRow>;
     fn count(&self) -> u64;
 }
 
 impl<S: Rows> DynRows for S {
-    fn make_rows(&self, from: u64, to: u64) -> Vec<Vec<String>> {
-        self.make(from..to, None).into_iter().map(|row| row.fields).collect()
+    fn make_rows(&self, from: u64, to: u64) -> Vec<StudyRow> {
+        self.make(from..to, None)
     }
 
     fn count(&self) -> u64 {
@@ -261,11 +261,9 @@ impl Engine {
         };
         let study = study.rows();
         let to = to.min(study.count());
-        let fields = study.make_rows(from.min(to), to);
-        let line = |(number, fields): (u64, &Vec<String>)| {
-            csv_line(std::iter::once(number.to_string()).chain(fields.iter().cloned())).unwrap_or_default()
-        };
-        let lines: String = (from..).zip(&fields).map(line).collect();
+        let rows = study.make_rows(from.min(to), to);
+        let lines = fields::lines(from, rows.iter().map(|row| &row.fields)).unwrap_or_default();
+        let fields: Vec<Vec<&str>> = rows.iter().map(|row| row.fields.iter().collect()).collect();
         Ok((json!({ "fields": fields }), lines.into_bytes()))
     }
 }

@@ -99,8 +99,8 @@ impl Table {
     }
 
     /// Adds a row.
-    pub fn push(&mut self, fields: impl IntoIterator<Item = String>) -> csv::Result<()> {
-        self.writer.write_record(fields.into_iter().collect::<Vec<_>>())
+    pub fn push(&mut self, fields: impl IntoIterator<Item = impl AsRef<[u8]>>) -> csv::Result<()> {
+        self.writer.write_record(fields)
     }
 
     /// Combines the finished table with the drawing.

@@ -148,14 +148,15 @@ pub fn figure(
         };
         spectrum.check()?;
         let mut rows = Vec::new();
-        for (mut row, outcome) in workers.map(spectrum.rows(), |number| spectrum.made(number)) {
+        for (row, outcome) in workers.map(spectrum.rows(), |number| spectrum.made(number)) {
             failed += u64::from(outcome.end == End::Failed);
-            row.fields[0] = panel.name.clone();
             rows.push(row.fields);
         }
-        let points = rows.iter().map(|row| spectrum::point(over, row));
+        let points = rows.iter().map(|row| spectrum::point(over, |column| row.get(column)));
         drawn.push(Some(Curves::gather(spectrum, points).map_err(PictureError::Drawing)?));
-        rows.into_iter().try_for_each(|row| table.push(row))?;
+        for row in &rows {
+            table.push(std::iter::once(panel.name.as_str()).chain(row.iter().skip(1)))?;
+        }
     }
     let svg = draw(number, sources, &panels, &drawn)?;
     table.figure(svg, failed)

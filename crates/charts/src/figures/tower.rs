@@ -13,6 +13,7 @@ use crate::line_style::LineStyle;
 use crate::numerals::{short, tick};
 use crate::page::Symbol;
 use rocking_block::block::BlockError;
+use rocking_studies::output::fields::Fields;
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::{End, Outcome};
 use rocking_studies::spectrum::FoundationParameters;
@@ -54,8 +55,11 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
     let columns: Vec<&str> = ["motion", "foundation"].into_iter().chain(Outcome::COLUMNS).collect();
     let mut table = Table::new(14, &lines, &columns)?;
     for (task, outcome) in outcomes.iter().enumerate() {
-        let case = [sources[task / bases.len()].name.to_string(), bases[task % bases.len()].to_string()];
-        table.push(case.into_iter().chain(outcome.fields(TOWER_ALPHA)))?;
+        let mut fields = Fields::default();
+        fields.push(&sources[task / bases.len()].name);
+        fields.push(bases[task % bases.len()]);
+        outcome.write(TOWER_ALPHA, &mut fields);
+        table.push(fields.iter())?;
     }
     let bars = GREYS.into_iter().zip(TOWER_ETA);
     let mut legend: Vec<_> = bars.map(|(grey, eta)| (Symbol::Grey(grey), format!("η = {}", short(eta)))).collect();

@@ -15,7 +15,7 @@ use crate::assess::states::{CONFIDENCE, StateCurve};
 use crate::assess::{pulses, spectrum};
 use crate::fragility::{SweepTable, Uncertainty};
 use crate::intensity::Measure;
-use crate::output::resumable::csv_line;
+use crate::output::fields::lines;
 use crate::output::runner::{self, Study};
 use crate::risk::HazardCurve;
 use crate::spectrum::statistics::Statistics;
@@ -68,19 +68,15 @@ impl Work<'_> {
 
     /// Makes a table.
     fn table(&self, study: &impl Study) -> Result<String, AssessError> {
-        let mut text = study.header().text()?;
         let mut rows = Vec::new();
         let make = |numbers| study.make(numbers, self.width);
-        let made = runner::in_batches(self.pool, 0..study.rows(), self.width, 1, make, |_, row| {
-            rows.push(row.fields);
-            self.ran();
+        let made = runner::in_batches(self.pool, 0..study.rows(), self.width, 1, make, |batch| {
+            batch.iter().for_each(|_| self.ran());
+            rows.extend(batch);
             Ok::<(), Infallible>(())
         });
         made.map_or_else(|never| match never {}, |()| ());
-        for (number, fields) in rows.into_iter().enumerate() {
-            text += &csv_line(std::iter::once(number.to_string()).chain(fields))?;
-        }
-        Ok(text)
+        Ok(study.header().text()? + &lines(0, rows.iter().map(|row| &row.fields))?)
     }
 
     /// Makes the table of a sweep and reads it.

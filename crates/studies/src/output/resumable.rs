@@ -7,6 +7,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::output::fields::{Fields, heading_line, lines};
 use crate::output::output_target::{OutputTarget, OutputTargetError};
 
 /// The reason why a table cannot be created, resumed or written.
@@ -94,8 +95,8 @@ impl TableHeader {
     /// The first lines of the file, with their ends.
     pub fn text(&self) -> std::io::Result<String> {
         let study: String = self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect();
-        let names = std::iter::once("row".to_string()).chain(self.columns.iter().cloned());
-        Ok(study + &csv_line(names)?)
+        let names = std::iter::once("row").chain(self.columns.iter().map(String::as_str));
+        Ok(study + &heading_line(names)?)
     }
 }
 
@@ -215,11 +216,13 @@ impl ResumableTable {
         self.failures
     }
 
-    /// Writes the next row from its fields after the number; on return, it is in the file.
-    pub fn push(&mut self, fields: Vec<String>) -> Result<(), TableWriteError> {
-        self.failures.count_row(self.rows, fields.iter().map(String::as_str));
-        self.write(csv_line(std::iter::once(self.rows.to_string()).chain(fields)))?;
-        self.rows += 1;
+    /// Writes the next rows; on return, they are in the file.
+    pub fn push<'a>(&mut self, rows: impl Iterator<Item = &'a Fields> + Clone) -> Result<(), TableWriteError> {
+        self.write(lines(self.rows, rows.clone()))?;
+        for row in rows {
+            self.failures.count_row(self.rows, row.iter());
+            self.rows += 1;
+        }
         Ok(())
     }
 
@@ -262,16 +265,6 @@ fn lock(file: &File, name: &str) -> Result<(), TableWriteError> {
         Err(TryLockError::WouldBlock) => Err(TableWriteError::Busy { file: name.into() }),
         Err(TryLockError::Error(_)) | Ok(()) => Ok(()),
     }
-}
-
-/// Fields as a line of CSV with its end.
-pub fn csv_line(fields: impl Iterator<Item = String>) -> std::io::Result<String> {
-    /// Bytes of a usual line: the writer clears them each time.
-    const USUAL: usize = 512;
-    let mut writer = csv::WriterBuilder::new().buffer_capacity(USUAL).from_writer(Vec::with_capacity(USUAL));
-    writer.write_record(fields)?;
-    let bytes = writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
-    String::from_utf8(bytes).map_err(std::io::Error::other)
 }
 
 /// Length (bytes) of the complete lines of a file begun by this study, the number of its rows, and the failed ones.

@@ -6,6 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
+use crate::output::fields::Fields;
 use crate::output::resumable::{Failures, ResumableTable, TableHeader, TableOptions, TableWriteError};
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::SimulationError;
@@ -46,7 +47,7 @@ pub trait Study: Sync {
 /// A row of a study.
 pub struct StudyRow {
     /// The fields after the row's number.
-    pub fields: Vec<String>,
+    pub fields: Fields,
     /// Reason of a failed run.
     pub failure: Option<SimulationError>,
 }
@@ -77,10 +78,10 @@ pub fn run(
     let resumed = table.rows();
     progress(resumed, resumed);
     let mut reason = None;
-    let take = |number: u64, row: StudyRow| {
-        table.push(row.fields)?;
-        reason = reason.take().or(row.failure);
-        progress(resumed, number + 1);
+    let take = |rows: Vec<StudyRow>| {
+        table.push(rows.iter().map(|row| &row.fields))?;
+        reason = reason.take().or_else(|| rows.into_iter().find_map(|row| row.failure));
+        progress(resumed, table.rows());
         Ok::<(), TableWriteError>(())
     };
     let rows = resumed..study.rows();
@@ -99,7 +100,7 @@ pub(crate) fn batch(width: Option<VectorWidth>, rows: u64, runs_in_a_row: u64, t
     rows.div_ceil(ahead * threads).min(most / runs_in_a_row).max(1)
 }
 
-/// Makes rows of `runs_in_a_row` runs in batches and passes them to `take` in order, as [`in_order`] does.
+/// Makes rows of `runs_in_a_row` runs in batches and passes the batches to `take` in order, as [`in_order`] does.
 ///
 /// `make` returns the rows with the given numbers; the size of a batch suits vectors of this width.
 pub fn in_batches<T: Send, E>(
@@ -108,19 +109,13 @@ pub fn in_batches<T: Send, E>(
     width: Option<VectorWidth>,
     runs_in_a_row: u64,
     make: impl Fn(Range<u64>) -> Vec<T> + Sync,
-    mut take: impl FnMut(u64, T) -> Result<(), E>,
+    mut take: impl FnMut(Vec<T>) -> Result<(), E>,
 ) -> Result<(), E> {
     let size = batch(width, rows.end - rows.start, runs_in_a_row, pool.current_num_threads() as u64);
     let ahead = if width.is_none() { AHEAD } else { BATCHES_AHEAD };
     let of = |number: u64| rows.start + number * size..rows.end.min(rows.start + (number + 1) * size);
     let batches = 0..(rows.end - rows.start).div_ceil(size);
-    in_order_ahead(
-        pool,
-        ahead,
-        batches,
-        |number| make(of(number)),
-        |batch, made| of(batch).zip(made).try_for_each(|(number, row)| take(number, row)),
-    )
+    in_order_ahead(pool, ahead, batches, |number| make(of(number)), |_, rows| take(rows))
 }
 
 /// Makes tasks on the pool, in any order, and passes the results to `take` in the order of the tasks.

@@ -1,5 +1,6 @@
 //! A run → its end, its peaks and its counts.
 
+use crate::output::fields::Fields;
 use rocking_block::block::{Block, Regime};
 use rocking_block::simulation::peaks::Peaks;
 use rocking_block::simulation::{Counts, Simulation, SimulationError};
@@ -99,10 +100,10 @@ impl Holds {
         slip.into_iter().chain((1..=self.ties).map(|tie| format!("peak.tie_{tie}.tension [N]"))).collect()
     }
 
-    /// The peaks of the slip and of the tensions, as fields of a table.
-    pub fn fields(self, peaks: &Peaks) -> Vec<String> {
+    /// The peaks of the slip and of the tensions, the fields of [`Holds::columns`].
+    pub fn fields(self, peaks: &Peaks) -> impl Iterator<Item = f64> {
         let slip = self.friction.then_some(peaks.slip);
-        slip.into_iter().chain(peaks.pull.into_iter().take(self.ties)).map(|peak| peak.to_string()).collect()
+        slip.into_iter().chain(peaks.pull.into_iter().take(self.ties))
     }
 }
 
@@ -145,7 +146,7 @@ impl Flights {
 }
 
 impl Outcome {
-    /// Names and units of the columns filled by [`Outcome::fields`].
+    /// Names and units of the columns filled by [`Outcome::write`].
     pub const COLUMNS: [&'static str; 11] = [
         "outcome",
         "end_time [s]",
@@ -160,23 +161,15 @@ impl Outcome {
         "events.liftoffs [1]",
     ];
 
-    /// The outcome of a block of slenderness α (rad) as fields of a table.
+    /// Appends the outcome of a block of slenderness α (rad) to a row, the fields of [`Outcome::COLUMNS`].
     ///
-    /// Numbers have the digits that restore them exactly; the time of the first separation is empty if there is none.
-    pub fn fields(&self, alpha: f64) -> [String; Outcome::COLUMNS.len()] {
+    /// The time of the first separation is empty if there is none.
+    pub fn write(&self, alpha: f64, fields: &mut Fields) {
         let Outcome { end, end_time, peaks, counts, flights, .. } = self;
-        [
-            end.to_string(),
-            end_time.to_string(),
-            (peaks.theta / alpha).to_string(),
-            peaks.uplift.to_string(),
-            peaks.reaction.to_string(),
-            peaks.horizontal.to_string(),
-            peaks.friction_demand.to_string(),
-            flights.first.map(|time| time.to_string()).unwrap_or_default(),
-            flights.count.to_string(),
-            counts.impacts.to_string(),
-            counts.liftoffs.to_string(),
-        ]
+        fields.push(end.word());
+        let Peaks { theta, uplift, reaction, horizontal, friction_demand, .. } = *peaks;
+        fields.extend([*end_time, theta / alpha, uplift, reaction, horizontal, friction_demand]);
+        fields.push_option(flights.first);
+        fields.extend([flights.count, counts.impacts, counts.liftoffs]);
     }
 }

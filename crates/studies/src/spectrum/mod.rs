@@ -9,6 +9,7 @@ pub mod statistics;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use crate::output::fields::Fields;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRow};
 use crate::run::Run;
@@ -314,33 +315,24 @@ impl Spectrum {
     fn row_of(&self, number: u64, outcome: &Outcome) -> StudyRow {
         let RowInputs { motion, base, p } = self.inputs(number);
         let base = self.bases[base];
-        let none = String::new;
         let (foundation, eta, xi_v, epsilon, factor) = match base {
             FoundationParameters::Rigid { epsilon, restitution_factor } => {
-                ("rigid", none(), none(), epsilon, restitution_factor.to_string())
+                ("rigid", None, None, epsilon, Some(restitution_factor))
             }
             FoundationParameters::Viscoelastic { eta, xi_v, epsilon } => {
-                ("viscoelastic", eta.to_string(), xi_v.to_string(), epsilon, none())
+                ("viscoelastic", Some(eta), Some(xi_v), epsilon, None)
             }
         };
-        let ratio = match self.pulse.shape {
-            PulseShape::None => String::new(),
-            _ => (TAU / self.pulse.period / p).to_string(),
-        };
-        let mut fields = vec![
-            self.motions[motion].0.clone(),
-            foundation.into(),
-            eta,
-            xi_v,
-            epsilon.to_string(),
-            factor,
-            p.to_string(),
-            (TAU / p).to_string(),
-            ratio,
-        ];
-        fields.extend(outcome.fields(self.alpha));
+        let mut fields = Fields::default();
+        fields.extend([self.motions[motion].0.as_str(), foundation]);
+        for parameter in [eta, xi_v, Some(epsilon), factor] {
+            fields.push_option(parameter);
+        }
+        fields.extend([p, TAU / p]);
+        fields.push_option((self.pulse.shape != PulseShape::None).then(|| TAU / self.pulse.period / p));
+        outcome.write(self.alpha, &mut fields);
         fields.extend(self.holds().fields(&outcome.peaks));
-        fields.extend(self.friction_demand.map(|demand| self.valid_run(number).longest_above(demand).to_string()));
+        fields.extend(self.friction_demand.map(|demand| self.valid_run(number).longest_above(demand)));
         StudyRow { fields, failure: outcome.failure.clone() }
     }
 }

@@ -7,6 +7,7 @@ use toml::de::DeTable;
 
 use crate::input::parameters::{Parameter, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};
+use crate::output::fields::Fields;
 use crate::run::limit::{Limit, Response};
 use crate::run::outcome::{End, Outcome};
 use crate::statistics::normal;
@@ -104,7 +105,7 @@ impl Ensemble {
         (0..self.samples as usize).map(|sample| strata.iter().map(|of| midpoint(of[sample])).collect()).collect()
     }
 
-    /// Names and units of the columns filled by [`Ensemble::fields`].
+    /// Names and units of the columns filled by [`Ensemble::write`].
     pub fn columns(&self) -> Vec<String> {
         let counts = ["samples", "failed", "undecided"].map(|name| format!("ensemble.{name} [1]"));
         let exceeded = self.limits.iter().map(|limit| format!("ensemble.{limit} [1]"));
@@ -112,11 +113,11 @@ impl Ensemble {
         counts.into_iter().chain(exceeded).chain(fractions).collect()
     }
 
-    /// The fields of a row from its samples: the slenderness α (rad) and the outcome of each.
+    /// Appends the results of a row's samples to the row: the slenderness α (rad) and the outcome of each.
     ///
     /// A failed sample decides nothing, an undecided one only the limits it has already exceeded. A fraction is that of the
     /// samples that decide its limit, and empty if there are none.
-    pub fn fields(&self, samples: &[(f64, Outcome)]) -> Vec<String> {
+    pub fn write(&self, samples: &[(f64, Outcome)], fields: &mut Fields) {
         let count = |is: &dyn Fn(&(f64, Outcome)) -> bool| samples.iter().filter(|sample| is(sample)).count();
         let exceeds = |limit: Limit, (alpha, outcome): &(f64, Outcome)| {
             let Peaks { theta, slip, .. } = outcome.peaks;
@@ -128,16 +129,17 @@ impl Ensemble {
             End::Completed | End::Separated | End::Overturned => true,
         };
         let ends = [End::Failed, End::Undecided].map(|end| count(&|(_, outcome)| outcome.end == end));
-        let (exceeded, fractions): (Vec<usize>, Vec<String>) = (self.limits.iter())
+        let (exceeded, fractions): (Vec<usize>, Vec<Option<f64>>) = (self.limits.iter())
             .map(|&limit| {
                 let decided = count(&|sample| decides(limit, sample));
                 let exceeded = count(&|sample| decides(limit, sample) && exceeds(limit, sample));
-                let fraction = (decided > 0).then(|| (exceeded as f64 / decided as f64).to_string());
-                (exceeded, fraction.unwrap_or_default())
+                (exceeded, (decided > 0).then(|| exceeded as f64 / decided as f64))
             })
             .unzip();
-        let counts = std::iter::once(samples.len()).chain(ends).chain(exceeded);
-        counts.map(|count| count.to_string()).chain(fractions).collect()
+        fields.extend(std::iter::once(samples.len()).chain(ends).chain(exceeded));
+        for fraction in fractions {
+            fields.push_option(fraction);
+        }
     }
 }
 

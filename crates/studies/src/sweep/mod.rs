@@ -21,6 +21,7 @@ pub mod strength;
 use std::ops::Range;
 
 use crate::intensity::Measure;
+use crate::output::fields::Fields;
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{MAX_RUNS, Study, StudyRow};
 use crate::run::Run;
@@ -336,22 +337,24 @@ impl Study for Sweep {
 
 impl Sweep {
     /// The fields before the outcome.
-    fn input_fields(&self, inputs: &RowInputs) -> Vec<String> {
+    fn input_fields(&self, inputs: &RowInputs) -> Fields {
         let RowInputs { combination, motion, scale, .. } = inputs;
-        let mut fields: Vec<String> =
-            self.parameters.iter().zip(combination).map(|(swept, value)| swept.parameter.display(*value)).collect();
-        fields.extend(motion.names.iter().cloned());
-        fields.extend(motion.floor.map(|floor| floor.to_string()));
-        fields.push(or_empty(motion.has_record().then_some(*scale)));
-        fields.push(or_empty(motion.vertical_pga(*scale)));
-        fields.extend(self.measures.iter().map(|&measure| or_empty(inputs.intensity(measure))));
+        let mut fields = Fields::default();
+        fields.extend(self.parameters.iter().zip(combination).map(|(swept, value)| swept.parameter.display(*value)));
+        fields.extend(&motion.names);
+        fields.extend(motion.floor);
+        fields.push_option(motion.has_record().then_some(*scale));
+        fields.push_option(motion.vertical_pga(*scale));
+        for &measure in &self.measures {
+            fields.push_option(inputs.intensity(measure));
+        }
         fields
     }
 
     /// The row of a search.
     fn row_of_search(&self, inputs: &RowInputs, found: &OutcomeMap<End>) -> StudyRow {
         let mut fields = self.input_fields(inputs);
-        fields.extend(least_fields(found));
+        write_least(found, &mut fields);
         StudyRow { fields, failure: None }
     }
 
@@ -359,21 +362,17 @@ impl Sweep {
     fn row_of(&self, inputs: &RowInputs, made: &[(f64, Outcome)]) -> StudyRow {
         let mut fields = self.input_fields(inputs);
         let (alpha, outcome) = &made[0];
-        fields.extend(outcome.fields(*alpha));
+        outcome.write(*alpha, &mut fields);
         fields.extend(self.holds().fields(&outcome.peaks));
-        let time_above = |demand| self.nominal_run(inputs).longest_above(demand).to_string();
-        fields.extend(self.friction_demand.map(time_above));
-        fields.extend(self.ensemble.iter().flat_map(|ensemble| ensemble.fields(&made[1..])));
+        fields.extend(self.friction_demand.map(|demand| self.nominal_run(inputs).longest_above(demand)));
+        if let Some(ensemble) = &self.ensemble {
+            ensemble.write(&made[1..], &mut fields);
+        }
         StudyRow { fields, failure: outcome.failure.clone() }
     }
 }
 
-/// A number as written in tables; an empty field for none.
-fn or_empty(value: Option<f64>) -> String {
-    value.map(|value| value.to_string()).unwrap_or_default()
-}
-
-/// Names and units of the columns filled by [`least_fields`].
+/// Names and units of the columns filled by [`write_least`].
 fn least_columns(measure: Measure) -> [String; 6] {
     let unit = measure.unit();
     [
@@ -386,23 +385,21 @@ fn least_columns(measure: Measure) -> [String; 6] {
     ]
 }
 
-/// The overturning ranges of a search as fields of a row.
+/// Appends the overturning ranges of a search to a row.
 ///
 /// In order: the worst outcome; the least value that overturns, and whether it is only a bound; the value above which the block
 /// always overturns; the number of overturning ranges, and the ranges.
-fn least_fields(found: &OutcomeMap<End>) -> [String; 6] {
+fn write_least(found: &OutcomeMap<End>, fields: &mut Fields) {
     let stretches = found.stretches();
     let ranges: Vec<&(f64, f64, End)> = stretches.iter().filter(|stretch| stretch.2 == End::Overturned).collect();
     let any = |end: End| stretches.iter().any(|stretch| stretch.2 == end);
     let outcome =
         [End::Failed, End::Overturned, End::Undecided].into_iter().find(|&end| any(end)).unwrap_or(End::Completed);
     let last = stretches.last().filter(|stretch| stretch.2 == End::Overturned);
-    [
-        outcome.to_string(),
-        or_empty(found.overturning().value()),
-        found.overturning().bound().into(),
-        or_empty(last.map(|stretch| stretch.0)),
-        ranges.len().to_string(),
-        ranges.iter().map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; "),
-    ]
+    fields.push(outcome);
+    fields.push_option(found.overturning().value());
+    fields.push(found.overturning().bound());
+    fields.push_option(last.map(|stretch| stretch.0));
+    fields.push(ranges.len());
+    fields.push(ranges.iter().map(|(from, to, _)| format!("{from} to {to}")).collect::<Vec<_>>().join("; "));
 }
