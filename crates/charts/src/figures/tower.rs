@@ -56,7 +56,7 @@ pub fn figure(sources: &[GroundMotion], workers: &mut Workers) -> Result<Figure,
     let mut table = Table::new(14, &lines, &columns)?;
     for (task, outcome) in outcomes.iter().enumerate() {
         let mut fields = Fields::default();
-        fields.push(&sources[task / bases.len()].name);
+        fields.push(sources[task / bases.len()].name);
         fields.push(bases[task % bases.len()]);
         outcome.write(TOWER_ALPHA, &mut fields);
         table.push(fields.iter())?;
