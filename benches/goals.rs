@@ -8,6 +8,7 @@ mod fmu;
 
 mod common;
 
+use std::f64::consts::FRAC_PI_3;
 use std::hint::black_box;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -15,7 +16,7 @@ use std::time::Instant;
 
 use common::{block, instance, intervals, loma_prieta, right_hand_side, run_record, run_record_through_fmu};
 use rocking_block::block::Foundation;
-use rocking_block::excitation::{Excitation, Inputs, Pulse, Ramp};
+use rocking_block::excitation::{Excitation, Inputs, Pulse, PulseShape, Ramp};
 use rocking_block::ground::Ground;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_block::simulation::{Initial, Settings, Simulation};
@@ -24,7 +25,7 @@ use rocking_records::ReadOptions;
 use rocking_studies::output::resumable::{TableHeader, TableOptions};
 use rocking_studies::output::runner::{self, Study, StudyRow};
 use rocking_studies::run::batch::{LaneUse, in_lanes};
-use rocking_studies::spectrum::Spectrum;
+use rocking_studies::spectrum::{FoundationParameters, Sizes, Spectrum};
 
 const ROUNDS: usize = 7;
 
@@ -55,7 +56,8 @@ fn main() {
     record_through_the_fmu(&ground);
     short_steps_of_the_fmu();
     spectrum(ground.clone(), blocks);
-    many_threads(ground, blocks);
+    many_threads(ground.clone(), blocks);
+    lanes(ground, blocks);
 }
 
 fn record_through_the_fmu(ground: &Ground) {
@@ -120,11 +122,6 @@ fn short_steps_of_the_fmu() {
     println!("    ratio of the step to its evaluations {:.2}, {:.2}", ratio(alone), ratio(in_turn));
 }
 
-/// Counts the steps of a spectrum in lanes of vectors of a width.
-fn lane_use(spectrum: &Spectrum, blocks: u64, width: VectorWidth) -> LaneUse {
-    in_lanes(width, (0..blocks).map(|row| spectrum.run(row).expect("a block")), || ()).1
-}
-
 fn spectrum(ground: Ground, blocks: u64) {
     let made = |blocks: u64, threads: usize, lanes: usize| {
         let folder = tempfile::tempdir().expect("a folder");
@@ -155,28 +152,70 @@ fn spectrum(ground: Ground, blocks: u64) {
     );
     println!("a spectrum of {blocks} blocks: single runs {alone:.2} s, on one thread {one:.2} s, on two {two:.2} s");
     println!("    ratio of two threads to one {:.3}, of one to the single runs {:.3}", one / two, one / alone);
-    let [one, two, four, eight] = least(
-        rounds,
-        [&mut || made(blocks, 1, 1), &mut || made(blocks, 1, 2), &mut || made(blocks, 1, 4), &mut || {
-            made(blocks, 1, 8)
-        }],
-    );
-    println!("    in lanes: 1 {one:.2} s, 2 {two:.2} s, 4 {four:.2} s, 8 {eight:.2} s");
-    println!("    ratio of 1 lane to 2 {:.2}, to 4 {:.2}, to 8 {:.2}", one / two, one / four, one / eight);
-    for width in [2, 4, 8].into_iter().filter_map(VectorWidth::at_most) {
-        let LaneUse { in_lanes, alone, repeated, idle } = lane_use(&single, blocks, width);
-        let percent = |count: u64| 100.0 * count as f64 / (in_lanes + alone) as f64;
-        println!(
-            "    {} lanes: {:.2} % of the steps alone, {:.2} % after an attempt in a lane; {:.2} % idle lanes",
-            width.lanes(),
-            percent(alone),
-            percent(repeated),
-            percent(idle)
-        );
-    }
     if let (Some(before), Some(after)) = (before, after) {
         println!("    peak memory: {before} kB with {} blocks, {after} kB with {blocks}", blocks / 10);
     }
+}
+
+/// Prints the CPU time of a block in 1, 4 and 8 lanes, its row included, as rows of a table in Markdown.
+fn lanes(ground: Ground, blocks: u64) {
+    let supports = common::spectrum(ground, blocks);
+    let sine = Pulse { shape: PulseShape::OneSine, amplitude: 4.375, period: FRAC_PI_3, ..Pulse::NONE };
+    let under_sine = Spectrum {
+        alpha: 0.2,
+        sizes: Sizes { least: 1.0, greatest: 4.0, ..supports.sizes },
+        motions: vec![("pulse".into(), Ground::default())],
+        pulse: sine,
+        duration: Some(6.0),
+        ..supports.clone()
+    };
+    let smaller = Sizes { least: 0.5, greatest: 1.2, ..supports.sizes };
+    let cases = [
+        ("supports, a record", supports.clone()),
+        (
+            "rigid base, the record",
+            Spectrum { sizes: Sizes { greatest: 8.0, ..supports.sizes }, ..on_rigid_base(&supports) },
+        ),
+        ("supports, one sine", under_sine.clone()),
+        ("rigid base, one sine, most overturn", on_rigid_base(&under_sine)),
+        ("rigid base, one sine, none overturns", Spectrum { sizes: smaller, ..on_rigid_base(&under_sine) }),
+    ];
+    println!("| {blocks} blocks | tolerance | 1 lane | 4 | 8 | 1 over 4 | 1 over 8 | steps alone |");
+    for (name, case) in cases {
+        for tolerance in [Settings::OF_STUDIES, Settings::default().tolerance] {
+            let case = Spectrum { settings: Settings { tolerance, ..case.settings }, ..case.clone() };
+            let mut least = [f64::INFINITY; 3];
+            for _ in 0..ROUNDS {
+                for (least, width) in least.iter_mut().zip([1, 4, 8].map(VectorWidth::at_most)) {
+                    *least = least.min(cpu_time(&case, width) / blocks as f64);
+                }
+            }
+            let width = VectorWidth::at_most(4).expect("vectors");
+            let LaneUse { in_lanes, alone, .. } =
+                in_lanes(width, (0..blocks).map(|row| case.run(row).expect("a block")), || ()).1;
+            let [one, four, eight] = least.map(|time| 1e6 * time);
+            println!(
+                "| {name} | {tolerance:e} | {one:.1} µs | {four:.1} µs | {eight:.1} µs | {:.2} | {:.2} | {:.1} % |",
+                one / four,
+                one / eight,
+                100.0 * alone as f64 / (in_lanes + alone) as f64
+            );
+        }
+    }
+}
+
+fn on_rigid_base(spectrum: &Spectrum) -> Spectrum {
+    Spectrum { bases: vec![FoundationParameters::Rigid { epsilon: 0.0, restitution_factor: 1.0 }], ..spectrum.clone() }
+}
+
+/// CPU time (s) of the rows of a spectrum, made on this thread.
+fn cpu_time(spectrum: &Spectrum, width: Option<VectorWidth>) -> f64 {
+    const BATCH: usize = 512;
+    let before = thread_seconds().expect("a system that reports CPU times");
+    for from in (0..spectrum.rows()).step_by(BATCH) {
+        black_box(spectrum.make(from..spectrum.rows().min(from + BATCH as u64), width));
+    }
+    thread_seconds().expect("as before") - before
 }
 
 /// Peak memory of this process (kB), where the system reports it.
