@@ -28,7 +28,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use crate::fmi::arrays::{OutputArray, place};
+use crate::fmi::arrays::{OutputArray, single_output};
 use crate::fmi::instance::{Answer, Instance};
 use crate::fmi::{Call, Status, Version};
 use crate::unit::fault::Fault;
@@ -246,15 +246,15 @@ pub unsafe fn free<V: Version>(handle: *mut c_void) {
 /// # Safety
 /// `state` is null or points to null or to a state of this FMU that has not been freed (standard, 2.1.8).
 pub unsafe fn get_state<V: Version>(instance: &Instance<V>, state: *mut *mut c_void) -> Answer {
-    // SAFETY: by contract a place that nothing else uses meanwhile (standard, 2.1.8).
-    let place = unsafe { place("FMUstate", state) }?;
-    // SAFETY: not null (see `place`), and by contract set to null or a state (standard, 2.1.8).
+    // SAFETY: by contract memory that nothing else uses meanwhile (standard, 2.1.8).
+    let output = unsafe { single_output("FMUstate", state) }?;
+    // SAFETY: not null (see `single_output`), and by contract set to null or a state (standard, 2.1.8).
     let saved = unsafe { state.read() }.cast::<Unit>();
     // SAFETY: by contract null or a state that has not been freed (standard, 2.1.8); no other call holds a reference to it, since
     // no reference outlives its call.
     match unsafe { saved.as_mut() } {
         Some(saved) => *saved = instance.unit.clone(),
-        None => place.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
+        None => output.put(Box::into_raw(Box::new(instance.unit.clone())).cast()),
     }
     Ok(Status::Ok)
 }
@@ -285,9 +285,9 @@ pub unsafe fn free_state(state: *mut *mut c_void) -> Answer {
     Ok(Status::Ok)
 }
 
-/// Writes the pointer of a deserialized state to the importer's place.
-pub fn give_state(place: OutputArray<*mut c_void>, unit: Unit) -> Answer {
-    place.put(Box::into_raw(Box::new(unit)).cast());
+/// Writes the pointer of a deserialized state to the importer's memory.
+pub fn give_state(output: OutputArray<*mut c_void>, unit: Unit) -> Answer {
+    output.put(Box::into_raw(Box::new(unit)).cast());
     Ok(Status::Ok)
 }
 

@@ -66,10 +66,7 @@ impl Values {
         if time_step > 0.0 {
             return Ok(Ground { horizontal, vertical });
         }
-        Err(format!(
-            "{} = {time_step} s with samples; expected the time between two of them",
-            Variable::RecordDt.name()
-        ))
+        Err(format!("{} = {time_step} s with samples; expected a time step above 0 s", Variable::RecordDt.name()))
     }
 
     /// Reads the files that the parameters name. An error is one line and names settings by their variables.

@@ -73,8 +73,8 @@ impl Unit {
             self.settable(known(reference, Kind::String)?)?;
         }
         for (&reference, &text) in references.iter().zip(texts) {
-            if let Role::Text(place) = known(reference, Kind::String)?.role {
-                self.values[place] = text.into();
+            if let Role::Text(text_variable) = known(reference, Kind::String)?.role {
+                self.values[text_variable] = text.into();
             }
         }
         self.forget_ground();
