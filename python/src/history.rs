@@ -82,7 +82,7 @@ pub fn history<'py>(
     if !on_supports && initial.vertical.is_some() {
         return Err(PyValueError::new_err("v and v_dot have no effect on a rigid base"));
     }
-    let (given, common) = block.get().given();
+    let (parameterization, common) = block.get().parameterization();
     let (block, settings) = (block.get().block, options.settings()?);
     let run = Run { block, settings, initial, pulse, ground, duration: options.duration, output_step };
     let duration = run.longest_duration();
@@ -92,7 +92,7 @@ pub fn history<'py>(
         return Err(PyValueError::new_err(message));
     }
     let parameters = Parameters {
-        given,
+        parameterization,
         common,
         ties: block.ties().to_vec(),
         initial,
@@ -121,7 +121,7 @@ pub fn history<'py>(
     let result = shown(py, &block, &history)?;
     result.set_item("gradients", derivatives(py, &block, &gradients)?)?;
     let grazing = gradients.grazing.map(|Grazing { time, kind }| {
-        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.place()));
+        let (event, corner) = kind.map_or(("held", None), |kind| (kind.word(), kind.location()));
         (time, event, corner)
     });
     result.set_item("grazing", grazing)?;
@@ -159,7 +159,7 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
         columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
     }
     let events = events.iter().map(|event| {
-        let (name, corner) = (event.kind.word(), event.kind.place());
+        let (name, corner) = (event.kind.word(), event.kind.location());
         (event.time, name, corner, event.before.to_string(), event.after.to_string())
     });
     let last = rows.last().map_or(0.0, |row| row.time);

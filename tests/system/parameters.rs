@@ -180,7 +180,7 @@ fn the_centre_of_mass_is_between_the_corners() {
     }
 }
 
-/// A block has at most [`MOST_TIES`] ties, each between two different places.
+/// A block has at most [`MOST_TIES`] ties, each between two different points.
 #[test]
 fn ties_are_counted_and_have_a_length() {
     let block = Block::from_dimensionless(&PAPER, &common()).unwrap();

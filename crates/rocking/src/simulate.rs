@@ -150,9 +150,9 @@ impl Options {
         if self.gradients.is_empty() {
             return Ok((run.history(progress)?, Gradients::default()));
         }
-        let (given, common) = self.block.given()?;
+        let (parameterization, common) = self.block.parameters()?;
         let parameters = Parameters {
-            given,
+            parameterization,
             common,
             ties: run.block.ties().to_vec(),
             initial: run.initial,

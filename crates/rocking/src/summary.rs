@@ -267,7 +267,7 @@ impl TieParameters {
 
 impl EventSummary {
     fn of(event: &Event) -> EventSummary {
-        let (name, corner) = (event.kind.word(), event.kind.place());
+        let (name, corner) = (event.kind.word(), event.kind.location());
         let (before, after) = (event.before.to_string(), event.after.to_string());
         EventSummary { t: event.time, event: name, corner, before, after }
     }

@@ -33,7 +33,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
     let document = source.parse()?;
     let root = Section::new(source, "the file", document.span(), document.get_ref(), &SECTIONS)?;
     let fit = root.section("fit", &KEYS)?.ok_or_else(|| root.lacks("[fit]", "free = [\"alpha\"] at least"))?;
-    let shared = given(source, &root, "parameters")?;
+    let shared = parameters(source, &root, "parameters")?;
     let list = root.get("tests").ok_or_else(|| root.lacks("[[tests]]", "a table for each test"))?;
     let tables = list.get_ref().as_array().filter(|list| !list.is_empty());
     let tables = tables.ok_or_else(|| root.wrong("tests", list, "[[tests]], a table for each test"))?;
@@ -46,7 +46,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
         values = set(source, shared.iter().chain(&own))?;
         tests.push(test(source, &section, value, folder, &values, &mut files)?);
     }
-    let (given, common) = values.given_block(|variable| values[variable]);
+    let (parameterization, common) = values.block_parameters(|variable| values[variable]);
     let default = Options::default();
     let level = fit.number("level", |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")?;
     let tolerance = fit.number("tolerance", Settings::admits_tolerance, Settings::EXPECTED_TOLERANCE)?;
@@ -57,7 +57,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
         tolerance: tolerance.unwrap_or(default.tolerance),
     };
     let ties = values.ties(|variable| values[variable]);
-    let problem = Problem { given, common, ties, free: free(source, &fit)?, tests, options };
+    let problem = Problem { parameterization, common, ties, free: free(source, &fit)?, tests, options };
     let place = |error: &FitError| match error {
         FitError::Test { number, .. } => tables.get(number - 1).map_or(list.span(), |table| table.span()),
         _ => root.get("fit").map_or(0..0, |fit| fit.span()),
@@ -71,7 +71,7 @@ pub fn read(file: &str, text: &str, folder: &Path) -> Result<(Problem, Vec<Strin
 type GivenParameter<'a> = (Parameter, SpannedValue<'a>);
 
 /// Reads the parameters of a table of the file.
-fn given<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
+fn parameters<'a>(source: StudyText, root: &Section<'a>, key: &str) -> Result<Vec<GivenParameter<'a>>, StudyFileError> {
     let Some(value) = root.get(key) else { return Ok(Vec::new()) };
     let table = value.get_ref().as_table().ok_or_else(|| root.wrong(key, value, "a table"))?;
     named(source, table, &[])

@@ -1,7 +1,7 @@
 //! A block, tests of it and the names of free parameters → a checked problem.
 
 use rocking_block::block::restraints::Tie;
-use rocking_block::block::{Block, BlockError, Common, Given};
+use rocking_block::block::{Block, BlockError, Common, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::ground::Ground;
 use rocking_block::simulation::{Initial, OnSeparation, Settings, SimulationError};
@@ -77,7 +77,7 @@ impl Test {
 /// Numbers of a fit that do not belong to a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Number of starts: the given values, and points of a Latin hypercube within the bounds.
+    /// Number of starts: the values of the problem, and points of a Latin hypercube within the bounds.
     pub starts: u32,
     /// Seed of that hypercube.
     pub seed: u64,
@@ -96,8 +96,8 @@ impl Default for Options {
 /// A fit to be made.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The block, in the way in which it is given.
-    pub given: Given,
+    /// The block.
+    pub parameterization: Parameterization,
     /// Its other parameters.
     pub common: Common,
     /// Its ties.
@@ -142,7 +142,7 @@ impl Problem {
     /// The parameters of the block in a test.
     pub fn parameters(&self, test: &Test) -> Parameters {
         Parameters {
-            given: self.given,
+            parameterization: self.parameterization,
             common: self.common,
             ties: self.ties.clone(),
             initial: test.initial,
@@ -153,7 +153,7 @@ impl Problem {
 
     /// The block with these parameters.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
-        Block::from_given(&parameters.given, &parameters.common)?.with_ties(&parameters.ties)
+        Block::from_parameters(&parameters.parameterization, &parameters.common)?.with_ties(&parameters.ties)
     }
 
     /// The run of a test with these parameters.

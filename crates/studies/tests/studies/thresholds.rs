@@ -1,6 +1,6 @@
 //! The strength at which a block overturns moves with a parameter as the derivatives of a run near it predict.
 
-use rocking_block::block::{Block, Common, Dimensionless, Foundation, Given};
+use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{Initial, OnSeparation, Settings};
 use rocking_gradients::Parameters;
@@ -75,7 +75,7 @@ impl Search {
         let strength = self.threshold().next_down();
         let pulse = Pulse { amplitude: strength, ..self.pulse };
         let parameters = Parameters {
-            given: Given::Dimensionless(self.dimensionless),
+            parameterization: Parameterization::Dimensionless(self.dimensionless),
             common: self.common,
             ties: Vec::new(),
             initial: Initial::default(),
