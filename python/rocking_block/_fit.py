@@ -157,7 +157,7 @@ class Combination:
     is_determined: bool
     """Whether the data determine it."""
     meaning: str
-    """What the data tell about it, in words."""
+    """Its determination by the data, in words."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

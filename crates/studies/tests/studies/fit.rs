@@ -149,7 +149,7 @@ fn priors_count_and_what_the_data_do_not_tell_is_named() {
     let mut problem = planted.problem(planted.measured(4));
     problem.free.push(Free::named("mass"));
     let without = fitted(&problem);
-    assert!(without.notes.iter().any(|note| note == "the data do not tell mass"), "{:?}", without.notes);
+    assert!(without.notes.iter().any(|note| note == "the data do not determine mass"), "{:?}", without.notes);
     assert_eq!(without.estimates[3].interval, Some([None, None]));
     let [mean, deviation] = [3.11, 0.01 * without.estimates[0].standard_error];
     problem.free[0].prior = Some([mean, deviation]);
@@ -160,7 +160,7 @@ fn priors_count_and_what_the_data_do_not_tell_is_named() {
     let Some([Some(low), Some(high)]) = *interval else { panic!("{interval:?}") };
     assert!((value - 1100.0).abs() < 0.01 && (standard_error - 10.0).abs() < 0.01, "{value} ± {standard_error}");
     assert!((high - low - 2.0 * 1.959964 * 10.0).abs() < 0.1, "{low} to {high}");
-    assert!(with.notes.iter().any(|note| note == "the data do not tell mass"), "a prior is no datum");
+    assert!(with.notes.iter().any(|note| note == "the data do not determine mass"), "a prior is no datum");
 }
 
 /// The same bits with any number of threads.
@@ -209,7 +209,7 @@ type Change<'a> = &'a dyn Fn(&mut Problem);
 fn errors_say_what_was_found_and_what_is_expected() {
     let planted = rigid();
     let sound = planted.problem(planted.measured(1));
-    let told = |change: &dyn Fn(&mut Problem)| {
+    let message_of = |change: &dyn Fn(&mut Problem)| {
         let mut problem = sound.clone();
         change(&mut problem);
         fit(&problem, &pool(Some(1)).unwrap(), &|_, _| ()).unwrap_err().to_string()
@@ -235,7 +235,7 @@ fn errors_say_what_was_found_and_what_is_expected() {
         (&|of| of.options.level = 1.0, "level = 1; expected a number above 0 and below 1"),
     ];
     for (change, expected) in cases {
-        let message = told(change);
+        let message = message_of(change);
         assert!(message.starts_with(expected), "{message}");
     }
     let mut unweighted = sound;
