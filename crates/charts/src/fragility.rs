@@ -10,7 +10,7 @@ use crate::numerals::{short, significant};
 use crate::page::{Symbol, page};
 use crate::picture::PictureError;
 use rocking_studies::fragility::{Assessment, Data, Fit, Ida, Limit, Link, Observation, Response, SweepTable};
-use rocking_studies::statistics::normal;
+use rocking_studies::statistics::{self, normal};
 
 /// Height of the chart.
 const HEIGHT: u32 = 10_000;
@@ -224,12 +224,11 @@ pub fn surface(
     page(&[title, blocks.into()], &legend, HEIGHT, |root, area| chart.draw(root, area))
 }
 
-/// Describes file, slenderness and foundations of a table, as far as its columns tell.
+/// Describes file, slenderness and foundations of a table, as far as its columns show.
 pub fn blocks(table: &SweepTable) -> String {
     let span = |symbol: &str, names: &[&str], unit: &str| {
         let numbers = names.iter().find_map(|name| table.numbers(name).ok())?;
-        let [low, high] = [f64::min, f64::max].map(|of| numbers.iter().flatten().copied().reduce(of));
-        let (low, high) = (low?, high?);
+        let [low, high] = statistics::range(numbers.into_iter().flatten())?;
         let to = if low == high { String::new() } else { format!(" to {}", significant(high, 4)) };
         Some(formula(&format!("{symbol} = {}{to}{unit}", significant(low, 4))))
     };
