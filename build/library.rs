@@ -78,7 +78,7 @@ pub fn build(out: &Path, versions: &[Version]) -> Result<Vec<BTreeMap<String, Ve
     };
     let library = |&version: &Version| {
         let content = load(folder.join(format!("{prefix}{}.{suffix}", file(version))))?;
-        Ok(BTreeMap::from([(place(version)?, content)]))
+        Ok(BTreeMap::from([(path_in_fmu(version)?, content)]))
     };
     versions.iter().map(library).collect()
 }
@@ -116,7 +116,7 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
 }
 
 /// Returns the path of a native binary inside the FMU.
-fn place(version: Version) -> Result<String, String> {
+fn path_in_fmu(version: Version) -> Result<String, String> {
     let os = variable("CARGO_CFG_TARGET_OS")?;
     let architecture = variable("CARGO_CFG_TARGET_ARCH")?;
     let (system, suffix) = match os.as_str() {

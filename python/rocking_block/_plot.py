@@ -422,6 +422,6 @@ def _cut(axes: Axes, rotation: npt.NDArray[Any]) -> None:
     axes.set_ylim(-_CUT if axes.get_ylim()[0] < 0.0 else 0.0, _CUT)
     for text in [text for text in axes.texts if text.get_gid() == "rocking_block.cut"]:
         text.remove()
-    said = f"cut at {_CUT}; up to {greatest:.3g}"
-    axes.text(0.995, 0.98, said, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=_INK,
+    note = f"cut at {_CUT}; up to {greatest:.3g}"
+    axes.text(0.995, 0.98, note, transform=axes.transAxes, ha="right", va="top", fontsize="small", color=_INK,
               gid="rocking_block.cut")

@@ -35,8 +35,8 @@ class Search:
     """Width to which each change is bisected."""
 
     def __repr__(self) -> str:
-        said = {"upper": "at most ", "lower": "more than "}.get(self.bound, "")
-        least = "none in the range" if self.least is None else f"{said}{self.least:.6g}"
+        bound = {"upper": "at most ", "lower": "more than "}.get(self.bound, "")
+        least = "none in the range" if self.least is None else f"{bound}{self.least:.6g}"
         stretches = "; ".join(f"{outcome} {start:.6g} to {stop:.6g}" for start, stop, outcome in self.stretches[:5])
         more = f"; {len(self.stretches) - 5} more" if len(self.stretches) > 5 else ""
         return f"<Search over {self.parameter}: least {least}; {stretches}{more}>"

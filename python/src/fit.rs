@@ -49,8 +49,8 @@ impl Test<'_> {
     }
 }
 
-fn free(given: &[FreeTuple]) -> Vec<Free> {
-    given.iter().map(|(name, bounds, prior)| Free { name: name.clone(), bounds: *bounds, prior: *prior }).collect()
+fn free(tuples: &[FreeTuple]) -> Vec<Free> {
+    tuples.iter().map(|(name, bounds, prior)| Free { name: name.clone(), bounds: *bounds, prior: *prior }).collect()
 }
 
 /// Starts, seed, level and tolerance: a dictionary with these keys.

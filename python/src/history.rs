@@ -106,9 +106,9 @@ pub fn history<'py>(
         return Err(PyValueError::new_err(message));
     }
     const PARTS: u64 = 1000;
-    let made = wait(py, tick, move |progress| {
-        let mut show = |part: f64| {
-            progress.show((part * PARTS as f64) as u64, PARTS);
+    let computed = wait(py, tick, move |progress| {
+        let mut show = |fraction: f64| {
+            progress.show((fraction * PARTS as f64) as u64, PARTS);
             progress.end_if_abandoned();
         };
         if gradients.is_empty() {
@@ -116,8 +116,8 @@ pub fn history<'py>(
         }
         run.history_with_gradients(&parameters, &gradients, &mut show)
     })?;
-    let made = made.ok_or_else(|| PyValueError::new_err("gradients: a parameter is missing"))?;
-    let (history, gradients) = made.map_err(invalid)?;
+    let computed = computed.ok_or_else(|| PyValueError::new_err("gradients: a parameter is missing"))?;
+    let (history, gradients) = computed.map_err(invalid)?;
     let result = shown(py, &block, &history)?;
     result.set_item("gradients", derivatives(py, &block, &gradients)?)?;
     let grazing = gradients.grazing.map(|Grazing { time, kind }| {

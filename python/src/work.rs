@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 /// Interval between Python's checks of progress and signals: long enough to cost nothing, short enough to seem
 /// immediate.
-const LOOK: Duration = Duration::from_millis(50);
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Progress of the work, and whether somebody still waits for it.
 #[derive(Default)]
@@ -63,7 +63,7 @@ pub fn wait<T: Send + 'static>(
     let receiver = std::sync::Mutex::new(receiver);
     loop {
         let received = py.detach(|| match receiver.lock() {
-            Ok(receiver) => receiver.recv_timeout(LOOK),
+            Ok(receiver) => receiver.recv_timeout(CHECK_INTERVAL),
             Err(_) => Err(RecvTimeoutError::Disconnected),
         });
         match received {

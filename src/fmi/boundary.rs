@@ -124,17 +124,17 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
     // SAFETY: as in `call`.
     let turn = unsafe { &(*outer).turn };
     let Some(turn) = Turn::take(turn, &[FREE, LENT]) else { return Status::Error };
-    let mut given = None;
+    let mut reply = None;
     let mut admitted = false;
     loop {
-        let mut asked = None;
+        let mut requested = None;
         // SAFETY: as in `call`; this reference is dropped before the turn is lent below.
         let instance = unsafe { &mut (*outer).instance };
         let act = |instance: &mut Instance<V>| {
-            Ok(match piece(instance, given.take())? {
+            Ok(match piece(instance, reply.take())? {
                 ControlFlow::Break(status) => status,
-                ControlFlow::Continue(asks) => {
-                    asked = Some(asks);
+                ControlFlow::Continue(request) => {
+                    requested = Some(request);
                     Status::Ok
                 }
             })
@@ -142,9 +142,9 @@ pub unsafe fn call_in_pieces<V: Version, Request, Reply>(
         // From the second piece on, the state is that of an intermediate update, where the call itself is illegal.
         let status = if admitted { guarded_always(instance, call, act) } else { guarded(instance, call, act) };
         admitted = true;
-        let Some(asked) = asked else { return status };
-        match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(asked)))) {
-            Ok(answer) => given = Some(answer),
+        let Some(requested) = requested else { return status };
+        match turn.lend(|| catch_unwind(AssertUnwindSafe(|| between(requested)))) {
+            Ok(answer) => reply = Some(answer),
             Err(panic) => {
                 let failed = |_: &mut Instance<V>| -> Answer { std::panic::resume_unwind(panic) };
                 // SAFETY: as above.

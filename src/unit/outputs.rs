@@ -178,12 +178,12 @@ impl Source {
     }
 
     /// Returns the derivative at the beginning, in a direction of start values, parameters and inputs.
-    pub fn initial_derivative(&self, along: &InitialDerivatives) -> f64 {
+    pub fn initial_derivative(&self, derivatives: &InitialDerivatives) -> f64 {
         match self {
-            Source::Observed(of) => of(&along.observed),
-            Source::Energy(of) => of(&along.energies),
-            Source::Peak(channel) => along.peaks.of(*channel),
-            Source::PeakPull(number) => along.peaks.pull[*number],
+            Source::Observed(value) => value(&derivatives.observed),
+            Source::Energy(value) => value(&derivatives.energies),
+            Source::Peak(channel) => derivatives.peaks.of(*channel),
+            Source::PeakPull(number) => derivatives.peaks.pull[*number],
             Source::Slip(..) | Source::PeakSlip | Source::Slides | Source::Regime | Source::Discrete(_) => 0.0,
         }
     }

@@ -98,9 +98,9 @@ impl Values {
             ));
         }
         let time_step = self[Variable::RecordDt];
-        let given = (!self[unit].is_empty()).then(|| self[unit].parse());
+        let unit_choice = (!self[unit].is_empty()).then(|| self[unit].parse());
         let options = ReadOptions {
-            unit: given.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
+            unit: unit_choice.transpose().map_err(|error| format!("{}: {error}", unit.variable().name()))?,
             time_step: (time_step != 0.0).then_some(time_step),
             gravity: self[Variable::G],
             channel: (self[channel] != 0.0).then_some(self[channel] as usize),

@@ -85,8 +85,8 @@ pub(super) struct Point {
 /// Reads the block of a table row, without the row number.
 pub(super) fn point<S: AsRef<str>>(over: Abscissa, row: &[S]) -> Result<Point, String> {
     let field = |name: &str| {
-        let place = Spectrum::column(name).and_then(|place| row.get(place));
-        place.map(AsRef::as_ref).ok_or_else(|| format!("found no column {name} in the table"))
+        let text = Spectrum::column(name).and_then(|column| row.get(column));
+        text.map(AsRef::as_ref).ok_or_else(|| format!("found no column {name} in the table"))
     };
     let number = |name: &str| {
         let text = field(name)?;
@@ -270,9 +270,9 @@ fn outcome_bar(stretches: &[Stretch], style: LineStyle, range: Range<f64>) -> Ou
 
 /// Names a curve by its foundation and, among several, its ground motion.
 fn name(spectrum: &Spectrum, curve: usize) -> String {
-    let place = spectrum.inputs(curve as u64 * spectrum.sizes.count);
-    let base = base_name(spectrum.bases[place.base]);
-    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[place.motion].0) } else { base }
+    let inputs = spectrum.inputs(curve as u64 * spectrum.sizes.count);
+    let base = base_name(spectrum.bases[inputs.base]);
+    if spectrum.motions.len() > 1 { format!("{base}; {}", spectrum.motions[inputs.motion].0) } else { base }
 }
 
 /// Names a foundation.

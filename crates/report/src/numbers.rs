@@ -2,6 +2,7 @@
 
 use rocking_charts::numerals::significant;
 use rocking_studies::assess::Counts;
+use rocking_studies::fragility::split_heading;
 
 /// Writes a number with three significant digits.
 pub fn short(value: f64) -> String {
@@ -43,8 +44,8 @@ pub fn years(years: f64) -> String {
 
 /// Returns the name in a heading such as `PGV [m/s]`, and the suffix of a number in its unit.
 pub fn heading(heading: &str) -> (String, String) {
-    let (name, unit) = heading.strip_suffix(']').and_then(|text| text.split_once(" [")).unwrap_or((heading, "1"));
-    let unit = unit.replace('2', "²").replace('.', "·");
+    let (name, unit) = split_heading(heading);
+    let unit = unit.unwrap_or("1").replace('2', "²").replace('.', "·");
     let suffix = if unit == "1" { String::new() } else { format!(" {unit}") };
     (name.replace("alpha", "α"), suffix)
 }

@@ -1,6 +1,7 @@
 //! Results → CSV, in SI units and full precision.
 
 use rocking_studies::assess::{Comparison, Results};
+use rocking_studies::fragility::split_heading;
 
 /// Makes the tables, with the names of their files.
 pub fn tables(results: &Results) -> Result<Vec<(&'static str, String)>, csv::Error> {
@@ -31,8 +32,9 @@ fn finished(writer: csv::Writer<Vec<u8>>) -> Result<String, csv::Error> {
 }
 
 fn states(results: &Results) -> Result<String, csv::Error> {
-    let (name, unit) = results.report.im.split_once(" [").unwrap_or((&results.report.im, "1]"));
-    let im = |column: &str| format!("{column}.{name} [{unit}");
+    let (name, unit) = split_heading(&results.report.im);
+    let unit = unit.unwrap_or("1");
+    let im = |column: &str| format!("{column}.{name} [{unit}]");
     let mut columns = ["state", "limit", "source", "runs [1]", "exceeded [1]"].map(String::from).to_vec();
     columns.extend([im("median"), im("median.low"), im("median.high")]);
     columns.extend(["beta [1]", "beta.low [1]", "beta.high [1]"].map(String::from));
@@ -56,10 +58,11 @@ fn states(results: &Results) -> Result<String, csv::Error> {
 /// Variants, blocks with friction, and both ends of each range of the sensitivity.
 fn comparisons(results: &Results) -> Result<String, csv::Error> {
     let report = &results.report;
-    let (name, unit) = report.im.split_once(" [").unwrap_or((&report.im, "1]"));
+    let (name, unit) = split_heading(&report.im);
+    let unit = unit.unwrap_or("1");
     let columns = ["kind", "name", "value", "alpha [rad]", "static_threshold [m/s2]", "runs [1]", "exceeded [1]"];
     let mut columns: Vec<String> = columns.map(String::from).to_vec();
-    columns.push(format!("median.{name} [{unit}"));
+    columns.push(format!("median.{name} [{unit}]"));
     columns.extend(["beta [1]", "rate [1/year]", "peak.slip [m]", "peak.tension/weight [1]"].map(String::from));
     let limit = &report.states[report.compared_state].limit;
     let mut writer = table(results, &format!("variants and sensitivity for {limit}"), &columns)?;

@@ -18,7 +18,7 @@ use rocking_charts::fragility as charts;
 use rocking_charts::picture::PictureFormat;
 use rocking_studies::fragility::{
     Assessment, Component, Ida, Limit, LossProgram, Surface, SweepTable, Uncertainty, openquake, pelicun,
-    sufficiency_of_cases,
+    split_heading, sufficiency_of_cases,
 };
 use rocking_studies::intensity::Measure;
 
@@ -178,8 +178,7 @@ impl Options {
         found: &Assessment,
         explicit: &ExplicitOptions,
     ) -> anyhow::Result<Component> {
-        let name = heading.split(" [").next().unwrap_or(heading);
-        let measure: Measure = name.parse().map_err(anyhow::Error::msg)?;
+        let measure: Measure = split_heading(heading).0.parse().map_err(anyhow::Error::msg)?;
         let (base, factor) = self.block.base(measure, explicit)?;
         let numbers = table.numbers(heading)?;
         let further = |&limit: &Limit| {

@@ -160,8 +160,8 @@ impl Options {
             scale: (!run.ground.is_empty()).then_some(self.excitation.scale),
         };
         gradients::check(&parameters, &self.gradients)?;
-        let made = run.history_with_gradients(&parameters, &self.gradients, progress);
-        Ok(made.context("gradients: a parameter is missing")??)
+        let history = run.history_with_gradients(&parameters, &self.gradients, progress);
+        Ok(history.context("gradients: a parameter is missing")??)
     }
 
     /// Refuses options without effect.

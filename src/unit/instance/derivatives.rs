@@ -73,7 +73,7 @@ impl Direction {
     }
 
     /// Returns the value of a variable with its component.
-    fn along(&self, values: &Values, variable: Variable) -> Along {
+    fn lifted(&self, values: &Values, variable: Variable) -> Along {
         Along::new(values[variable], [self.numbers[variable as usize]])
     }
 
@@ -105,7 +105,7 @@ enum Derivatives {
 }
 
 struct InitialSensitivities {
-    along: InitialDerivatives,
+    derivatives: InitialDerivatives,
     block: Block<Along>,
     /// Component of the start time.
     time: f64,
@@ -119,11 +119,11 @@ impl Derivatives {
             Derivatives::Present(observed, energies, slip) => {
                 Ok(source(output(reference, "can be differentiated")?).sensitivity(observed, energies, slip))
             }
-            Derivatives::Initial(beginning) => match unknown(reference)? {
-                Unknown::Output(Output::EventsLastTime) => Ok(beginning.time),
-                Unknown::Output(output) => Ok(source(output).initial_derivative(&beginning.along)),
-                Unknown::Derived(DerivedSource::Block(of)) => Ok(of(&beginning.block).eps[0]),
-                Unknown::Derived(DerivedSource::Ground(of)) => Ok(beginning.ground[of as usize]),
+            Derivatives::Initial(initial) => match unknown(reference)? {
+                Unknown::Output(Output::EventsLastTime) => Ok(initial.time),
+                Unknown::Output(output) => Ok(source(output).initial_derivative(&initial.derivatives)),
+                Unknown::Derived(DerivedSource::Block(derive)) => Ok(derive(&initial.block).eps[0]),
+                Unknown::Derived(DerivedSource::Ground(quantity)) => Ok(initial.ground[quantity as usize]),
             },
         }
     }
@@ -162,9 +162,9 @@ impl Unit {
         time: f64,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>> + use<'a>, Fault> {
         let derivatives = if self.phase == Phase::InitializationMode {
-            let mut along = Direction { time, ..Direction::default() };
-            knowns.iter().zip(direction).try_for_each(|(&reference, &component)| along.add(reference, component))?;
-            self.initial_derivatives(unknowns, &along)?
+            let mut sum = Direction { time, ..Direction::default() };
+            knowns.iter().zip(direction).try_for_each(|(&reference, &component)| sum.add(reference, component))?;
+            self.initial_derivatives(unknowns, &sum)?
         } else {
             self.present_derivatives(unknowns, knowns, direction, time)?
         };
@@ -228,8 +228,8 @@ impl Unit {
             let unscaled = unscaled.as_ref().map(|ground| [&ground.horizontal, &ground.vertical][i]);
             record.as_ref().map(|record| varied(values, direction, record, unscaled.and_then(Option::as_ref), i))
         });
-        let of = |variable| direction.along(values, variable);
-        let block = values.varied_block(of);
+        let component = |variable| direction.lifted(values, variable);
+        let block = values.varied_block(component);
         let time = Along::new(simulation.time(), [direction.time]);
         let motion = records.each_ref().map(|record| record.as_ref().map_or(0.0, |record| record.at(time).eps[0]));
         let input = |input: Input, motion: f64| Ramp {
@@ -245,9 +245,10 @@ impl Unit {
             f_z: input(Input::FZ, 0.0),
             m_y: input(Input::MY, 0.0),
         };
-        let pulse = acting_pulse(values.pulse_of(of), time);
+        let pulse = acting_pulse(values.pulse_of(component), time);
         let excitation = Excitation::new(&acting, pulse.as_ref(), block.mass);
-        let along = simulation.initial_sensitivity(&Start { block, initial: values.initial_of(of), excitation, time });
+        let derivatives =
+            simulation.initial_sensitivity(&Start { block, initial: values.initial_of(component), excitation, time });
         let ground = if of_ground {
             let end = ground.end();
             let ends =
@@ -261,7 +262,7 @@ impl Unit {
         } else {
             [0.0; 3]
         };
-        Ok(Derivatives::Initial(Box::new(InitialSensitivities { along, block, time: direction.time, ground })))
+        Ok(Derivatives::Initial(Box::new(InitialSensitivities { derivatives, block, time: direction.time, ground })))
     }
 
     /// Returns the records without scale if the scale is zero and the direction contains it.

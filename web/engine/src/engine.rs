@@ -271,7 +271,7 @@ impl Engine {
 }
 
 fn events(history: &History) -> Vec<EventSummary> {
-    let of = |event: &Event| EventSummary {
+    let summary = |event: &Event| EventSummary {
         t: event.time,
         text: event
             .kind
@@ -280,7 +280,7 @@ fn events(history: &History) -> Vec<EventSummary> {
         before: event.before.number(),
         after: event.after.number(),
     };
-    history.events.iter().map(of).collect()
+    history.events.iter().map(summary).collect()
 }
 
 /// The time at which each tie breaks (s), if it does.

@@ -236,11 +236,11 @@ fn supports_in_ratios(fields: &mut Fields, foundation: Foundation) -> (f64, f64)
 }
 
 fn block(fields: &mut Fields, parameters: &Parameters, common: &Common) -> Option<Block> {
-    let made = match parameters {
+    let block = match parameters {
         Parameters::Dimensionless(dimensionless) => Block::from_dimensionless(dimensionless, common),
         Parameters::Physical(physical) => Block::from_physical(physical, common),
     };
-    made.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
+    block.map_err(|error| fields.refuse(block_error(&error, fields.text("shape")))).ok()
 }
 
 /// The block with its ties.
@@ -266,10 +266,10 @@ fn tied(fields: &mut Fields, block: Option<Block>) -> Option<Block> {
 fn tie(fields: &mut Fields, number: usize) -> Tie {
     let mut value =
         |key: &str, fits: fn(f64) -> bool, expected| fields.number(&format!("tie_{number}_{key}"), fits, expected);
-    let mut place = |key| value(key, |_| true, "a length in m");
+    let mut length = |key| value(key, |_| true, "a length in m");
     Tie {
-        block: [place("block_x"), place("block_z")],
-        ground: [place("ground_x"), place("ground_z")],
+        block: [length("block_x"), length("block_z")],
+        ground: [length("ground_x"), length("ground_z")],
         stiffness: value("stiffness", |x| x > 0.0, "a stiffness > 0 N/m"),
         pretension: value("pretension", |x| x >= 0.0, "a force of at least 0 N"),
         slack: value("slack", |x| x >= 0.0, "a length of at least 0 m"),

@@ -7,6 +7,13 @@ use crate::input::parameters::is_same_word;
 use crate::run::limit::{Limit, Response};
 use crate::run::outcome::End;
 
+/// Splits a heading such as `PGV [m/s]` into its name and unit.
+pub fn split_heading(heading: &str) -> (&str, Option<&str>) {
+    match heading.strip_suffix(']').and_then(|text| text.split_once(" [")) {
+        Some((name, unit)) => (name, Some(unit)),
+        None => (heading, None),
+    }
+}
 /// The reason why a table cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepTableError {

@@ -68,13 +68,15 @@ pub fn cumulative_absolute_velocity(record: &Record) -> f64 {
 pub fn significant_duration(record: &Record) -> Option<f64> {
     let h = record.time_step;
     let total: f64 = steps(record).map(|step| square(step, h)).sum();
-    let time_of = |part: f64| {
+    let time_of = |fraction: f64| {
         let mut sum = 0.0;
         for (number, [a, b]) in steps(record).enumerate() {
             let next = sum + square([a, b], h);
-            if next >= part * total {
-                let missing = |t: f64| part * total - sum - square([a, a + (b - a) * t / h], t);
-                return Some(number as f64 * h + sign_change(0.0, h, part * total - sum, part * total - next, missing));
+            if next >= fraction * total {
+                let missing = |t: f64| fraction * total - sum - square([a, a + (b - a) * t / h], t);
+                return Some(
+                    number as f64 * h + sign_change(0.0, h, fraction * total - sum, fraction * total - next, missing),
+                );
             }
             sum = next;
         }
