@@ -40,7 +40,7 @@ const TERMINALS: &str = "fmiTerminalsAndIcons";
 
 type Attributes<'a> = Vec<(&'a str, &'a str)>;
 
-/// Writes the file. The value references are those of FMI 2.0, followed by those of the variables that only FMI 3.0 has.
+/// Writes the file. The value references are those of FMI 2.0, followed by those of the variables only in FMI 3.0.
 pub fn write(root: Node, variables: &[Variable]) -> Result<Fmi3, String> {
     let of_fmi3 = child(root, "Fmi3")?;
     let nodes: Vec<Node> = child(of_fmi3, "ModelVariables")?.children().filter(Node::is_element).collect();

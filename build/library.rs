@@ -204,8 +204,9 @@ fn rust_flags(target_dir: &Path) -> Result<OsString, String> {
     Ok(flags)
 }
 
-/// Returns true if the outer cargo only checks or documents, which should not cost the packing of an FMU. Cargo does not tell its
-/// build scripts, but on Linux the command line of the parent process shows it. If it cannot be read, the FMU is packed.
+/// Returns true if the outer cargo only checks or documents, so that no FMU is needed.
+///
+/// Cargo hides its command from build scripts, but on Linux the parent process shows it. Otherwise the FMU is packed.
 pub fn only_checking() -> bool {
     #[cfg(target_os = "linux")]
     {

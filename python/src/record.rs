@@ -208,7 +208,7 @@ pub fn unit_factor(unit: &str, g: f64) -> PyResult<f64> {
     Ok(unit.parse::<Unit>().map_err(invalid)?.factor(g))
 }
 
-/// Returns the pulse fitted to a record: amplitude, period, start, phase, cycles and R²; nothing if none fits.
+/// Returns the pulse fitted to a record: amplitude, period, start, phase, cycles and R²; `None` if none fits.
 #[pyfunction]
 pub fn fit_pulse(py: Python, record: &Bound<Record>, shape: &str) -> PyResult<Option<[f64; 6]>> {
     let shape = choice("shape", shape, &pulse_fit::SHAPES)?;

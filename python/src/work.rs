@@ -9,11 +9,10 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Interval between Python's checks of progress and signals: long enough to cost nothing, short enough to seem
-/// immediate.
+/// Interval between Python's checks of progress and signals: too long to cost time, too short to notice.
 const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Progress of the work, and whether somebody still waits for it.
+/// Progress of the work, and whether the caller still waits for it.
 #[derive(Default)]
 pub struct Progress {
     done: AtomicU64,

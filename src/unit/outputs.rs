@@ -188,7 +188,7 @@ impl Source {
         }
     }
 
-    /// Returns the derivative with respect to inputs and states at one instant, from those of observation, energies and slip.
+    /// Returns the derivative with respect to inputs and states at one instant, from the derivatives of observation, energies and slip.
     ///
     /// Peaks and event counts do not depend on the inputs and states of that instant.
     pub fn sensitivity(&self, sensitivities: &Observation<f64>, energies: &Energies, slip: &simulation::Slip) -> f64 {

@@ -55,7 +55,7 @@ fn outline(text: Node) -> String {
     let mut line = Line { y: number("y") + size * shift(text), ..Line::default() };
     let pieces: Vec<Node> = text.descendants().filter(Node::is_text).collect();
     for (i, piece) in pieces.iter().enumerate() {
-        // plotters writes the content on a line of its own.
+        // plotters writes the content on a separate line.
         let mut content = piece.text().unwrap_or_default().replace('\n', "");
         if i == 0 {
             content = content.trim_start().into();

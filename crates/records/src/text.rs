@@ -14,7 +14,7 @@ pub(super) const HEAD_LINES: usize = 64;
 /// Some SMC headers have a few NULs; random bytes have one control character in nine, and floating-point numbers many more.
 const CONTROL_BYTES: usize = 100;
 
-/// Number of values with equal digits that must precede a last value for it to count as cut off.
+/// Number of values with equal digits after which a shorter last value counts as cut off.
 const EQUAL_VALUES: usize = 16;
 
 /// Text of a file, with its name for errors.

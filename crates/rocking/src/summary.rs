@@ -13,7 +13,7 @@ use rocking_studies::run::gradients::Gradients;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
 
-/// Summary of a run in SI units, with the names of the tables and of the FMU's variables.
+/// Summary of a run in SI units; names are those of the tables and of the FMU's variables.
 #[derive(Serialize)]
 pub struct Summary<'a> {
     excitation: &'a str,

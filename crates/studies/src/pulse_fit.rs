@@ -67,7 +67,7 @@ struct Velocities {
 
 /// Fits a pulse of this shape, all of it within the record.
 ///
-/// There is none for a record of zeros or one shorter than a few pulses of the least period, nor for a shape that is not in [`SHAPES`].
+/// `None` for a record of zeros or one shorter than a few pulses of the least period, nor for a shape that is not in [`SHAPES`].
 pub fn fit(record: &Record, shape: PulseShape) -> Option<PulseFit> {
     if !SHAPES.contains(&shape) {
         return None;

@@ -21,7 +21,7 @@ impl Messenger {
 }
 
 impl log::Messenger for Messenger {
-    /// Switches each category by itself. With none enabled the logger is never called, not even for a failed instantiation
+    /// Switches each category on its own. With none enabled the logger is never called, not even for a failed instantiation
     /// (standard, 2.3.1).
     fn wanted(before: Wanted, logging: bool, listed: Option<&[Category]>) -> Wanted {
         Category::ALL.map(|category| match listed {

@@ -153,7 +153,7 @@ fn sees_a_dip_behind_a_short_hop() {
     };
     let root = first_fall(dip(0.0), dip(1.0), 1e-15, 1.0, dip).unwrap();
     assert!((root - 0.02).abs() < 1e-14, "{root}");
-    // With a rate of zero at the beginning such a dip is what the errors of a step make of a rise.
+    // With a rate of zero at the beginning, the errors of a step can turn a rise into such a dip.
     let rise = |t: f64| {
         let Sample { value, rate } = dip(t);
         Sample { value: t * value, rate: t * rate + value }

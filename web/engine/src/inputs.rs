@@ -52,7 +52,7 @@ impl Parameters {
     }
 }
 
-/// The kind of excitation, with names and settings of files.
+/// Kind of excitation, with the names and settings of its files.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Excitation {
     /// The embedded record, and perhaps a vertical file.

@@ -38,7 +38,7 @@ pub fn sentence(run: &Run, history: &History) -> String {
         }
         End::Failed => "The integration failed.".into(),
     };
-    // Without a limit of friction the foot slips only where nothing presses it down.
+    // Without a limit of friction the foot slips only where no force presses it down.
     let slip = (run.block.friction > 0.0).then(|| slip(peaks.slip)).flatten();
     [outcome].into_iter().chain(slip).chain(broken_ties(history)).collect::<Vec<_>>().join(" ")
 }

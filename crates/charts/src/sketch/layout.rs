@@ -1,4 +1,4 @@
-//! Block and ties → a scale, and the places of body, supports and dimensions in units of the drawing.
+//! Block and ties → a scale, and the positions of body, supports and dimensions in units of the drawing.
 
 use super::{COLUMN, Sketch};
 use crate::sketch::symbols::{End, Point};

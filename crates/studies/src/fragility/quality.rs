@@ -44,7 +44,7 @@ pub fn brier(observations: &[Observation], probabilities: &[f64]) -> f64 {
 /// The efficiency of a measure (1): the standard deviation of the log peaks about their regression on the log measure.
 ///
 /// Smaller is better (N. Luco, C. A. Cornell, Structure-specific scalar intensity measures for near-source and ordinary earthquake
-/// ground motions, Earthquake Spectra 23 (2007) 357–392). Peaks are |θ|/α > 0 of the blocks that rock and stand. Nothing for fewer
+/// ground motions, Earthquake Spectra 23 (2007) 357–392). Peaks are |θ|/α > 0 of the blocks that rock and stand. `None` for fewer
 /// than three pairs, or a constant measure.
 pub fn efficiency(measures: &[f64], peaks: &[f64]) -> Option<f64> {
     let [x, y] = [measures, peaks].map(|values| values.iter().map(|&value| libm::log(value)).collect::<Vec<f64>>());

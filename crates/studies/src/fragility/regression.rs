@@ -119,7 +119,7 @@ pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Resu
         let score = design.x.tr_mul(&DVector::from_iterator(terms.len(), terms.iter().map(|term| term.score)));
         let curvature = design.squared(terms.iter().map(|term| term.curvature));
         let Some(step) = curvature.cholesky().map(|curvature| curvature.solve(&score)) else { break };
-        // The next step would change the likelihood by about the square of this, which is below rounding.
+        // The next step would change the likelihood by about the square of this, which is below round-off.
         if step.dot(&score) <= 1e-24 * (1.0 + best.abs()) {
             let information = design.squared(terms.iter().map(|term| term.information));
             let Some(inverse) = information.cholesky() else { break };

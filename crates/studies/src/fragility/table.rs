@@ -123,7 +123,7 @@ impl SweepTable {
         &self.file
     }
 
-    /// The distinct words of a column in the order of the rows; nothing without such a column.
+    /// The distinct words of a column in the order of the rows; empty without such a column.
     pub fn words(&self, name: &str) -> Option<Vec<&str>> {
         let column = self.position(name).ok()?;
         let mut words: Vec<&str> = Vec::new();

@@ -64,7 +64,7 @@ pub fn cumulative_absolute_velocity(record: &Record) -> f64 {
 
 /// Significant duration D5–95 (s): from the time at which ∫a² dt has reached 5 % of its final value to that of 95 %
 /// (M. D. Trifunac, A. G. Brady, A study on the duration of strong earthquake ground motion, Bull. Seism. Soc. Am. 65
-/// (1975) 581–626), with times between samples. Nothing for a record of zeros.
+/// (1975) 581–626), with times between samples. `None` for a record of zeros.
 pub fn significant_duration(record: &Record) -> Option<f64> {
     let h = record.time_step;
     let total: f64 = steps(record).map(|step| square(step, h)).sum();

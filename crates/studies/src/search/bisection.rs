@@ -134,7 +134,7 @@ impl<K: PartialEq + Copy> OutcomeMap<K> {
         self.stretches().into_iter().find(|stretch| stretch.2 == outcome).map(|stretch| stretch.0)
     }
 
-    /// The least value above which this outcome does not recur; nothing if the greatest value has it.
+    /// The least value above which this outcome does not recur; `None` if the greatest value has it.
     pub fn least_without(&self, outcome: K) -> Option<f64> {
         let stretches = self.stretches();
         let without = stretches.iter().rev().take_while(|stretch| stretch.2 != outcome);
