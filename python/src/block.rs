@@ -403,7 +403,7 @@ impl Block {
 }
 
 impl Block {
-    /// Returns a block of the engine; its explicit η may differ from ω_v/p by rounding.
+    /// Returns a block of the engine; its explicit η may differ from ω_v/p by round-off.
     pub fn with_eta(block: engine::Block, eta: f64) -> Block {
         Block { explicit: ExplicitParameters { eta: Some(eta), ..ExplicitParameters::default() }, block }
     }

@@ -13,7 +13,7 @@ use crate::options::{choice, invalid};
 #[pyclass(frozen, module = "rocking_block._engine")]
 pub struct Blocks {
     pub blocks: Vec<engine::Block>,
-    /// The explicit η: a block's ω_v/p may differ from it by rounding.
+    /// The explicit η: a block's ω_v/p may differ from it by round-off.
     eta: Vec<f64>,
 }
 

@@ -135,7 +135,7 @@ impl Block {
         if self.foundation == Foundation::Rigid && self.friction >= self.jamming_friction() {
             return Err(BlockError::Jams { friction: self.friction, limit: self.jamming_friction() });
         }
-        // A factor of at most 1 is valid even if rounding took an e near 1 above 1.
+        // A factor of at most 1 is valid even if round-off took an e near 1 above 1.
         let [left, right] = Corner::each(|corner| self.housner_restitution(corner));
         let (factor, housner) = (self.restitution_factor, if right > left { right } else { left });
         if self.foundation == Foundation::Rigid && factor > 1.0 && housner * factor > 1.0 {

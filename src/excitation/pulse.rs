@@ -373,7 +373,7 @@ mod tests {
     fn phases_of_c_pulses_are_roots_of_the_papers_condition() {
         for (n, phase, printed) in [(1.0, C1_PHASE, 0.0697), (2.0, C2_PHASE, 0.0410)] {
             assert!((phase / PI - printed).abs() < 5e-5, "n = {n}: {phase} rad");
-            // A contraction by more than 10 a turn: from any start 20 turns reach the root to rounding.
+            // A contraction by more than 10 a turn: from any start 20 turns reach the root to round-off.
             let root = (0..20).fold(0.0, |phase, _| libm::atan(2.0 / ((2.0 * n + 1.0) * PI - 2.0 * phase)));
             assert_eq!(phase, root, "n = {n}");
         }

@@ -69,7 +69,7 @@ fn tangent_intersection(start: Sample, end: Sample, duration: f64) -> f64 {
 ///
 /// `start` and `end` are the function's samples at 0 and `duration`. A function within `rounding` of zero at the start is muted until it
 /// has left zero upwards; [`leaves_downwards`] tells whether it does. Between samples it may dip below zero and come back; the bottom of a
-/// dip is sought where the rate changes sign. The result is within rounding of a sign change, see [`sign_change`].
+/// dip is sought where the rate changes sign. The result is within round-off of a sign change, see [`sign_change`].
 pub fn first_fall(
     start: Sample,
     end: Sample,
@@ -135,9 +135,9 @@ fn below(
         .or_else(|| below(floor, [middle, (high, right)], halvings, function))
 }
 
-/// Whether a function that begins at zero first leaves the band of its rounding downwards.
+/// Whether a function that begins at zero first leaves the band of its round-off downwards.
 pub fn leaves_downwards(start: Sample, rounding: f64, duration: f64, mut function: impl FnMut(f64) -> Sample) -> bool {
-    // The time at which its rate would take it to −2 rounding.
+    // The time at which its rate would take it to −2 `rounding`.
     let mut time = if start.value.abs() <= rounding { -2.0 * rounding / start.rate } else { 0.0 };
     while time > 0.0 && time < duration {
         let value = function(time).value;
@@ -210,7 +210,7 @@ fn highest(
     highest(most, [middle, (high, right)], width, halvings, function)
 }
 
-/// Finds a sign change of a continuous function with `f(low) ≥ 0 > f(high)` to rounding (4 ulp of `high`).
+/// Finds a sign change of a continuous function with `f(low) ≥ 0 > f(high)` to round-off (4 ulp of `high`).
 ///
 /// Returns the end of the bracket at which `|f|` is smaller.
 ///

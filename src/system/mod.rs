@@ -40,6 +40,6 @@ pub struct System<T = f64> {
 }
 
 impl System {
-    /// [`System::slowest`] for a solver that locates events to rounding.
+    /// [`System::slowest`] for a solver that locates events to round-off.
     pub const SLOWEST: f64 = 1e-9;
 }

@@ -208,7 +208,7 @@ impl Source {
 
 /// Returns the rate of a peak: that of a value that equals it and rises, otherwise zero.
 fn rate_of_peak(peak: f64, value: f64, rate: f64) -> f64 {
-    // The value at the end of the step and the observed one differ by rounding.
+    // The value at the end of the step and the observed one differ by round-off.
     const AT_PEAK: f64 = 1.0 - 8.0 * f64::EPSILON;
     if value >= AT_PEAK * peak && rate > 0.0 { rate } else { 0.0 }
 }

@@ -346,7 +346,7 @@ fn a_lift_off_adds_the_energy_of_the_new_constraint() {
 
 /// Landings with ε = 0 on supports that have almost crept back do not chatter.
 ///
-/// The reaction is then zero up to rounding. Its sign must not make the corner hop endlessly, nor count as a separation.
+/// The reaction is then zero up to round-off. Its sign must not make the corner hop endlessly, nor count as a separation.
 #[test]
 fn landings_without_rebound_do_not_chatter() {
     let pulse = one_sine(6.2622, 1.2566);

@@ -133,7 +133,7 @@ fn only_decides(declared: &Declared, unknown: &str, known: &str) -> bool {
     rare || known.ends_with(".strength") || (of_contacts && decides && !own)
 }
 
-/// Pairs whose known cancels: only rounding depends on it.
+/// Pairs whose known cancels: only round-off depends on it.
 const CANCELS: [(&str, &str); 2] =
     [("derived.eta", "dimensionless.p"), ("derived.theta_separation", "dimensionless.p")];
 

@@ -10,7 +10,7 @@ const LARGEST_SHIFT: f64 = 0.1;
 /// Relative precision of times computed in single precision with a few operations.
 const SINGLE_PRECISION: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Relative rounding error of the arithmetic below.
+/// Relative round-off error of the arithmetic below.
 const ROUNDING: f64 = 1e-9;
 
 /// Times of a file, each with its line.

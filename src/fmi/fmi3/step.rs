@@ -12,7 +12,7 @@ use crate::unit::life_cycle::Phase;
 
 /// Fraction by which the last interval between two updates may be longer than the others.
 ///
-/// It prevents a last part as short as a rounding error of the clock.
+/// It prevents a last part as short as a round-off error of the clock.
 const ROUNDING: f64 = 1e-6;
 
 /// Maximum number of intervals between updates in one step. In a longer step the intervals are longer.

@@ -49,7 +49,7 @@ where
         Ok(())
     }
 
-    /// Whether, in flight, the gap under this corner is closed to rounding and closing.
+    /// Whether, in flight, the gap under this corner is closed to round-off and closing.
     pub(super) fn is_level(&self, corner: Corner, now: &Evaluation<T>) -> bool {
         let gap = landing::gap(&now.instant, now.support_heights, corner);
         let closed = gap.value.value() <= landing::rounding(&self.system.block) && gap.rate.value() < 0.0;

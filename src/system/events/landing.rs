@@ -47,7 +47,7 @@ where
         if rate.value() < 0.0 {
             let (v_dot, theta_dot) = impact::landing(block, corner, placement.theta, before.v_dot, before.theta_dot);
             placement.set_velocities(block, Velocities { v_dot, theta_dot, ..before });
-            // The map gives ε times the rate before only to rounding.
+            // The map gives ε times the rate before only to round-off.
             placement.corners[corner.index()].1 = block.epsilon * rate;
             self.counts.impacts += 1;
             self.counts.constraint += impact::landing_loss(block, corner, placement.theta, rate).value();

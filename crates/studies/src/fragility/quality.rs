@@ -9,7 +9,7 @@ use crate::fragility::observation::{FitError, Observation};
 ///
 /// The probability that a row that exceeds the limit has a greater score than one that does not, ties counting half. A row with a
 /// fraction of exceedances counts in both classes, weighted by the fraction and its complement. `scores` has a finite number for
-/// each observation that increases with the probability; scores that differ by rounding alone are ties.
+/// each observation that increases with the probability; scores that differ by round-off alone are ties.
 pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
     let mut rows: Vec<(f64, [f64; 2])> = observations
         .iter()
@@ -17,7 +17,7 @@ pub fn auc(observations: &[Observation], scores: &[f64]) -> f64 {
         .map(|(row, &score)| (score, [row.weight * (1.0 - row.fraction), row.weight * row.fraction]))
         .collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Equal scores may differ by rounding.
+    // Equal scores may differ by round-off.
     let is_tie = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
     let (mut below, mut ordered, mut total) = (0.0, 0.0, [0.0; 2]);
     for alike in rows.chunk_by(|a, b| is_tie(a.0, b.0)) {

@@ -129,7 +129,7 @@ pub(super) fn maximize(design: &Design, link: Link, start: DVector<f64>) -> Resu
         for _ in 0..MAX_HALVINGS {
             let next = &at + part * &step;
             let (likelihood, of_next) = design.terms(link, &next);
-            // Near the maximum, rounding may make the better step look worse.
+            // Near the maximum, round-off may make the better step look worse.
             if likelihood >= best - 1e-13 * (1.0 + best.abs()) {
                 (at, best, terms) = (next, likelihood, of_next);
                 break;

@@ -95,7 +95,7 @@ fn square([a, b]: [f64; 2], time: f64) -> f64 {
     time * (a * a + a * b + b * b) / 3.0
 }
 
-/// The real zeros of `c2 t² + c1 t + c0`, to rounding; missing zeros are not finite.
+/// The real zeros of `c2 t² + c1 t + c0`, to round-off; missing zeros are not finite.
 fn zeros(c2: f64, c1: f64, c0: f64) -> [f64; 2] {
     let root = (c1 * c1 - 4.0 * c2 * c0).sqrt();
     let sum = -0.5 * (c1 + root.copysign(c1));
