@@ -54,7 +54,7 @@ pub struct Item {
 /// Name space of the GUIDs of this FMU: a random UUID, fixed once.
 const NAMESPACE: uuid::Uuid = uuid::uuid!("0a1f3f4e-7a35-4c7e-9f0e-3c8f5f6f2b61");
 
-/// Reads and checks the file. An error names the element and excluded was expected.
+/// Reads and checks the file. An error names the element and the expected value.
 pub fn read(text: &str) -> Result<Description, String> {
     let document = Document::parse(text).map_err(|e| e.to_string())?;
     let root = document.root_element();
@@ -91,7 +91,7 @@ pub fn unique(text: &str) -> String {
 
 fn variable(root: Node, node: Node, index: usize) -> Result<Variable, String> {
     let name = attribute(node, "name")?.to_string();
-    let wrong = |excluded: &str| format!("variable {name}: {excluded}");
+    let wrong = |fault: &str| format!("variable {name}: {fault}");
     if attribute(node, "valueReference")? != index.to_string() {
         return Err(wrong(&format!("valueReference should be its place, {index}")));
     }

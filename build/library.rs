@@ -96,7 +96,7 @@ fn compile(out: &Path, versions: &[Version], feature: &str) -> Result<PathBuf, S
     }
     command.args(["--locked", "--target-dir"]);
     command.arg(&target_dir).env("CARGO_ENCODED_RUSTFLAGS", rust_flags(&target_dir)?);
-    // The libraries contain no paths of this machine, and no names except the exported ones.
+    // The libraries contain no paths of this machine, and no symbols except the exported ones.
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols").env("CARGO_PROFILE_DEV_DEBUG", "0");
     let mut folder = target_dir.clone();
     if host != target {

@@ -363,8 +363,8 @@ def _named(name: str, value: Any) -> str:
     return f"{name} = {value:.4g}" if isinstance(value, float) else f"{name} = {value}"
 
 
-def _axes(ax: Axes | None, kind: str, size: tuple[float, float]) -> Axes:
-    """Returns the axes to draw on; a plot of another kind on the current axes is left alone."""
+def _axes(ax: Axes | None, kind: str | None, size: tuple[float, float]) -> Axes:
+    """Returns the axes to draw on. Current axes with a plot of another kind, or of any if `kind` is None, are left alone."""
     if ax is not None:
         if not isinstance(ax, Axes):
             raise TypeError(f"ax = {ax!r}; expected Axes of Matplotlib")

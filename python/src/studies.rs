@@ -199,11 +199,11 @@ pub fn sweep<'py>(
     threads: Option<i64>,
     tick: &Bound<'py, PyAny>,
 ) -> PyResult<Table<'py>> {
-    // Line numbers help with a file only: the text made from a dictionary is never shown.
+    // Line numbers are useful only for files: the text of a dictionary is never shown.
     let without_line = |error: StudyFileError| if name.is_some() { invalid(error) } else { invalid(error.message) };
     let name_shown = name.unwrap_or("the study");
     let (file, content) = (name_shown.to_string(), text.to_string());
-    // With many combinations it takes a while to check that all make valid blocks.
+    // Checking that many combinations make valid blocks takes time.
     let mut study = wait(py, tick, move |_| file::read(&file, &content, &folder))?.map_err(without_line)?;
     if let Some(on_separation) = on_separation {
         let choices = [OnSeparation::Terminate, OnSeparation::Fly];

@@ -44,8 +44,8 @@ impl Progress {
 }
 
 /// Does work on a separate thread, without the interpreter lock. `tick(done, total)` is called about 20 times a
-/// second, and Python's signals are handled as often. An exception of either, such as `KeyboardInterrupt`, is raised at
-/// once; the work ends by itself when it next reports progress.
+/// second, and Python's signals are handled at the same rate. An exception of either, such as `KeyboardInterrupt`, is raised at
+/// once; the work ends when it next reports progress.
 pub fn wait<T: Send + 'static>(
     py: Python,
     tick: &Bound<PyAny>,

@@ -193,7 +193,7 @@ impl<const N: usize> Step<N> {
     }
 }
 
-/// Coefficients of the dense output, of which the first is the value at the beginning; see [`evaluate`].
+/// Coefficients of the dense output, the first equal to the value at the beginning; see [`evaluate`].
 pub type Polynomial<const N: usize, T = f64> = [Numbers<T, N>; 8];
 
 /// Returns the dense output of a step with all its stages `k`, from the state at its beginning and its change.

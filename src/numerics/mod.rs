@@ -77,7 +77,7 @@ pub trait Equations<R: Scalar = f64, const N: usize = 4> {
     fn rate(&self, time: R, state: &State<R, N>) -> Rate<R, N>;
 }
 
-/// A state or rate, of which the methods form weighted sums.
+/// A state or rate; the methods form weighted sums of it.
 pub trait Sums: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
 
 impl<S: Copy + Add<Output = S> + Mul<f64, Output = S>> Sums for S {}

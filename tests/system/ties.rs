@@ -87,7 +87,7 @@ fn near(found: f64, exact: f64, what: &str) {
 }
 
 /// A taut tie pulls with `T = k s + c ṡ`, and its work is T times its shortening. Its spring stores `½ k s²` until it is slack or broken,
-/// and its dashpot takes what T does beyond the spring.
+/// and its dashpot dissipates the rest of the work of T.
 #[test]
 fn ties_pull_shorten_and_store() {
     use TieState::{Broken, Limp, Slack, Taut};

@@ -107,7 +107,7 @@ const STEPS: [&str; 9] = [
 ];
 
 /// Unknowns that depend on whether the foot slides at the start, and how fast: it moves there only where the block lifts off at once.
-/// Rarely, so that much of what decides it changes none of them here.
+/// This is rare, so most of the parameters that decide it change none of them here.
 const SLIDING: [&str; 7] =
     ["u_dot", "energy.kinetic", "energy.potential", "energy.total", "slip_rate", "slides", "power.friction"];
 

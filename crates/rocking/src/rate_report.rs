@@ -25,7 +25,7 @@ pub struct RateReport {
     return_period: f64,
     return_period_interval: [Option<f64>; 2],
     probabilities: Vec<Probability>,
-    /// Measures below which 5, 50 and 95 % of the rate come about.
+    /// Measures below which 5, 50 and 95 % of the rate arise.
     quantiles: [Option<f64>; 3],
     extrapolated: Extrapolated,
     deaggregation: Vec<PartReport>,

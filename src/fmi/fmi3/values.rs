@@ -74,7 +74,7 @@ pub(super) fn fits(expected: usize, found: usize) -> Result<(), Fault> {
     if expected == found {
         return Ok(());
     }
-    Err(Fault::new(format!("nValues = {found}; expected {expected}, as many as the variables have")))
+    Err(Fault::new(format!("nValues = {found}; expected {expected}, the number of values of the variables")))
 }
 
 impl Instance {

@@ -112,7 +112,7 @@ fn stretch(get: &mut impl FnMut(&str) -> f64, tie: u32) -> f64 {
     libm::hypot(x - ground[0], z - ground[1]) - rest
 }
 
-/// Values that tell whether a function is smooth between two points.
+/// Values that show whether a function is smooth between two points.
 struct Side {
     regime: [f64; 3],
     /// Whether the foot slides and to which side.

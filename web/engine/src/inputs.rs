@@ -13,7 +13,7 @@ use rocking_studies::run::Run;
 use crate::fields::{FieldError, Fields};
 use crate::records::{self, Direction, DroppedFile};
 
-/// Everything that the fields describe.
+/// The run and its inputs, as described by the fields.
 #[derive(Debug)]
 pub struct Inputs {
     /// The run.
@@ -22,7 +22,7 @@ pub struct Inputs {
     pub unscaled: Ground,
     /// Factor on the records.
     pub scale: f64,
-    /// How the block is given.
+    /// The parameters that define the block.
     pub parameters: Parameters,
     /// Height of the body (m): twice that of its centre of mass, unless both are given.
     pub body_height: f64,
@@ -32,7 +32,7 @@ pub struct Inputs {
     pub step: Option<f64>,
     /// The excitation in words, as in the program's pictures.
     pub description: String,
-    /// Doubts about the block and its records, a line each.
+    /// Warnings about the block and its records, a line each.
     pub warnings: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ pub enum Parameters {
 }
 
 impl Parameters {
-    /// Whether the moment of inertia is given in place of γ.
+    /// Whether the moment of inertia replaces γ.
     pub fn has_inertia(&self) -> bool {
         matches!(self, Parameters::Physical(Physical { inertia: Some(_), .. }))
     }

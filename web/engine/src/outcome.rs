@@ -8,7 +8,7 @@ use rocking_charts::numerals::significant;
 use rocking_studies::run::outcome::End;
 use rocking_studies::run::{History, Run};
 
-/// Describes the outcome in a sentence for everyone.
+/// Describes the outcome in a sentence for laymen.
 pub fn sentence(run: &Run, history: &History) -> String {
     let History { peaks, counts, end, ending, .. } = history;
     let last = history.rows.last();

@@ -75,7 +75,7 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
         channel: fields.parsed(field(Setting::Channel)),
         processing: Processing::default(),
     };
-    // As in the program, settings of the horizontal file hold for the vertical one too unless it has its own.
+    // As in the program, settings of the horizontal file apply to the vertical one too unless it has its own.
     match direction {
         Direction::Vertical if fields.text("excitation") == "file" => {
             settings.or(&options(fields, Direction::Horizontal, gravity))
@@ -84,7 +84,7 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
     }
 }
 
-/// The settings that are given for a direction, by the names of their fields.
+/// The settings of a direction that have a value, by the names of their fields.
 pub fn settings(fields: &Fields, direction: Direction) -> Settings {
     let all = [
         Setting::Unit,

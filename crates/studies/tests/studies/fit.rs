@@ -1,4 +1,4 @@
-//! Fits to synthetic tests with planted parameters: intervals must contain them as often as they promise.
+//! Fits to synthetic tests with planted parameters: intervals must contain them at their confidence level.
 
 use rocking_block::block::{Block, Common, Dimensionless, Foundation, Parameterization};
 use rocking_block::excitation::{Pulse, PulseShape};
@@ -49,7 +49,7 @@ fn intervals_contain_the_truth() {
         notes += found.notes.len();
     }
     assert!((18..30).contains(&profile) && (18..30).contains(&quadratic), "{profile} {quadratic}");
-    // White errors of the given size leave nothing to say, but by chance.
+    // White errors of the stated size cause no note, except by chance.
     assert!(notes <= 1);
 }
 

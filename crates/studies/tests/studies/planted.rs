@@ -72,7 +72,7 @@ impl Planted {
         self.runs().into_iter().map(&mut test).collect()
     }
 
-    /// The fit of a test whose parameters are first taken to be wrong by up to 20 %, each on its own.
+    /// The fit of a test from initial parameters that are wrong by up to 20 %, independently.
     pub fn problem(&self, tests: Vec<Test>) -> Problem {
         let Dimensionless { alpha, p, eta, xi_v } = self.truth;
         let mut parameterization = Parameterization::Dimensionless(self.truth);
