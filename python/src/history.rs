@@ -71,7 +71,7 @@ pub fn history<'py>(
         || initial.theta_dot != 0.0
         || initial.vertical.is_some();
     if !moves {
-        return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or a beginning"));
+        return Err(PyValueError::new_err("nothing moves the block; expected a record, a pulse or an initial state"));
     }
     let output_step = options.step.or(ground.time_step()).unwrap_or(0.01);
     finite("step", output_step, |x| x > 0.0, "a time > 0 s")?;

@@ -110,7 +110,7 @@ RECORD = rb.Record([0.0, 3.0, -3.0, 0.0], 0.5)
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: BLOCK.run(), "nothing moves the block; expected a record, a pulse or a beginning"),
+        (lambda: BLOCK.run(), "nothing moves the block; expected a record, a pulse or an initial state"),
         (lambda: BLOCK.run(RECORD, scale=np.inf), "scale = inf; expected a finite factor"),
         (lambda: BLOCK.run(pulse=PULSE, scale=2.0), "scale has no effect without a record"),
         (lambda: BLOCK.replace(foundation="rigid").run(v=0.1), "v and v_dot have no effect on a rigid base"),

@@ -68,7 +68,7 @@ fn tangent_intersection(start: Sample, end: Sample, duration: f64) -> f64 {
 /// Returns the first time in `[0, duration]` at which `function` falls through zero, or `None`.
 ///
 /// `start` and `end` are the function's samples at 0 and `duration`. A function within `rounding` of zero at the start is muted until it
-/// has left zero upwards; [`leaves_downwards`] tells whether it does. Between samples it may dip below zero and come back; the bottom of a
+/// has left zero upwards; [`leaves_downwards`] decides whether it does. Between samples it may dip below zero and come back; the bottom of a
 /// dip is sought where the rate changes sign. The result is within round-off of a sign change, see [`sign_change`].
 pub fn first_fall(
     start: Sample,

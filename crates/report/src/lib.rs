@@ -22,7 +22,7 @@ use rocking_studies::assess::{Plan, Results};
 /// Name of the page.
 pub const PAGE: &str = "report.html";
 
-/// The reason why a report cannot be made.
+/// The reason why a report fails.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A picture cannot be drawn.
@@ -32,7 +32,7 @@ pub enum ReportError {
     #[error("the page cannot be filled: {0}")]
     Page(#[from] askama::Error),
     /// A table cannot be written or read.
-    #[error("a table cannot be made: {0}")]
+    #[error("a table cannot be written: {0}")]
     Table(#[from] csv::Error),
     /// The curves of incremental dynamic analysis cannot be read from the runs.
     #[error(transparent)]

@@ -28,7 +28,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         Some(curve) => {
             let ends = match curve.median_interval {
                 [None, None] => format!(
-                    "; the {} interval is unbounded: {} ground motions say too little about another one",
+                    "; the {} interval is unbounded: {} ground motions carry too little information",
                     percent(report.confidence),
                     report.motions.len()
                 ),

@@ -78,7 +78,7 @@ pub fn run(options: &Options, explicit: &ExplicitOptions) -> anyhow::Result<()> 
     let exports = options.export_files();
     if options.export == Some(LossProgram::Pelicun) {
         let folder = options.export_to.as_deref().unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
     }
     let outputs = [("plot", plot), ("ida", ida.as_deref())];
     let outputs = outputs.into_iter().chain(exports.iter().map(|path| ("export-to", Some(path.as_path()))));

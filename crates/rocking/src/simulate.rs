@@ -145,7 +145,7 @@ impl Options {
         Ok((Some(folder.join("rocking.csv")), Some(folder.join("rocking.png"))))
     }
 
-    /// Makes the run, with its derivatives if any are asked for.
+    /// Returns the history, with derivatives if requested.
     fn history(&self, run: &Run, progress: impl FnMut(f64)) -> anyhow::Result<(History, Gradients)> {
         if self.gradients.is_empty() {
             return Ok((run.history(progress)?, Gradients::default()));

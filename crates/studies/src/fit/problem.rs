@@ -110,7 +110,7 @@ pub struct Problem {
     pub options: Options,
 }
 
-/// A fit that cannot be made.
+/// The reason why a fit is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// A free parameter that is unknown, or whose bounds or prior are not valid.
